@@ -26,7 +26,7 @@ from stribeck.identify.statistics.at_bounds import at_bounds, to_measure
 from stribeck.identify.statistics.effects import at_held_speeds
 from stribeck.identify.statistics.lacking import Lacking, one_sided, unfitted
 from stribeck.identify.statistics.linear import Linear, linearised
-from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
+from stribeck.identify.statistics.uncertainty import NO_CURVE, covariance, noise_memory, supporting_samples
 
 _HUGE = 1e100
 _NORMAL, _THRESHOLD = 1.959964, 3.841459
@@ -106,6 +106,7 @@ def static_intervals(
             estimates[name] = Estimate(None, first, last, unit, False, why, what, float(x))
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
+    _of_no_curve(rows, solution, estimates, verdicts)
     estimates |= at_bounds(rows, model, solution, at, verdicts, wide.asked.forms if wide.asked else ())
     size = np.where(at.log, at.values, 1.0)
     matrix = np.clip(inner * np.outer(size, size), -(_HUGE**2), _HUGE**2)
@@ -113,6 +114,19 @@ def static_intervals(
         "standard_deviation": float(np.std(at.misfit[rows.weight > 0])), "memory": len(noise_memory(at.misfit)),
     }  # fmt: skip
     return StaticConfidenceIntervals(estimates, at.names, matrix, curves, tuple(notes), details)
+
+
+def _of_no_curve(
+    rows: Rows, solution: Minimum, estimates: dict[str, Estimate], verdicts: Collection[str]
+) -> None:  # fmt: skip
+    """F_s is not told beside a v_s that is not, where it may be F_c: no bend is seen, and another may lie below the slowest
+    rows."""
+    level, low = estimates.get("F_s"), estimates.get("F_c")
+    if level is None or low is None or not level.identifiable or "v_s" not in verdicts:
+        return
+    if level.low is None or low.high is None or level.low <= low.high:
+        what = to_measure(rows, solution, "F_s", {*verdicts, "F_s"})
+        estimates["F_s"] = Estimate(None, None, None, level.unit, False, NO_CURVE, what, level.value)
 
 
 def _relation(at: Linear) -> Array:

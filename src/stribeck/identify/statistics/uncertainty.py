@@ -49,7 +49,7 @@ from stribeck.identify.statistics.verdicts import (
 from stribeck.identify.work import Work
 
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
-_NO_CURVE = "F_s comes out at F_c and v_s is open: friction that rises towards lower speeds would look alike"
+NO_CURVE = "F_s comes out at F_c and v_s is open: friction that rises towards lower speeds would look alike"
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
     0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
@@ -227,7 +227,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             low = high = None  # the numbers of a curve that nobody has seen
         intervals[k] = low, high
     for k in _of_no_curve(at, intervals, doubts):
-        doubts[k], intervals[k] = _NO_CURVE, (None, None)
+        doubts[k], intervals[k] = NO_CURVE, (None, None)
     for k in _of_no_name(at, doubts):
         if never := never_slides(problem, values, log):
             doubts[k], intervals[k] = never, (None, None)
