@@ -148,7 +148,9 @@ def _effect(
     sizes = sizes_of(thinned(rows.log))
     noise = float(np.std(at.misfit[rows.weight > 0]) * np.sqrt(rows.q))  # of a row before they are thinned
     numbers = reachable(solution.values, sizes, open_)
-    found = at_held_speeds(model.whole, solution, now, at.names, at.names[k], noise, numbers, sizes)
+    found = at_held_speeds(
+        model.whole, solution, now, at.names, at.names[k], noise, numbers, sizes, np.sqrt(rows.q) * at.slopes
+    )
     half = _NORMAL * float(np.sqrt(now[k, k])) + float(stays[k])
     return found.told(half, float(stays[k])) if found else ""
 
