@@ -90,7 +90,7 @@ def validate(
         if len(time) < 2:
             raise InputError(f"{arg('time')}: the recorded drive ends before the second row")
     solution = simulate(scenario.with_changes(_changes(scenario, raw, time)))
-    reached = time <= float(solution.t[-1]) * (1 + 1e-12)
+    reached = time <= float(solution.t[-1]) * (1 + 1e-9)
     traces, errors = {}, dict[str, Misfit]()
     for role in measured:
         name, unit = _COLUMNS[role]

@@ -8,6 +8,7 @@ import pytest
 import stribeck
 from stribeck.identify.features.guess import Sizes
 from stribeck.identify.features.what_to_measure import experiment_for, reachable
+from stribeck.identify.statistics import effects
 from stribeck.identify.statistics.effects import Effect
 
 SIZES = Sizes(force=1.0, offset=0.0, fast=0.5, slow=1e-3, stiffness=1e5, travel=0.1, step=2e-3)
@@ -68,8 +69,9 @@ def fitted(*records):
     return stribeck.fit(log, "stribeck", columns=columns, select=False, cutoff=0).estimates
 
 
-def test_a_static_fit_tells_by_how_much_the_advised_strokes_narrow_an_interval():
+def test_a_static_fit_tells_by_how_much_the_advised_strokes_narrow_an_interval(monkeypatch):
     """It told no effect."""
+    monkeypatch.setattr(effects, "_WORTH", 1.2)  # what is below 1.5 is computed, and not told
     wave = 0.015 * (0.55 + 0.45 * np.sin(2 * np.pi * 1.1 * np.arange(0, 2.5, STEP)))
     both = [record(sign * wave, i) for i, sign in enumerate((1, -1))]
     before = fitted(*both)["sigma_2"]
@@ -81,6 +83,54 @@ def test_a_static_fit_tells_by_how_much_the_advised_strokes_narrow_an_interval()
     shrunk = np.log(before.high / before.low) / np.log(after.high / after.low)
     assert shrunk > 1
     assert 0.5 < shrunk / float(told[2]) < 2
+
+
+def by_position(speed, run, draw, **truth):
+    """The same by an encoder of a micrometre."""
+    found = record(speed, run, **truth)
+    y = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * STEP)])
+    del found["v"]
+    return found | {"y": y + 1e-6 * draw.standard_normal(len(y))}
+
+
+def test_the_advice_counts_what_the_filter_of_the_motion_drops():
+    """With a measured position 15 times narrower was told of 100 samples a stroke, all of which the filter's start took: the
+    interval stayed what it was. And F_s was told as 6.68 N [6.66, 6.71] where 11.2 is true, beside a v_s that is nowhere."""
+    draw, truth = np.random.default_rng(3), {"F_c": 6.7, "F_s": 11.2, "v_s": 0.02}
+
+    def estimates(*records):
+        log = {name: np.concatenate([r[name] for r in records]) for name in records[0]}
+        columns = {"time": "t", "position": "y", "force": "F", "run": "run"}
+        return stribeck.fit(log, "stribeck", columns=columns, select=False).estimates
+
+    wave = 0.05 + 0.175 * (1 + np.sin(2 * np.pi * 1.1 * np.arange(0, 2.5, STEP)))
+    both = [by_position(sign * wave, i, draw, **truth) for i, sign in enumerate((1, -1))]
+    before = estimates(*both)
+    assert not before["F_s"].identifiable
+    told = re.search(
+        r"from ([\d.e-]+) m/s to ([\d.e-]+) m/s.*by (\d+) samples of it, behind the ([\d.]+) s of each run .* ([\d.]+) times",
+        before["v_s"].experiment,
+    )
+    assert told, before["v_s"].experiment
+    slow, fast, count, dropped, times = map(float, told.groups())
+    rows = int(count / 20 + dropped / STEP) + 1
+    held = [np.full(rows, sign * v) for v in np.geomspace(slow, fast, 10) for sign in (1, -1)]
+    after = estimates(*both, *(by_position(v, i + 2, draw, **truth) for i, v in enumerate(held)))
+    narrower = np.log(before["v_s"].high / before["v_s"].low) / np.log(after["v_s"].high / after["v_s"].low)
+    assert narrower > 0.5 * times
+    for name in ("F_s", "v_s"):
+        assert after[name].identifiable
+        assert after[name].low <= truth[name] <= after[name].high
+
+
+def test_no_effect_is_told_of_a_bend_at_the_highest_speed():
+    """9.3 times narrower was told of an F_s whose v_s stood at the end of its search, and no interval was left once the
+    strokes were there: there is no optimum whose slopes could tell."""
+    t = np.arange(0, 4, STEP)
+    wave = 0.02 * np.sin(2 * np.pi * 1.1 * t) * (0.75 + 0.25 * np.sin(2.6 * t))
+    found = fitted(record(wave, F_c=7.4, F_s=9.0, v_s=0.0253, sigma_2=7.0))
+    assert found["F_s"].why.startswith("v_s comes out at the highest speed")
+    assert all("times narrower" not in e.experiment for e in found.values())
 
 
 def test_what_comes_out_as_0_has_an_interval_with_the_others_freedom():

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from statistics import median_high
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,7 +111,7 @@ def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str, bool] | None:
 
 def on_one_clock(parts: Sequence[Clean]) -> list[Clean]:
     """Files sampled at different steps on the grid of the usual one, each from its own clock."""
-    step = float(np.median([p.step for p in parts]))
+    step = median_high([p.step for p in parts])  # a file has it, whose noise tells the cut-off
     if all(abs(p.step - step) <= _ALIKE * step for p in parts):
         return list(parts)
     note = (
@@ -145,4 +146,4 @@ def _resampled(part: Clean, step: float) -> Clean:
         runs.append(slice(place, place + len(grid)))
         place += len(grid)
     joined = {name: np.concatenate(x) if x else np.empty(0) for name, x in columns.items()}
-    return Clean(joined, runs, step, True, part.notes)
+    return Clean(joined, runs, step, True, part.notes, resampled=True)

@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 
+SETTLED = 5.0  # periods of the cut-off at the start of a run, in which a filter is not settled
 _CHUNK = 1_000_000
 _STAGE = 13  # the most that one Chebyshev filter of order 8 is to reduce the rate by
 _FORGOTTEN = 1e-10

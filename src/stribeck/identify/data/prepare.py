@@ -16,7 +16,7 @@ from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
 from stribeck.identify.data.effect import LITTLE, by_effect, quiet
-from stribeck.identify.data.filters import low_pass, slope
+from stribeck.identify.data.filters import SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.identify.log import INTEGRAL, Log
@@ -34,7 +34,6 @@ _TRIFLE = 0.01  # of a run: a shorter end is kept where a fit is to be the publi
 _MISSED = 1.5  # times the misfit elsewhere, at the end: the filter's
 _LOST = 0.01  # of the motion's variance: less may go
 _MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
-_SETTLED = 5.0  # periods of the cut-off dropped at the start of a run
 
 
 @dataclass(frozen=True)
@@ -118,7 +117,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
             )
     else:
         notes += _given(cutoff, parts, measured, step)
-    trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
+    trim = how.trim if how.trim is not None else max(round(SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
     columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.simulated, spline)
@@ -312,13 +311,19 @@ def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence
     return found
 
 
-def _measured_spectrum(parts: Sequence[Clean], measured: str, step: float) -> tuple[Array, Array, float]:
-    """The spectrum of the measured motion in the longest run, and its noise floor."""
-    part, rows = max(((p, r) for p in parts for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
+def _longest(parts: Sequence[Clean], measured: str, step: float) -> Array:
+    """The measured motion in the longest run, on even steps; of files that were resampled to others' step the noise tells
+    nothing."""
+    own = [p for p in parts if not p.resampled] or parts
+    part, rows = max(((p, r) for p in own for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
     rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
     x = part.columns[measured][rows]
-    if not part.even:
-        x = np.interp(_grid(part, rows, step), part.columns["time"][rows], x)
+    return x if part.even else np.interp(_grid(part, rows, step), part.columns["time"][rows], x)
+
+
+def _measured_spectrum(parts: Sequence[Clean], measured: str, step: float) -> tuple[Array, Array, float]:
+    """The spectrum of the measured motion in the longest run, and its noise floor."""
+    x = _longest(parts, measured, step)
     frequency, power = spectrum(x, step)
     return frequency, power, noise_floor(frequency, power, step)
 
@@ -342,13 +347,8 @@ def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: flo
 
     Small reversals on a long slow motion, such as presliding, stand high in no part of the spectrum; yet they are no noise.
     """
-    part, rows = max(((p, r) for p in parts for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
-    rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
-    x = part.columns[measured][rows]
-    if not part.even:
-        grid = _grid(part, rows, step)
-        x = np.interp(grid, part.columns["time"][rows], x)
-    edge = min(round(_SETTLED / (cutoff * step)), len(x) // 4)
+    x = _longest(parts, measured, step)
+    edge = min(round(SETTLED / (cutoff * step)), len(x) // 4)
     highest = _HIGHEST / step
     while cutoff < highest:
         taken = (x - low_pass(x, cutoff, step))[edge : len(x) - edge]

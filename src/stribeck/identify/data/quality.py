@@ -35,13 +35,15 @@ _LEVELS = 100  # a sensor with fewer different values is too coarse to tell clip
 
 @dataclass(frozen=True)
 class Clean:
-    """Columns whose time rises, as runs (first and last row) that may be filtered, all else left out."""
+    """Columns whose time rises, as runs (first and last row) that may be filtered, all else left out; ``resampled``: to the
+    step of other files, so that its noise is the filter's."""
 
     columns: dict[str, Array]
     runs: list[slice]
     step: float
     even: bool
     notes: list[str]
+    resampled: bool = False
 
 
 def clean(columns: dict[str, Array], number: str) -> Clean:

@@ -39,7 +39,18 @@ def at_rest(log: Log) -> Mask:
         out[rows.start : rows.start + len(long)] = long
         if long.any():
             _to_its_ends(out[rows], log.velocity[rows], limit, 2 * window)
+        for one, speed in ((out[rows], log.velocity[rows]), (out[rows][::-1], log.velocity[rows][::-1])):
+            _at_an_edge(one, speed, limit, window)
     return out
+
+
+def _at_an_edge(rest: Mask, v: Array, limit: float, window: int) -> None:
+    """Rest at the start of a run (in place), of which the settling of the filter may have left less than a look; and where rest
+    is found behind, what the filter makes of the edge."""
+    moves = abs(v[:window]) > limit
+    rest[: int(np.argmax(moves)) if moves.any() else 0] = True
+    found = np.flatnonzero(rest[: window + 1])
+    rest[: int(found[-1]) if len(found) else 0] = True
 
 
 def _with_neighbours(mean: Array) -> Array:

@@ -17,6 +17,7 @@ from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows
 from stribeck.identify.result import Estimate
 from stribeck.identify.statistics import clusters
+from stribeck.identify.statistics.curves import NO_CURVE, no_curve_seen
 from stribeck.identify.statistics.linear import Linear
 
 _LOOSE = 0.1  # of the force: what a number that comes out as 0 may make up at the end of its interval
@@ -91,7 +92,7 @@ def _at_its_bound(
     """For residuals of which ten tell a thing once, or as parts of the record tell it, whichever is wider."""
     own = model.weight * model.columns.at(solution.values, model.terms)[name]
     size = max(float(np.linalg.norm(own)), 1e-300)
-    parts = clusters.parts_of(rows.log.rows(rows.kept)).number
+    parts = clusters.parts_of(rows.log.rows(rows.kept))
     best = half = high = other = 0.0
     for k, added in enumerate(({}, *forms)):
         beside = np.column_stack([at.slopes, *added.values()])
@@ -102,7 +103,7 @@ def _at_its_bound(
         rest = at.misfit - slopes @ step
         wide = max(
             float(1.645 * np.std(rest) * np.sqrt(10.0)) / told,
-            float(clusters.half_widths(slopes, rest, parts, True)[-1]),
+            float(clusters.over_parts(slopes, rest, parts)[0][-1]),
         )
         here = float(step[-1])
         if k == 0:
@@ -110,3 +111,16 @@ def _at_its_bound(
         high = max(high, max(here, 0.0) + wide)
         other = max(other, here if here > wide else 0.0)
     return _Bound(best, half, high, other, size)
+
+
+def without_curve(
+    rows: Rows, solution: Minimum, estimates: dict[str, Estimate], verdicts: Collection[str]
+) -> None:  # fmt: skip
+    """F_s is not told beside a v_s that is not, where it may be F_c: no bend is seen, and another may lie below the slowest
+    rows."""
+    level, low = estimates.get("F_s"), estimates.get("F_c")
+    if level is None or low is None or not level.identifiable or "v_s" not in verdicts:
+        return
+    if no_curve_seen(level.low, low.high):
+        what = to_measure(rows, solution, "F_s", {*verdicts, "F_s"})
+        estimates["F_s"] = Estimate(None, None, None, level.unit, False, NO_CURVE, what, level.value)

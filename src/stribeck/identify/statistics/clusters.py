@@ -20,6 +20,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.models.memory import rows_together
 
 Groups = NDArray[np.intp]
+_ALONE = 4.0  # times a number's variance is what leaving out a part does to it by noise alone: that part tells it
 _LITTLE, _ROUNDING = 1e-12, 1e-14  # of all that is known: a direction of which nothing is
 BLOCKS, _BANDS, _BINS = 10, 8, 16
 _FEWEST_FILES, _FEWEST_RUNS = 3, 6
@@ -62,6 +63,41 @@ def by_speed(v: Array, weight: Array, count: int = _BANDS) -> Groups:
     return _dense(np.searchsorted(edges, v).astype(np.intp))
 
 
+def over_parts(slopes: Array, misfit: Array, parts: RowGroups) -> tuple[Array, NDArray[np.bool_]]:
+    """Half of the 95 % interval of each coefficient, by the jackknife over the parts of a record; and whether it is told by one
+    part.
+
+    What one of several files or runs tells nearly alone is anything without it. Such a part is taken in blocks in time, as if
+    it were the only one, with as much more as the levels of files differ by beyond their noise, unless the others contradict it.
+    """
+    half = half_widths(slopes, misfit, parts.number, True)
+    none = np.zeros(slopes.shape[1], bool)
+    if not parts.repeats or not slopes.shape[1]:
+        return half, none
+    rows = [np.flatnonzero(parts.number == part) for part in range(parts.count)]
+    left = _left_out(slopes, misfit, rows)
+    times = left.due / np.maximum(np.diag(left.inverse), 1e-300)  # of the variance, by white noise
+    alone = times > _ALONE
+    if not alone.any():
+        return half, none
+    number, told = parts.number.copy(), alone.any(axis=1)
+    for part in np.flatnonzero(told):
+        number[rows[part]] = int(number.max()) + 1 + np.arange(len(rows[part])) * BLOCKS // len(rows[part])
+    finer = half_widths(slopes, misfit, _dense(number), True)
+    agree = np.all(~alone | (abs(left.moved) <= np.sqrt(times) * finer * left.size), axis=0)
+    longest = max(len(rows[part]) for part in np.flatnonzero(told))
+    taken = np.asarray(alone.any(axis=0) & agree)
+    return np.where(taken, finer * _by_levels(misfit, rows, longest), half), taken
+
+
+def _by_levels(misfit: Array, parts: Sequence[Groups], count: int) -> float:
+    """How many times wider the interval of a level is, told by ``count`` rows of one part, as the levels of parts differ."""
+    within = np.concatenate([misfit[rows] - np.mean(misfit[rows]) for rows in parts])
+    noise = float(np.mean(within**2)) * max(rows_together(within), 1.0)
+    levels = float(np.mean([np.mean(misfit[rows]) ** 2 - noise / len(rows) for rows in parts]))
+    return float(np.sqrt(1 + count * max(levels, 0.0) / noise)) if noise > 0 else 1.0
+
+
 def half_widths(slopes: Array, misfit: Array, parts: Groups, jackknife: bool) -> Array:
     """Half of the 95 % interval of each coefficient, by what parts of the rows differ: by the jackknife, or the sandwich."""
     order = np.argsort(parts, kind="stable")
@@ -97,6 +133,24 @@ def without_each(
             that tell the most count as few, whatever their number (Bell and McCaffrey, Survey Methodology 28(2):169-181,
             2002; Hansen, arXiv:2208.07445).
     """
+    count, left = len(parts), _left_out(slopes, misfit, parts, shared)
+    seen = np.clip(np.sum(left.due, axis=0) ** 2 / np.maximum(np.sum(left.due**2, axis=0), 1e-300), 1.0, count - 1)
+    wider = student.ppf(0.975, seen if freedom is None else freedom) / left.size
+    return np.asarray((count - 1) / count * (left.moved.T @ left.moved) * np.outer(wider, wider))
+
+
+@dataclass(frozen=True)
+class _LeftOut:
+    """By how much each coefficient moves without each part, and the square of that as white noise of variance 1 would have it,
+    in units of ``size``; ``inverse``: the covariance that such noise makes."""
+
+    moved: Array
+    due: Array
+    inverse: Array
+    size: Array
+
+
+def _left_out(slopes: Array, misfit: Array, parts: Sequence[slice | Groups], shared: int | None = None) -> _LeftOut:
     size = sizes(slopes)
     scaled, count = slopes / size, len(parts)
     grams = [scaled[part].T @ scaled[part] for part in parts]
@@ -108,10 +162,7 @@ def without_each(
         without = np.linalg.pinv(whole - gram + np.diag(little), rcond=_ROUNDING, hermitian=True)
         moved[i] = without @ (scaled[part].T @ misfit[part])
         due[i] = np.einsum("ij,jk,ki->i", without, gram - gram @ inverse @ gram, without)
-    due = np.maximum(due, 0.0)
-    seen = np.clip(np.sum(due, axis=0) ** 2 / np.maximum(np.sum(due**2, axis=0), 1e-300), 1.0, count - 1)
-    wider = student.ppf(0.975, seen if freedom is None else freedom) / size
-    return np.asarray((count - 1) / count * (moved.T @ moved) * np.outer(wider, wider))
+    return _LeftOut(moved, np.maximum(due, 0.0), inverse, size)
 
 
 def sizes(slopes: Array) -> Array:

@@ -102,7 +102,7 @@ def _greedy(
     """The columns that take most of the residual away, one after the other, and beyond what parts of the record differ by;
     ``first``: of those that are as good to begin with, the one to take; ``most``: how many."""
     slopes, misfit = at.slopes, at.misfit
-    count, parts = slopes.shape[1], clusters.parts_of(rows.log.rows(rows.kept)).number
+    count, parts = slopes.shape[1], clusters.parts_of(rows.log.rows(rows.kept))
     found: dict[str, Array] = {}
     open_, whole = dict(columns), float(misfit @ misfit)
     rest = whole
@@ -115,7 +115,7 @@ def _greedy(
             break
         wider = np.column_stack([slopes, *found.values(), own := open_.pop(name)])
         told = linear_step(wider, misfit)
-        half = clusters.half_widths(wider, misfit - wider @ told, parts, True)[-1]
+        half = clusters.over_parts(wider, misfit - wider @ told, parts)[0][-1]
         if abs(told[-1]) < _CLEARLY * half or (_positive(name) and told[-1] < 0):
             continue
         found[name], rest = own, left[name]

@@ -10,7 +10,6 @@ import numpy as np
 from stribeck.identify.log import Log
 from stribeck.identify.result import Estimate
 
-_OF_A_LOOP: tuple[str, ...] = ("mass", "delay", "sigma_2")
 _BENDS = 5.0  # k_v times the largest speed: a sign that bends so slowly shows no jump at a reversal
 
 
@@ -18,23 +17,22 @@ def of_a_loop(
     estimates: Mapping[str, Estimate], values: Mapping[str, float], log: Log
 ) -> tuple[Mapping[str, Estimate], list[str]]:
     """What a spring may stand for, beside no friction level or one that hardly comes to its end at the speeds measured: the
-    numbers that bend its line to a loop are not known."""
+    other numbers bend its line to a loop, and are not known."""
     spring, level = estimates.get("stiffness"), estimates.get("F_c")
     if spring is None or level is None or not values["stiffness"] > 0:
         return estimates, []
-    names: tuple[str, ...] = _OF_A_LOOP
     found = "no friction level"
     if level.identifiable:
         fastest, reach = float(np.max(abs(log.velocity))), float(np.ptp(log.position)) / 2
         bends = "k_v" in estimates and values["k_v"] * fastest < _BENDS
         if not bends or values["stiffness"] * reach < values["F_c"]:
             return estimates, []
-        found, names = "a sign that bends over all speeds measured", (*_OF_A_LOOP, "F_c", "F_s", "v_s")
+        found = "a sign that bends over all speeds measured"
     why = f"it may imitate the loop of presliding: there is a spring and {found}"
     doubted = {
         n: replace(e, value=None, identifiable=False, why=why, best=e.value)
         for n, e in estimates.items()
-        if n in names and e.identifiable
+        if n != "stiffness" and e.identifiable
     }
     return {**estimates, **doubted}, [
         f"a spring and {found}: if nothing but the contact holds the body, the record is one of presliding, and the "

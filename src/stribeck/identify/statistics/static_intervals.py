@@ -22,7 +22,7 @@ from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
-from stribeck.identify.statistics.at_bounds import at_bounds, to_measure
+from stribeck.identify.statistics.at_bounds import at_bounds, to_measure, without_curve
 from stribeck.identify.statistics.correlated import covariance, noise_memory, supporting_samples
 from stribeck.identify.statistics.effects import at_held_speeds
 from stribeck.identify.statistics.lacking import Lacking, lacking, one_sided, unfitted
@@ -118,6 +118,7 @@ def static_intervals(
             estimates[name] = Estimate(None, first, last, unit, False, why, what, float(x))
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
+    without_curve(rows, solution, estimates, verdicts)
     estimates |= at_bounds(rows, model, solution, at, verdicts, wide.asked.forms if wide.asked else ())
     size = np.where(at.log, at.values, 1.0)
     matrix = np.clip(inner * np.outer(size, size), -(_HUGE**2), _HUGE**2)
@@ -157,10 +158,14 @@ def _effect(
     rows: Rows, model: StaticModel, solution: Minimum, at: Linear, now: Array, stays: Array, k: int, open_: Collection[str]
 ) -> str:  # fmt: skip
     """What that would do to its interval, in words; ``now``: the covariance by noise, ``stays``: the rest of half intervals."""
+    if "v_s" in at.names and _bend_unseen(model, solution) == "highest":
+        return ""  # no optimum, and no slope of the cost tells how far the numbers go
     sizes = sizes_of(thinned(rows.log))
     noise = float(np.std(at.misfit[rows.weight > 0]) * np.sqrt(rows.q))  # of a row before they are thinned
     numbers = reachable(solution.values, sizes, open_)
-    found = at_held_speeds(model.whole, solution, now, at.names, at.names[k], noise, numbers, sizes)
+    found = at_held_speeds(
+        model.whole, solution, now, at.names, at.names[k], noise, numbers, sizes, np.sqrt(rows.q) * at.slopes
+    )
     half = _NORMAL * float(np.sqrt(now[k, k])) + float(stays[k])
     return found.told(half, float(stays[k])) if found else ""
 
@@ -175,7 +180,7 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
     variance = float(at.misfit @ at.misfit) / free
     noise = _NORMAL * np.sqrt(np.maximum(np.diag(covariance(at.slopes, variance, noise_memory(at.misfit))), 0.0))
     parts = clusters.parts_of(rows.log.rows(rows.kept))
-    apart = clusters.half_widths(at.slopes, at.misfit, parts.number, True)
+    apart, alone = clusters.over_parts(at.slopes, at.misfit, parts)
     v = rows.log.velocity[rows.kept]
     curve = clusters.half_widths(at.slopes, at.misfit, clusters.by_speed(v, rows.weight), False)
     share = clusters.misfit_share(v, at.misfit, rows.weight)
@@ -195,6 +200,10 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
         notes.append(
             "intervals are for this one run: what changes from run to run (warmth, lubrication) is not in them"
         )
+    if alone.any():
+        told = ", ".join(n for n, own in zip(at.names, alone, strict=True) if own)
+        kind = parts.what.partition(" ")[2].removesuffix("s")
+        notes.append(f"one {kind} tells nearly all of {told}: what changes from {kind} to {kind} is not seen in them")
     bias = _filter_bias(rows, model, solution, at)
     if wide := [
         f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h

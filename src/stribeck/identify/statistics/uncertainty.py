@@ -7,6 +7,7 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,6 +44,7 @@ from stribeck.identify.statistics.verdicts import (
     indistinct,
     left_open,
     misled,
+    never_slides,
     presliding_unseen,
     shape,
     why_not,
@@ -217,6 +219,9 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         intervals[k] = low, high
     for k in _of_no_curve(at, intervals, doubts):
         doubts[k], intervals[k] = NO_CURVE, (None, None)
+    for k in _of_no_name(at, doubts):
+        if never := never_slides(problem, values, log):
+            doubts[k], intervals[k] = never, (None, None)
     open_ = {problem.coordinates[k].name for k in at.own if doubts[k]}
     numbers = reachable(values, sizes, open_)
     estimates = {}
@@ -253,6 +258,14 @@ def _of_no_curve(
     # a curve that ends early, and other bristles with it, may leave as little
     beside = _BRISTLES if at.beyond or flat else ()
     return [named[n] for n in ("F_s", *beside) if n in named and not doubts[named[n]]]
+
+
+def _of_no_name(at: _Optimum, doubts: Mapping[int, str]) -> list[int]:
+    """F_c, where it is told and neither F_s nor v_s is: the level of slow motion, which may be F_s."""
+    named = {at.problem.coordinates[k].name: k for k in at.own}
+    if not {"F_c", "F_s", "v_s"} <= named.keys() or not (doubts[named["F_s"]] and doubts[named["v_s"]]):
+        return []
+    return [] if doubts[named["F_c"]] else [named["F_c"]]
 
 
 def _at_optimum(

@@ -31,6 +31,7 @@ _TYPICAL_NOISE, _LEAST_NOISE = (
 _STRIBECK = ("F_s", "v_s")
 _ENDS = 0.3  # of the largest speed
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
+_SLIDING = 5.0  # ways to break-away in a stroke: behind three a bristle's force is within a twentieth of its end
 _MOST_BIAS = 0.2  # of the logarithm, for the motion's filter
 _FARTHEST = 0.35  # of the logarithm: a larger shift is told by one step to a factor of two at best
 
@@ -101,6 +102,23 @@ def presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -
     if not longest:
         return "there is no reversal and no start from rest in the log, so no presliding"
     return f"no reversal passes through presliding in {needed} samples or more (at best {longest})"
+
+
+def never_slides(problem: Problem, values: Mapping[str, float], log: Log) -> str:
+    """Why the level behind presliding has no name, or nothing: no stroke is so long that the bristles' force ends at it."""
+    if not problem.law.has_z:
+        return ""
+    longest = max((float(np.max(abs(np.diff(_turns(log, rows))), initial=0.0)) for rows in log.runs()), default=0.0)
+    times = longest / max(problem.length(values), 1e-300)
+    if times >= _SLIDING:
+        return ""
+    return f"no stroke is longer than {times:.2g} times the way to break-away: the level may as well be F_s as F_c"
+
+
+def _turns(log: Log, rows: slice) -> Array:
+    """The positions at the ends of a run's strokes."""
+    inner = [first for first, _ in reversals(log.velocity[rows])]
+    return np.asarray(log.position[rows][[0, *inner, -1]])
 
 
 def effect(
