@@ -265,8 +265,10 @@ def _with_warning(fit: Fit) -> Fit:
     share = fit.relative_force_error
     if not share > _POOR or "output" in fit.details:  # a fit of the motion is judged by the motion
         return fit
+    bristles = "; what friction does behind reversals takes a law with bristles, such as lugre"
     text = (
         f"the fit misses {share:.0%} of the force: the law or the terms lack something that the data hold (the residuals "
-        f"show what){', and its numbers, intervals too, say little about the machine' if known else ''}"
+        f"show what{bristles if fit.method == 'static' else ''})"
+        f"{', and its numbers, intervals too, say little about the machine' if known else ''}"
     )
     return replace(fit, notes=(text, *fit.notes))
