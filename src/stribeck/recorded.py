@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array, of_arrow
 from stribeck.errors import InputError, StribeckError, arg, nearest, needed
+from stribeck.table_layout import commas_twice, encoding_of, is_units, table_begins
 
 _WIDEST = 1000  # columns of a matrix
-_LONGEST_PREAMBLE = 200  # lines before the head of a text file
 _NUMBERS = ("int", "uint", "float", "double", "halffloat", "bool")  # Arrow's types that are numbers
 _SCALARS = 1  # a variable of so many values is a constant of the file, not a column
 
@@ -108,7 +108,7 @@ class CsvSource(Source):
 
     def __init__(self, path: Path) -> None:
         self.path, self.file = path, path
-        self.encoding = _encoding(path)
+        self.encoding = encoding_of(path)
         with path.open("r", encoding=self.encoding, newline="") as file:
             text = file.read(1 << 16)  # whole numbers may come first: a decimal comma shows later
         if not text.strip():
@@ -116,7 +116,7 @@ class CsvSource(Source):
         if "\0" in text:
             raise InputError(f"{arg('data')}: '{path}': is not text")
         lines = text.splitlines()
-        self.skipped, self.head, self.separator = _table_begins(lines)
+        self.skipped, self.head, self.separator = table_begins(lines)
         first, second = lines[self.skipped], "\n".join(lines[self.skipped + 1 :])
         cells = [cell.strip().strip('"') for cell in first.split(self.separator)]
         if self.head and not second.strip():
@@ -125,10 +125,15 @@ class CsvSource(Source):
         if (
             self.head
             and len(lines) > self.rows_from + 1
-            and _is_units(lines[self.rows_from], self.separator, len(cells))
+            and is_units(lines[self.rows_from], self.separator, len(cells))
         ):
             self.rows_from += 1  # a line of units below the names
         self.names = cells if self.head else [str(i + 1) for i in range(len(cells))]
+        if self.head and len(lines[self.rows_from].split(self.separator)) == len(cells) + 1:
+            self.names.append(str(len(cells) + 1))  # rows alone end in a separator
+        if not self.head and self.skipped and commas_twice(lines, self.skipped):
+            text = "decimal commas between columns that commas part: must be points, or semicolons between columns"
+            raise InputError(f"{arg('data')}: '{path}': {text}")
         self.constants = {}
         self.decimal = "," if self.separator != "," and "," in second and "." not in second else "."
 
@@ -211,78 +216,6 @@ class CsvSource(Source):
             name = self.names[int(column)] if column.isdigit() and int(column) < len(self.names) else column
             return self._text(name, rest, wanted, text.partition("Row #")[2].partition(":")[0])
         return f"{arg('data')}: '{self.path}': cannot be read: {text}"
-
-
-def _encoding(path: Path) -> str:
-    """UTF-8 where the beginning of a file is that, else the Latin-1 of older spreadsheets, or UTF-16 by its mark."""
-    with path.open("rb") as file:
-        start = file.read(1 << 16)
-    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return "utf-16"
-    try:
-        start.decode("utf-8")
-    except UnicodeDecodeError as error:
-        return "utf-8-sig" if error.start > len(start) - 4 else "latin-1"
-    return "utf-8-sig"
-
-
-def _table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
-    """The line that the table begins with, whether that is its head, and the separator.
-
-    Instruments write titles, dates and settings first: the table is where lines of numbers, all with as many cells, begin.
-    """
-    for i, line in enumerate(lines[:_LONGEST_PREAMBLE]):
-        separator = _separator(line)
-        cells = line.split(separator)
-        if (
-            not line.strip()
-            or not all(_is_number(c) or not c.strip() for c in cells)
-            or not any(map(_is_number, cells))
-        ):
-            continue
-        below = lines[i + 1 : i + 3]
-        if any(len(other.split(separator)) != len(cells) for other in below if other.strip()):
-            continue
-        heads = [j for j in range(i - 1, max(i - 3, -1), -1) if len(lines[j].split(separator)) == len(cells)]
-        if len(heads) == 2 and heads[1] == i - 2 and _is_units(lines[i - 1], separator, len(cells)):
-            return i - 2, True, separator
-        if heads and heads[0] == i - 1:
-            return _above_bad_rows(lines, i - 1, separator, len(cells)), True, separator
-        return i, False, separator
-    first = lines[0]
-    separator = _separator(first)
-    return 0, not all(_is_number(cell) for cell in first.split(separator)), separator
-
-
-def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:
-    """The line of the names, where the one that seemed to hold them has numbers too, and words alone stand above it: it is
-    a row with a cell that is none."""
-    for j in range(head, -1, -1):
-        cells = lines[j].split(separator)
-        if len(cells) != count:
-            break
-        if not any(map(_is_number, cells)):
-            return j
-    return head
-
-
-def _separator(line: str) -> str:
-    """The separator of a line: a comma only where there is neither a tab nor a semicolon, as it may be the decimal mark."""
-    return next((s for s in "\t;" if s in line), ",")
-
-
-def _is_units(line: str, separator: str, count: int) -> bool:
-    """Whether a line below the names holds their units: short words without digits, such as s, mm, [N]."""
-    cells = [cell.strip().strip('"') for cell in line.split(separator)]
-    return len(cells) == count and any(cells) and all(len(c) <= 8 and not _is_number(c) for c in cells)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text.replace(",", "."))
-    except ValueError:
-        return False
-    return True
 
 
 def _parquet(path: Path) -> Source:

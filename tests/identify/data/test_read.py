@@ -234,6 +234,26 @@ def test_titles_before_the_head_and_units_below_it_are_skipped(tmp_path):
     assert found["time"][:2].tolist() == [0.0, 1e-3]
 
 
+@pytest.mark.parametrize("above", ["t,x,F\n", "Rig 3\n\nt,x,F\ns,m,N\n"])
+@pytest.mark.parametrize("arrow", [True, False])
+def test_rows_alone_may_end_in_a_separator(tmp_path, above, arrow, monkeypatch):
+    """ "no such column (it has 1, 2, 3, 4)" was said of it."""
+    if not arrow:
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    path = tmp_path / "log.csv"
+    path.write_text(above + "".join(f"{line.replace(';', ',')},\n" for line in ROWS.splitlines()))
+    found = read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
+    assert len(found["time"]) == 400
+    assert found["force"][100] == pytest.approx(np.cos(1.0), rel=1e-5)
+
+
+def test_decimal_commas_between_commas_are_refused(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t,x,F\n" + ROWS.replace(".", ",").replace(";", ","))
+    with pytest.raises(InputError, match="decimal commas between columns that commas part: must be points"):
+        read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
+
+
 def test_columns_of_a_matrix_are_named_by_their_number(tmp_path):
     joints = np.random.default_rng(0).standard_normal((400, 7))
     np.savez(tmp_path / "log.npz", t=T, q=joints, tau=joints.T)

@@ -1,0 +1,92 @@
+"""Where the table of a text file begins, and how it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+_LONGEST_PREAMBLE = 200  # lines before the head of a text file
+
+
+def encoding_of(path: Path) -> str:
+    """UTF-8 where the beginning of a file is that, else the Latin-1 of older spreadsheets, or UTF-16 by its mark."""
+    with path.open("rb") as file:
+        start = file.read(1 << 16)
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        start.decode("utf-8")
+    except UnicodeDecodeError as error:
+        return "utf-8-sig" if error.start > len(start) - 4 else "latin-1"
+    return "utf-8-sig"
+
+
+def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
+    """The line that the table begins with, whether that is its head, and the separator.
+
+    Instruments write titles, dates and settings first: the table is where lines of numbers, all with as many cells, begin.
+    """
+    for i, line in enumerate(lines[:_LONGEST_PREAMBLE]):
+        separator = _separator(line)
+        cells = line.split(separator)
+        if (
+            not line.strip()
+            or not all(_is_number(c) or not c.strip() for c in cells)
+            or not any(map(_is_number, cells))
+        ):
+            continue
+        below = lines[i + 1 : i + 3]
+        if any(len(other.split(separator)) != len(cells) for other in below if other.strip()):
+            continue
+        rows = [cells, *(other.split(separator) for other in below if other.strip())]
+        counts = {len(cells), len(cells) - (not any(row[-1].strip() for row in rows))}  # rows may end in a separator
+        heads = [j for j in range(i - 1, max(i - 3, -1), -1) if len(lines[j].split(separator)) in counts]
+        if (
+            len(heads) == 2
+            and heads[1] == i - 2
+            and is_units(lines[i - 1], separator, len(lines[i - 2].split(separator)))
+        ):
+            return i - 2, True, separator
+        if heads and heads[0] == i - 1:
+            return _above_bad_rows(lines, i - 1, separator, len(lines[i - 1].split(separator))), True, separator
+        return i, False, separator
+    first = lines[0]
+    separator = _separator(first)
+    return 0, not all(_is_number(cell) for cell in first.split(separator)), separator
+
+
+def commas_twice(lines: Sequence[str], first: int) -> bool:
+    """Whether rows from the line ``first`` on have two cells for each name above, as decimal commas make of them."""
+    names, row = (len(line.split(",")) for line in (lines[first - 1], lines[first]))
+    return names > 1 and row == 2 * names and "." not in lines[first]
+
+
+def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:
+    """The line of the names, where the one that seemed to hold them has numbers too, and words alone stand above it: it is
+    a row with a cell that is none."""
+    for j in range(head, -1, -1):
+        cells = lines[j].split(separator)
+        if len(cells) != count:
+            break
+        if not any(map(_is_number, cells)):
+            return j
+    return head
+
+
+def _separator(line: str) -> str:
+    """The separator of a line: a comma only where there is neither a tab nor a semicolon, as it may be the decimal mark."""
+    return next((s for s in "\t;" if s in line), ",")
+
+
+def is_units(line: str, separator: str, count: int) -> bool:
+    """Whether a line below the names holds their units: short words without digits, such as s, mm, [N]."""
+    cells = [cell.strip().strip('"') for cell in line.split(separator)]
+    return len(cells) == count and any(cells) and all(len(c) <= 8 and not _is_number(c) for c in cells)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
