@@ -3,8 +3,10 @@
 import importlib.util
 import shutil
 import sys
+import time
 import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -92,6 +94,21 @@ def test_a_compiler_that_hangs(use, monkeypatch):
     monkeypatch.setattr(compiler, "_TIME_LIMIT", 0.3)
     use("#!/bin/sh\nexec sleep 60\n")
     assert "did not finish within 0.3 s" in said("scipy-radau")[0]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks at /proc")
+def test_what_a_compiler_started_ends_with_it(use, monkeypatch, tmp_path):
+    monkeypatch.setattr(compiler, "_TIME_LIMIT", 0.5)
+    use(f"#!/bin/sh\nsleep 60 &\necho $! > {tmp_path}/child\nwait\n")
+    assert "did not finish within 0.5 s" in said("scipy-radau")[0]
+    state = Path("/proc", (tmp_path / "child").read_text().strip(), "stat")
+    for _ in range(40):
+        if (
+            not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z"
+        ):  # ended; nobody asked for its status
+            return
+        time.sleep(0.05)
+    pytest.fail("it goes on")
 
 
 def test_a_compiler_that_writes_nothing(use):

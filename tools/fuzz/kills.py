@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
 import tomli_w
@@ -164,15 +165,23 @@ def _heard() -> None:
             signal.signal(number, signal.SIG_DFL)
 
 
-def _others(group: int) -> bool:
-    """Whether processes of the group are there a second after its first one ended."""
+def _others(session: int) -> bool:
+    """Whether processes of the session, compilers in a group of their own too, run a second after its first one ended."""
     for _ in range(20):
-        try:
-            os.killpg(group, 0)
-        except OSError:
+        if not _running(session):
             return False
         time.sleep(0.05)
     return True
+
+
+def _running(session: int) -> bool:
+    """Whether a process of it has not ended; one that ended and that nobody asked for its status does not count."""
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            state, _, _, of, *_ = stat.read_text(errors="replace").rpartition(")")[2].split()
+            if int(of) == session and state != "Z":
+                return True
+    return False
 
 
 def _left(out: Path, old: dict[Path, int], last: Path | None, number: signal.Signals) -> str | None:

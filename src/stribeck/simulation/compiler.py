@@ -6,8 +6,10 @@ import importlib.util
 import os
 import platform
 import shutil
+import signal
 import subprocess
 import sys
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -81,15 +83,30 @@ def called(
         BuildError: it did not end in time, or cannot be run.
     """
     try:
-        return subprocess.run(
-            command, capture_output=True, text=True, timeout=limit, check=False, errors="replace",
-            stdin=subprocess.DEVNULL, env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)),
-            cwd=folder if inside else None,
-        )  # fmt: skip
+        with subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
+            env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)), cwd=folder if inside else None,
+            process_group=0 if os.name == "posix" else -1,
+        ) as process:  # fmt: skip
+            try:
+                printed, complaint = process.communicate(timeout=limit)
+            except BaseException:
+                _end(process)
+                raise
+        return subprocess.CompletedProcess(command, process.returncode, printed, complaint)
     except subprocess.TimeoutExpired:
         raise BuildError(f"{name} did not finish within {limit:g} s") from None
     except OSError as error:
         raise BuildError(f"{name} cannot be run: {error.strerror}") from None
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """End a compiler and what it has started, which would go on after it."""
+    if os.name != "posix":
+        process.kill()
+        return
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def find() -> Compiler | None:
