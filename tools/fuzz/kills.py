@@ -175,7 +175,12 @@ def _others(session: int) -> bool:
 
 
 def _running(session: int) -> bool:
-    """Whether a process of it has not ended; one that ended and that nobody asked for its status does not count."""
+    """Whether a process of it has not ended; one that ended and that nobody asked for its status does not count. Looks at
+    /proc; where there is none, for any process of its first group."""
+    if not Path("/proc/self/stat").exists():
+        with suppress(OSError):
+            os.killpg(session, 0)
+            return True
     for stat in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):
             state, _, _, of, *_ = stat.read_text(errors="replace").rpartition(")")[2].split()

@@ -1,4 +1,4 @@
-"""What a static fit tells of numbers that it did not fit: those that the data show nothing of, or that come out as 0."""
+"""What a static fit tells of numbers at an end: those that the data show nothing of, that come out as 0, or an F_s at F_c."""
 
 from __future__ import annotations
 
