@@ -102,7 +102,8 @@ def _plain(error: UnicodeError) -> tuple[str, int]:
 def _see_to_the_end(numbers: list[int]) -> None:
     """End the process some seconds after one of these signals, where a library never comes back to Python."""
     read, write = os.pipe()
-    os.set_blocking(write, False)
+    if sys.platform != "win32":  # Python 3.11 has it there for POSIX alone, and Windows asks for no such pipe
+        os.set_blocking(write, False)
     signal.set_wakeup_fd(write, warn_on_full_buffer=False)
 
     def watch() -> None:
