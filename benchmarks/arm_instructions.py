@@ -84,7 +84,7 @@ def traced(folder: Path) -> list[int]:
 
 def forms() -> list[Any]:
     """Every law of the package, in every form of its smooth |v|, with the constants of canudas1995."""
-    values = dict(stribeck.parameters()["canudas1995"].values)
+    values = dict(stribeck.library().sets["canudas1995"].values)
     own = {
         "k_v": 1e7,
         "z_ba": 7e-6,

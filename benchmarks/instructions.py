@@ -55,7 +55,7 @@ def counted(program: Path, way: int) -> float:
 
 def measure() -> list[dict[str, Any]]:
     """One row for each law and precision."""
-    machine_set = dict(stribeck.parameters()["canudas1995"].values)
+    machine_set = dict(stribeck.library().sets["canudas1995"].values)
     own = {"k_v": 1e7, "z_ba": 7e-6, "g1": 0.25, "g2": 100.0, "g3": 10.0, "g4": 0.1, "g5": 100.0, "g6": 0.01}
     rows = []
     for name, law in laws.builtin().items():

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from stribeck.identify.result import Fit
     from stribeck.laws import law
     from stribeck.laws.base import BristleLaw, Claims, Law
+    from stribeck.laws.library import library
     from stribeck.loops import design
-    from stribeck.parameter_sets import allow_undetermined, parameters
+    from stribeck.parameter_sets import allow_undetermined
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
@@ -51,8 +52,8 @@ __all__ = [
     "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "MachineVerdicts", "Motor",
     "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
     "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
-    "check_all", "check_machine", "compare", "design", "export", "fit", "gains", "hunting", "law", "margins",
-    "on_cluster", "parameters", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
+    "check_all", "check_machine", "compare", "design", "export", "fit", "gains", "hunting", "law",
+    "library", "margins", "on_cluster", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -76,8 +77,9 @@ _HOME = {
     "design": "stribeck.loops",
     **dict.fromkeys(("MachineVerdicts", "check_machine"), "stribeck.properties.ports"),
     "law": "stribeck.laws",
+    "library": "stribeck.laws.library",
     "margins": "stribeck.properties.margins",
-    **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),
+    "allow_undetermined": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(
         (

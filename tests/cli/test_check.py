@@ -83,7 +83,6 @@ def test_a_law_without_z_is_null_with_the_reason(stribeck):
         (("check", "--all", "--set", "kv=1"), "no law has such a constant"),
         (("check", "--all", "--margins"), "for one law"),
         (("check", "lugre", "--parameters", "nowhere.toml"), "cannot be read"),
-        (("laws", "lugre", "--sets"), "leave out lugre"),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_else(stribeck, words, text):
@@ -100,10 +99,10 @@ def test_the_commands_of_the_page(stribeck, tmp_path, monkeypatch):
     Path("robot_joint.toml").write_text(dumps(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.1}])))
     page = (ROOT / "docs" / "check.md").read_text()
     lines = [line.partition("#")[0].split()[1:] for line in page.split("```sh\n")[1].split("```")[0].splitlines()]
-    assert len(lines) == 11
+    assert len(lines) == 10
     results = [stribeck(*words) for words in lines]
-    assert [r.status for r in results] == [0] * 11
-    found, run, slow, margins, proved, written, own, swung, joint, every, sets = (r.out for r in results)
+    assert [r.status for r in results] == [0] * 10
+    found, run, slow, margins, proved, written, own, swung, joint, every = (r.out for r in results)
     assert re.search(r"passive +no +a cycle", found)
     assert "E_in" in run
     assert re.search(r"passive +yes .*fitted", " ".join(slow.split()))
@@ -121,16 +120,9 @@ def test_the_commands_of_the_page(stribeck, tmp_path, monkeypatch):
     assert rows["elastoplastic_majorant"] == ["yes"] * 5
     assert rows["lugre_sobczyk"] == ["yes", "yes", "yes", "no", "no"]
     assert rows["lugre_arctan"][1] == "no"
-    assert "passive with dahl" in sets
     assert "for every history of F_c from 1 to 2, F_s from 1.5 to 3" in swung
     assert re.search(r"passive +no +a cycle of held speeds and levels", swung)
     assert "passive at its ports: yes" in joint
-
-
-def test_the_sets_are_listed_with_what_is_passive(stribeck):
-    sets = json.loads(stribeck("laws", "--sets", "--json").out)["parameter_sets"]
-    assert sets["liu2015"]["passive"]["elastoplastic_majorant"] is True
-    assert sets["canudas1995"]["passive"] == {**dict.fromkeys(sets["canudas1995"]["passive"], False), "dahl": True}
 
 
 def test_a_matrix_that_is_verified_says_so(stribeck):

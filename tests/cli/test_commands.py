@@ -1,4 +1,4 @@
-"""compare, laws, new, doctor."""
+"""compare, library, new, doctor."""
 
 import json
 import re
@@ -10,6 +10,8 @@ import pytest
 from stribeck import Ensemble, Scenario, check, examples, simulation
 from stribeck.cli.app import app, with_command
 from stribeck.laws import builtin
+from stribeck.parameter_sets import parameters
+from stribeck.parameter_sets.library import machine_sets
 
 
 def test_compare_names_deviations_from_the_first(stribeck, scenario, tmp_path):
@@ -62,13 +64,12 @@ def test_a_law_of_the_users_own(stribeck, scenario):
     (scenario.parent / "mylaw.py").write_text(example[1])
     result = stribeck("run", scenario, "--json", "--set", "law.name=mylaw.py:RootLuGre")
     assert json.loads(result.out)["law"]["name"] == "root_lugre"
-    listing = stribeck("laws", f"{scenario.parent}/mylaw.py:RootLuGre")
+    listing = stribeck("library", f"{scenario.parent}/mylaw.py:RootLuGre")
     assert "dz/dt = v - (sqrt(v² + 1/k_v²)/g(v)) z" in listing.out
-    assert stribeck("laws", f"{scenario.parent}/mylaw.py:RootLuGre", "--test").status == 0
 
 
-def test_laws_lists_all_with_equations(stribeck):
-    data = json.loads(stribeck("laws", "--json").out)
+def test_library_lists_all_with_equations(stribeck):
+    data = json.loads(stribeck("library", "--json").out)
     assert [law["name"] for law in data["laws"]] == list(builtin())
     lugre = data["laws"][0]
     assert lugre["equations"][0]["latex"] == r"\dot{z} = v - \frac{\left|v\right|}{g(v)} z"
@@ -76,8 +77,8 @@ def test_laws_lists_all_with_equations(stribeck):
     assert lugre["guarantees"]["bounded"] is True
     assert lugre["guarantees"]["passive"]["if"]["text"] == "σ₁ (F_s - F_c) <= σ₂ F_c"
     assert set(data["parameter_sets"]["canudas1995"]) == {"title", "source", "motion", "values", "undetermined"}
-    text = stribeck("laws").out
-    assert all(f"{name}: " in text for name in builtin())
+    text = stribeck("library").out
+    assert all(f"{name}: " in text for part in (builtin(), parameters(), machine_sets()) for name in part)
 
 
 @pytest.mark.parametrize("name", [*examples.names(), "my rig-1"])

@@ -277,9 +277,9 @@ def test_a_law_in_a_file_that_cannot_be_shown(stribeck, tmp_path, equation):
         f"    def friction(p, v, z, dz_dt):\n        {equation}\n"
     )
     (tmp_path / "mine.py").write_text(text)
-    refused(stribeck("laws", tmp_path / "mine.py:Mine"), "mine.py:Mine", "its equations cannot be")
+    refused(stribeck("library", tmp_path / "mine.py:Mine"), "mine.py:Mine", "its equations cannot be")
     (tmp_path / "good.py").write_text(text.replace(equation, "return p.c * v"))
-    outcome = stribeck("laws", tmp_path / "good.py:Mine")
+    outcome = stribeck("library", tmp_path / "good.py:Mine")
     assert outcome.status == 0
     assert all(c.isprintable() or c == "\n" for c in outcome.out + outcome.err)
 

@@ -15,8 +15,8 @@ from stribeck.cli.text import say
 
 COMMANDS = sorted(command.name or command.callback.__name__ for command in app.registered_commands)
 SPOKEN = {
-    "laws": ("laws",),
-    "sets": ("laws", "--sets"),
+    "library": ("library",),
+    "library NAME": ("library", "lugre_majorant", "liu2015", "mx106"),
     "check --all": ("check", "--all", "--parameters", "canudas1995"),
     "check": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7"),
     "compare": (
@@ -124,7 +124,7 @@ def test_letters_that_the_terminal_has_not(encoding, text, shown):
 
 def test_a_terminal_of_ascii_alone():
     found = subprocess.run(
-        [sys.executable, "-m", "stribeck", "laws", "lugre"], capture_output=True, check=True,
+        [sys.executable, "-m", "stribeck", "library", "lugre"], capture_output=True, check=True,
         env=os.environ | {"PYTHONIOENCODING": "ascii"},
     ).stdout.decode("ascii")  # fmt: skip
     assert "F = sigma_0 z + sigma_1 dz/dt + sigma_2 v" in found

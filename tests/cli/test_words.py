@@ -91,6 +91,6 @@ def test_a_law_with_z_that_claims_nothing_is_not_said_to_have_no_state(stribeck,
     source = "from stribeck.laws import Claims\nfrom stribeck.laws.lugre import LuGre\n"
     source += "class Own(LuGre):\n    claims = Claims()\n"
     (tmp_path / "own.py").write_text(source)
-    found = stribeck("laws", f"{tmp_path}/own.py:Own")
+    found = stribeck("library", f"{tmp_path}/own.py:Own")
     assert "claims     none stated" in found.out
-    assert "no internal state" in stribeck("laws", "stribeck").out
+    assert "no internal state" in stribeck("library", "stribeck").out

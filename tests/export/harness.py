@@ -74,7 +74,7 @@ int main(void)
 
 
 def law(name, **changes):
-    values = dict(stribeck.parameters()["canudas1995"].values)
+    values = dict(stribeck.library().sets["canudas1995"].values)
     own = {"k_v": 1e7, "z_ba": 7e-6, **MAKKAR} | changes
     constants = laws.find(name).constants()
     if name == "stribeck":

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stribeck import parameters
 from stribeck.expressions.ops import sign, sqrt, where
 from stribeck.laws import BristleLaw, Claims, builtin, find
 from stribeck.laws.claims import violations
@@ -17,6 +16,7 @@ from stribeck.laws.form import Form
 from stribeck.laws.lugre import LuGre, LuGreArctan, LuGreMajorant, LuGreSobczyk
 from stribeck.laws.static import CoulombViscous
 from stribeck.laws.terms import S_0, g
+from stribeck.parameter_sets import parameters
 
 CANUDAS = parameters()["canudas1995"].values
 ALL = Claims(unique=True, bounded=True, smooth=True, passive=True, drift_free=True)

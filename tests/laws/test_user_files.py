@@ -163,7 +163,7 @@ def test_a_file_that_raises_what_is_no_exception(tmp_path, text):
 )
 @pytest.mark.parametrize(
     "words",
-    ["laws {0}:Mine", "check {0}:Mine --set c=1", "export {0}:Mine --set c=1 --out o.st"],
+    ["library {0}:Mine", "check {0}:Mine --set c=1", "export {0}:Mine --set c=1 --out o.st"],
 )
 def test_an_equation_that_raises_what_is_no_exception(tmp_path, raised, words):
     """So did one of these."""
@@ -185,7 +185,7 @@ def test_a_signal_while_a_file_is_read_is_not_its_fault(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "words", ["laws {}:Mine", "check {}:Mine --set c=1", "export {}:Mine --set c=1 --target st --out {}.st"]
+    "words", ["library {}:Mine", "check {}:Mine --set c=1", "export {}:Mine --set c=1 --target st --out {}.st"]
 )
 def test_an_equation_that_gives_nan_is_refused(tmp_path, words):
     """It was shown as a law, and written as one."""
@@ -242,7 +242,7 @@ def test_a_fit_with_a_law_for_one_direction_of_a_record_in_that_direction(tmp_pa
 def test_a_speed_at_which_a_law_has_no_force_is_told(tmp_path, capsys):
     law_ = one_sided(tmp_path, "p.c * log(v)")
     said = "law 'Mine': its equations give nan as F at v = -0.001 m/s"
-    assert _status(["laws", law_]) == 0
+    assert _status(["library", law_]) == 0
     assert said in capsys.readouterr().err
     assert _status(["export", law_, "--set", "c=1", "--target", "c", "--out", str(tmp_path / "c")]) == 0
     assert said in capsys.readouterr().err

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import stribeck
-from stribeck import InputError, law, parameters
-from stribeck.parameter_sets import load
+from stribeck import InputError, law
+from stribeck.parameter_sets import load, parameters
 
 NAMES = ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")
 KNOWN = {  # theory.md, section 7; sigma_1 of the first is sqrt(1e5)
@@ -39,7 +39,7 @@ def test_numbers(name):
 def test_changing_a_set_changes_no_other():
     parameters()["canudas1995"].values["F_s"] = 99.0
     load("canudas1995").values["F_s"] = 99.0
-    assert stribeck.parameters()["canudas1995"].values["F_s"] == 1.5
+    assert stribeck.library().sets["canudas1995"].values["F_s"] == 1.5
     assert law("lugre", "canudas1995").p.F_s == 1.5
 
 

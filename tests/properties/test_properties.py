@@ -301,7 +301,7 @@ def test_the_json_is_that_of_the_contract():
 
 
 def test_the_matrix_knows_which_laws_a_set_suffices_for():
-    values = stribeck.parameters()["liu2015"].values
+    values = stribeck.library().sets["liu2015"].values
     expected = {"lugre", "lugre_majorant", "elastoplastic", "elastoplastic_majorant", "dahl"}
     assert {n for n, holds in passive_with(values).items() if holds} == expected
     assert list(check_all({"sigma_0": 1e5, "F_c": 1.0})) == ["dahl"]

@@ -39,7 +39,7 @@ def commands(place: Path, rng: random.Random) -> list[str]:
         ["sweep", file, "--vary", "law.parameters.F_s=1.6:2:2", "--summary", *_SHORT, "--out", out],
         ["export", "lugre", "--parameters", str(place / "set.toml"), "--target", rng.choice(["c", "st", "table"]), "--out", out],
         ["check", "dahl", "--parameters", str(place / "set.toml")],
-        ["laws", str(place / "mine.py") + ":Mine"],
+        ["library", str(place / "mine.py") + ":Mine"],
         ["validate", file, "--log", str(place / "log.csv"), "--time", "t", "--position", "y", *_SHORT, "--out", out],
         [*_FIT, str(place / "log.csv"), "--law", "coulomb_viscous"],
         [*_FIT, str(place / "log.csv"), "--law", "coulomb_viscous", "--out", out],

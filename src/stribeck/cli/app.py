@@ -14,7 +14,7 @@ from stribeck.cli.commands import of_laws as of_laws
 from stribeck.cli.commands import loops as loops
 from stribeck.cli.commands import export as export
 from stribeck.cli import exchange as exchange
-from stribeck.cli import parameters as parameters
+from stribeck.cli import library as library
 from stribeck.cli.commands import measured as measured
 # isort: on
 

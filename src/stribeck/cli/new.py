@@ -13,7 +13,7 @@ from stribeck.files import write_text
 _START = "stick_slip"  # the example that a new name starts from, under another law
 _LAW = """\
 [law]
-name = "lugre_majorant"         # smooth, and with these constants passive; 'stribeck laws' lists the others
+name = "lugre_majorant"         # smooth, and with these constants passive; 'stribeck library' lists the others
 k_v = 1e6                       # s/m, steepness near rest; 'stribeck advise' names the smallest that will do
 v_d = 0.02                      # m/s, bristle damping falls with speed; without it this set is not passive
 
@@ -21,7 +21,7 @@ v_d = 0.02                      # m/s, bristle damping falls with speed; without
 
 _HELP = """\
 # {name}: a scenario for 'stribeck run'. SI units everywhere; with rotary = true N m and rad.
-# [law] name: 'stribeck laws' lists them; parameters: a table as here, a built-in set ("canudas1995") or a file.
+# [law] name: 'stribeck library' lists them; parameters: a table as here, a built-in set ("canudas1995") or a file.
 # [drive] kind: "force" (N), "spring" (position of the far end, m), "pid" (setpoint, m) or "velocity" (m/s);
 #         "cascade", a pneumatic servo, has an example of its own: stribeck new servo.
 # [drive.signal] kind: "points" (t, value), "ramp" (rate), "sine" (amplitude, frequency, offset, phase),

@@ -170,7 +170,7 @@ def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, *
     Args:
         name: a built-in law's name (:func:`builtin` lists them) or ``"FILE.py:NAME"`` for one of your own.
         parameters: the machine's parameters in SI units, as a mapping, as the name of a built-in set
-            (``stribeck.parameters()`` lists them) or as the path of a set's file.
+            (``stribeck.library()`` lists them) or as the path of a set's file.
         **constants: the law's own constants (``k_v=1e7``, ``smooth_abs="sqrt"``); they also override single parameters.
             ``rotary=True``: of what turns, with N m in the place of N and rad in that of m; otherwise as the set says.
 

@@ -40,7 +40,7 @@ class MachineSet:
     machine: Mapping[str, object]
 
     def to_json(self) -> dict[str, object]:
-        """As ``stribeck parameters --json`` prints it."""
+        """As ``stribeck library --json`` prints it."""
         return asdict(self)
 
 

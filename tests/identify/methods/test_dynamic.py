@@ -153,7 +153,7 @@ def test_a_log_without_motion_or_force_is_refused(full):
 
 def test_friction_and_offset_in_one_direction_are_not_told_apart():
     """A body pulled by a spring, stick and slip: the force is friction and offset together."""
-    machine = stribeck.parameters()["canudas1995"].values
+    machine = stribeck.library().sets["canudas1995"].values
     scenario = stribeck.Scenario(
         law={"name": "lugre", "parameters": machine},
         plant={"mass": 1.0},

@@ -11,7 +11,7 @@ from stribeck.identify.methods.horizons import first_values
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from stribeck.identify.work import Work
 
-TRUTH = stribeck.parameters()["canudas1995"].values
+TRUTH = stribeck.library().sets["canudas1995"].values
 MASS = 1.1
 
 

@@ -15,23 +15,6 @@ Certificate = Annotated[
 ]
 
 
-@app.command(epilog="Example: stribeck laws lugre_majorant")
-def laws(
-    law: Annotated[
-        list[str] | None, typer.Argument(metavar="[LAW]...", help="Only these; FILE.py:NAME is one too.")
-    ] = None,
-    json: Json = False,
-    test: Annotated[bool, typer.Option("--test", help="Test numerically all that the laws claim.")] = False,
-    sets: Annotated[
-        bool, typer.Option("--sets", help="List the parameter sets, and the laws that are passive with each.")
-    ] = False,
-) -> int:
-    """List the laws: equation, constants, units, source, what each guarantees."""
-    from stribeck.cli import laws as command
-
-    return command.laws(law or [], json, test, sets)
-
-
 @app.command(epilog="Example: stribeck advise lugre_sobczyk --parameters canudas1995 --creep 1e-6")
 def advise(
     law: Annotated[str, typer.Argument(metavar="LAW", help="A bristle law with k_v.")],
