@@ -34,7 +34,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from tests.properties.nasty import PROPERTIES, cases
 
 import stribeck
-from stribeck.properties.verify_certificate import verify
+from stribeck.properties.verdicts import refusals
 
 MAJORANTS = [f"{law}/{m}" for law in ("lugre_majorant", "elastoplastic_majorant") for m in ("atan", "sqrt", "compact")]
 BUILTIN = ["lugre", "lugre_arctan", "lugre_sobczyk", "elastoplastic", "elastoplastic_sobczyk", "dahl", *MAJORANTS]
@@ -79,7 +79,7 @@ class Row:
                     self.crashes.append(f"{name}: {what}: {verdict.evidence['reason']}")
             elif truth[what] is not None and verdict.holds is not truth[what]:
                 self.wrong.append(f"{name}: {what}: {verdict.holds} ({verdict.method})")
-            elif verdict.holds and (refused := verify(verdict.certificate or {}, law, what)):
+            elif verdict.holds and (refused := refusals(verdict.certificate, law, what)):
                 self.wrong.append(f"{name}: {what}: its certificate is refused: {refused[0]}")
             elif what == "passive" and verdict.holds is False and (text := replayed(law, verdict.evidence)):
                 self.wrong.append(f"{name}: {what}: {text}")
@@ -326,7 +326,6 @@ def sources() -> str:
     """A short name of the code that decides: other results belong to other code."""
     folder = Path(stribeck.__file__).parent
     files = [f for part in ("properties", "expressions") for f in sorted((folder / part).rglob("*.py"))]
-    files = [f for f in files if "verify_certificate" not in f.parts]
     return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()[:12]
 
 

@@ -47,11 +47,10 @@ BESIDE_THE_ROOMS = {
     "reference": "reference trajectories and published numbers, by others",
     "site": "docs/, the site: its references, links, examples",
     "theory": "docs/theory.md, step by step",
+    "verify": "src/stribeck_verify, the independent checker",
 }
 TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}
 PRIVATE_IMPORTS: dict[str, str] = {}
-# It shares nothing with the rest, so that it can be read alone: it says the same things once more, in the same words.
-APART = "properties/verify_certificate/"
 
 
 def relative(path: Path) -> str:
@@ -106,7 +105,7 @@ def test_a_class_has_a_name_of_its_own():
     where: dict[str, list[str]] = {}
     for path in FILES:
         for node in tree(path).body:
-            if isinstance(node, ast.ClassDef) and not relative(path).startswith(APART):
+            if isinstance(node, ast.ClassDef):
                 where.setdefault(node.name, []).append(relative(path))
     found = {name: files for name, files in where.items() if len(files) > 1 and not name.startswith("_")}
     assert not found, f"two classes of one name: {found}"
@@ -117,8 +116,6 @@ def test_a_function_imported_by_its_bare_name_is_the_only_one_so_imported():
     defined: set[tuple[str, str]] = set()
     imported: set[tuple[str, str]] = set()
     for path in FILES:
-        if relative(path).startswith(APART):
-            continue
         here = ".".join(("stribeck", *path.relative_to(SOURCE).with_suffix("").parts)).removesuffix(".__init__")
         defined |= {(here, n.name) for n in tree(path).body if isinstance(n, ast.FunctionDef)}
         froms = [n for n in nodes(path) if isinstance(n, ast.ImportFrom) and here != "stribeck"]

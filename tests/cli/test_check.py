@@ -8,7 +8,7 @@ import pytest
 from tomli_w import dumps
 
 from stribeck.properties import NAMES
-from stribeck.properties.verify_certificate import verify
+from stribeck_verify import verify
 from tests.properties.test_ports import machine
 
 ROOT = Path(__file__).parents[2]

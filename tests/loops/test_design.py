@@ -12,7 +12,7 @@ from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import STAYS, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.proof import proof
-from stribeck.properties.verify_certificate import verify
+from stribeck.properties.verdicts import refusals
 from stribeck.report.quantities import human
 from tests.loops.axis import axis
 from tests.machine.independent import solve
@@ -207,7 +207,7 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     certificate = json.loads((tmp_path / "out" / "certificate.json").read_text())
     passive = certificate["contacts"]["guide"]["certificates"]["passive"]
     assert found["proof"]["theorems"] == {"guide": passive["theorem"]}
-    assert verify(passive, Scenario(axis()).rig.named_laws["guide"], "passive") == []
+    assert refusals(passive, Scenario(axis()).rig.named_laws["guide"], "passive") == []
     names = {f.rpartition("/")[2] for f in found["files"]}
     assert {"machine.toml", "report.html", "summary.json", "boundaries_0.svg"} <= names
     assert _status(["run", str(tmp_path / "out" / "machine.toml")]) == 0

@@ -12,9 +12,11 @@ from typing import Any
 import pytest
 
 import stribeck
-from stribeck.properties import WORK, verify_certificate
+import stribeck_verify
+from stribeck.properties import WORK
 from stribeck.properties.checked import Checked
-from stribeck.properties.verify_certificate import verify
+from stribeck.properties.verdicts import refusals
+from stribeck_verify import verify
 from tests.properties.nasty import MILD
 
 LAWS: dict[str, dict[str, Any]] = {
@@ -42,7 +44,7 @@ def test_each_yes_is_confirmed(name):
     found = certificates(name)
     assert found
     for what, certificate in found.items():
-        assert verify(certificate, law(name), what) == []
+        assert refusals(certificate, law(name), what) == []
 
 
 @pytest.mark.parametrize("name", ["lugre", "elastoplastic"])
@@ -59,7 +61,7 @@ def test_one_laws_proof_does_not_prove_another():
         for what, certificate in certificates(name).items():
             for other in LAWS:
                 if other != name:
-                    assert verify(certificate, law(other), what) != []
+                    assert refusals(certificate, law(other), what) != []
 
 
 FALSE = {
@@ -99,7 +101,7 @@ def test_small_damping_is_confirmed_up_to_its_threshold(name):
     verdict = Checked(law, None, WORK).passive()
     assert verdict.holds
     assert verdict.certificate["theorem"] == "damped"
-    assert verify(verdict.certificate, law, "passive") == []
+    assert refusals(verdict.certificate, law, "passive") == []
     for number, factor in (("s", 1 + 1e-8), ("d", 1 + 1e-8), ("N", 1 - 1e-8), ("k", 2), ("c", 2), ("above", 2)):
         other = copy.deepcopy(verdict.certificate)
         value = Fraction(other["data"][number])
@@ -117,11 +119,11 @@ def test_a_bound_of_the_slope_that_sampling_only_just_meets_is_confirmed():
     law = stribeck.law("elastoplastic", values, z_ba=3.6e-14)
     verdict = Checked(law, None, WORK).unique()
     assert verdict.holds
-    assert verify(verdict.certificate, law, "unique") == []
+    assert refusals(verdict.certificate, law, "unique") == []
 
 
 def test_a_yes_that_the_checker_refuses_is_undecided(monkeypatch):
-    monkeypatch.setattr(verify_certificate, "verify", lambda *a: ["told to refuse"])
+    monkeypatch.setattr(stribeck_verify, "verify", lambda *a: ["told to refuse"])
     found = stribeck.check(law("dahl"))
     assert {v.holds for v in found.properties.values()} <= {None, False}
     assert "told to refuse" in found["bounded"].evidence["reason"]

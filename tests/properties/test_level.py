@@ -12,9 +12,9 @@ from stribeck.errors import InputError
 from stribeck.properties import check, replay
 from stribeck.properties.damped import suffices
 from stribeck.properties.level import _Decided, check_varied, largest_v_d
-from stribeck.properties.verify_certificate import verify
 from stribeck.properties.worst import Varied
 from stribeck.steepness.level import level_advice
+from stribeck_verify import verify
 
 CLOSE = 1e-9
 TABLE = {"sigma_0": 1e5, "sigma_1": 316.2, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}

@@ -13,7 +13,7 @@ from stribeck.laws.base import Scales, StaticLaw
 from stribeck.properties import ports, replay
 from stribeck.properties.level import _Decided
 from stribeck.properties.ranges import of_contact, of_force, of_signal
-from stribeck.properties.verify_certificate import verify
+from stribeck.properties.verdicts import refusals
 from stribeck.properties.worst import Varied
 from stribeck.signals import KINDS
 from tests.machine.test_servo import MACHINE
@@ -194,7 +194,7 @@ def test_the_elastic_range_is_the_smallest_that_there_is():
     found = _Decided(of_contact(rig, rig.machine.contacts[0], 2.0, {}), None, 2400.0, proofs).decided("drift_free")
     assert found.holds
     assert found.evidence["z_0"] == pytest.approx(4e-5)
-    assert verify(found.certificate, proofs["drift_free"], "drift_free") == []
+    assert refusals(found.certificate, proofs["drift_free"], "drift_free") == []
 
 
 @pytest.mark.parametrize("name", ["F_c", "F_s", "level"])

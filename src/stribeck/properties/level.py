@@ -28,7 +28,7 @@ from stribeck.properties.model import SIGNS, Model, Unreadable
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import Storage, own_speeds
-from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
+from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, refusals, undecided
 from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
 
 _PROVED = (
@@ -75,15 +75,13 @@ class LevelVerdicts(Verdicts):
 
     def verify(self) -> bool:
         """Check every proof by the independent checker, and replay every counterexample; True where all agree."""
-        from stribeck.properties.verify_certificate import verify
-
         for name, verdict in self.properties.items():
             if not verdict.holds:
                 verdict.verify(self.proofs.get(name, self.law), name, self.v_max)
                 continue
             stated = verdict.certificate or {}
             covers = stated.get("level") == self.varied.exactly()
-            verdict.verified = covers and not verify(stated, self.proofs[name], name, self.v_max)
+            verdict.verified = covers and not refusals(stated, self.proofs[name], name, self.v_max)
         return all(verdict.verified is not False for verdict in self.properties.values())
 
     def to_json(self) -> dict[str, Json]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from stribeck.laws.base import Law
 from stribeck.properties.certificate import FORMAT, Certificate
 from stribeck.properties.plain import Json
+from stribeck.properties.statement import statement
 
 if TYPE_CHECKING:
     from stribeck.properties.model import Model
@@ -49,26 +50,29 @@ class Verdict:
         from stribeck.properties import replay
 
         if self.holds:
-            from stribeck.properties.verify_certificate import verify
-
-            self.verified = self.certificate is not None and not verify(self.certificate, law, name, v_max)
+            self.verified = self.certificate is not None and not refusals(self.certificate, law, name, v_max)
         elif self.holds is False:
-            from stribeck.properties.verify_certificate.counterexamples import confirmed
+            from stribeck_verify import confirmed
 
-            agreed = confirmed(law, name, self.evidence)
+            agreed = confirmed(statement(law), name, self.evidence)
             if self.scenario is not None and self.stated:
                 agreed = agreed is not False and replay.repeats(self.scenario, self.stated)
             self.verified = agreed
         return self.verified
 
 
+def refusals(certificate: Json, law: Law, name: str, v_max: float | None = None) -> list[str]:
+    """Why the independent checker does not accept a certificate of a law's property; nothing where it does."""
+    from stribeck_verify import verify
+
+    return verify(certificate, statement(law), name, v_max)
+
+
 def accepted(verdict: Verdict, law: Law, name: str, v_max: float | None = None) -> Verdict:
     """The verdict; undecided in place of a yes whose certificate the independent checker refuses."""
-    from stribeck.properties.verify_certificate import verify
-
     if not verdict.holds:
         return verdict
-    refused = verify(verdict.certificate or {}, law, name, v_max)
+    refused = refusals(verdict.certificate, law, name, v_max)
     return undecided(f"a proof was found, but the independent checker refuses it: {refused[0]}") if refused else verdict
 
 

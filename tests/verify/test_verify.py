@@ -10,11 +10,12 @@ from typing import Any
 
 import pytest
 
+from stribeck.properties.statement import statement
 from stribeck.properties.verdicts import Verdict
-from stribeck.properties.verify_certificate import verify
-from stribeck.properties.verify_certificate.__main__ import main
-from tests.properties import hand_made as by_hand
-from tests.properties.hand_made import ALL, SIGNS, certificate, claim
+from stribeck_verify import verify
+from stribeck_verify.__main__ import main
+from tests.verify import hand_made as by_hand
+from tests.verify.hand_made import ALL, SIGNS, certificate, claim
 
 RIGHT = {
     "bounded": (by_hand.bounded, "lugre"),
@@ -26,7 +27,8 @@ RIGHT = {
 
 
 def refusal(*args: Any) -> str | None:
-    problems = verify(*args)
+    certificate, law, *rest = (*args, None)
+    problems = verify(certificate, None if law is None else statement(law), *(x for x in rest if x is not None))
     return problems[0] if problems else None
 
 
@@ -247,9 +249,9 @@ def test_splits_and_polar_coordinates():
         data["dz_dt"] = ["add", by_hand.ROOT, "0"]
         return {**data, "claims": [claim("divisor", 1, 1, "!=0", w=w, tree=tree, expression=top)]}
 
-    from stribeck.properties.verify_certificate import claims as of
-    from stribeck.properties.verify_certificate.expressions import Refused
-    from stribeck.properties.verify_certificate.theorems import read_case
+    from stribeck_verify import claims as of
+    from stribeck_verify.expressions import Refused
+    from stribeck_verify.theorems import read_case
 
     def proved(tree: Any, w: Any = ALL, u: Any = ALL) -> bool:
         case = read_case(

@@ -7,7 +7,8 @@ from copy import deepcopy
 import pytest
 
 import stribeck
-from stribeck.properties.verify_certificate.counterexamples import confirmed
+from stribeck.properties.statement import statement
+from stribeck_verify import confirmed
 from tests.properties.nasty import cases
 
 LAWS = {case.name: case for case in cases()}
@@ -27,11 +28,11 @@ def test_a_counterexample_is_confirmed_and_a_wrong_one_is_not(name, prop, change
     law = LAWS[name].law()
     verdict = stribeck.check(law)[prop]
     assert verdict.holds is False
-    assert confirmed(law, prop, verdict.evidence) is True
+    assert confirmed(statement(law), prop, verdict.evidence) is True
     evidence = deepcopy(verdict.evidence)
     for key, value in change.items():
         evidence[key] = {**evidence[key], **value} if isinstance(value, dict) else value
-    assert confirmed(law, prop, evidence) is False
+    assert confirmed(statement(law), prop, evidence) is False
 
 
 @pytest.mark.parametrize(

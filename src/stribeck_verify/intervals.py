@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from flint import arb, ctx, fmpq
 
-from stribeck.properties.verify_certificate.expressions import Node, Refused, ordered
+from stribeck_verify.expressions import Node, Refused, ordered
 
 PRECISION = 256  # bits
 _EXPONENT = 100_000  # beyond 2^+-this a function's value is taken as 0 or without end

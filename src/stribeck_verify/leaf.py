@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from flint import fmpq
 from flint.utils.flint_exceptions import DomainError
 
-from stribeck.properties.verify_certificate import intervals
-from stribeck.properties.verify_certificate.expressions import (
+from stribeck_verify import intervals
+from stribeck_verify.expressions import (
     CONDITIONS,
     PI,
     ZERO,
@@ -23,9 +23,9 @@ from stribeck.properties.verify_certificate.expressions import (
     node,
     read,
 )
-from stribeck.properties.verify_certificate.intervals import Range
-from stribeck.properties.verify_certificate.rational import Quotient, Ring, Variable
-from stribeck.properties.verify_certificate.rules import ENDLESS_RULES, Atom, value
+from stribeck_verify.intervals import Range
+from stribeck_verify.rational import Quotient, Ring, Variable
+from stribeck_verify.rules import ENDLESS_RULES, Atom, value
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
 _ODD = ("sin", "atan", "tanh")

@@ -1,30 +1,34 @@
 """A second, small checker of the certificates that ``stribeck check`` gives for each *yes*.
 
-It shares no code with what found them: it has arithmetic of its own (exact rational numbers, intervals, Bernstein
-coefficients), builds every inequality from the law's equations itself, and accepts only the theorems of
-:mod:`stribeck.properties.verify_certificate.theorems`, whose hypotheses it checks.
+It imports nothing of stribeck: it has arithmetic of its own (exact rational numbers, intervals, Bernstein coefficients),
+builds every inequality from the equations itself, and accepts only the theorems of :mod:`stribeck_verify.theorems`, whose
+hypotheses it checks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from stribeck.laws.base import Law
-from stribeck.properties.verify_certificate.equations import compare, compare_bound
-from stribeck.properties.verify_certificate.expressions import Json, Refused
-from stribeck.properties.verify_certificate.theorems import UNREADABLE, confirm, reaches, read_case
+from stribeck_verify.counterexamples import confirmed
+from stribeck_verify.equations import compare, compare_bound
+from stribeck_verify.expressions import Json, Refused
+from stribeck_verify.theorems import UNREADABLE, confirm, reaches, read_case
 
-__all__ = ["verify"]
+__all__ = ["confirmed", "verify"]
 
 
 def verify(
-    certificate: Mapping[str, Json], law: Law | None = None, property: str | None = None, v_max: float | None = None
+    certificate: Json,
+    law: Mapping[str, Json] | None = None,
+    property: str | None = None,
+    v_max: float | None = None,
 ) -> list[str]:
     """Why a certificate is not accepted; nothing where it proves what it states.
 
     Args:
         certificate: of one property, as it stands in the file that ``stribeck check --certificate FILE`` writes.
-        law: where given, the certificate must be about this law with its constants, and about its Z.
+        law: where given, the certificate must be about this law, and about its Z: its equations as plain data
+            (:mod:`stribeck_verify.equations`).
         property: where given, the certificate must be of this property.
         v_max: with the property ``passive``, the speed up to which it must hold, m/s; None is every speed.
     """
@@ -41,10 +45,10 @@ def verify(
     return []
 
 
-def _compare(law: Law, certificate: Mapping[str, Json]) -> None:
+def _compare(law: Mapping[str, Json], certificate: Json) -> None:
     try:
         case = read_case(certificate)
+        compare(law, case.law.dz_dt, case.law.force)
+        compare_bound(law, case.Z)
     except UNREADABLE as error:
         raise Refused(f"the certificate cannot be read: {type(error).__name__}: {error}") from None
-    compare(law, case.law.dz_dt, case.law.force)
-    compare_bound(law, case.Z)

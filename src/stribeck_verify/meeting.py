@@ -13,7 +13,7 @@ from itertools import product
 
 from flint import fmpq
 
-from stribeck.properties.verify_certificate.expressions import (
+from stribeck_verify.expressions import (
     ZERO,
     Node,
     Refused,
@@ -23,9 +23,9 @@ from stribeck.properties.verify_certificate.expressions import (
     node,
     ordered,
 )
-from stribeck.properties.verify_certificate.identities import Normal, Pair, written_out
-from stribeck.properties.verify_certificate.intervals import Evaluation, Range
-from stribeck.properties.verify_certificate.leaf import Leaf, Region
+from stribeck_verify.identities import Normal, Pair, written_out
+from stribeck_verify.intervals import Evaluation, Range
+from stribeck_verify.leaf import Leaf, Region
 
 _MOST = 5  # comparisons that meet at one place, at most
 TRUE, FALSE = node("le", ZERO, ZERO), node("lt", ZERO, ZERO)

@@ -8,10 +8,10 @@ from itertools import pairwise, product
 
 from flint import fmpq
 
-from stribeck.properties.verify_certificate import claims as of
-from stribeck.properties.verify_certificate import intervals
-from stribeck.properties.verify_certificate.claims import Claim, Law
-from stribeck.properties.verify_certificate.expressions import (
+from stribeck_verify import claims as of
+from stribeck_verify import intervals
+from stribeck_verify.claims import Claim, Law
+from stribeck_verify.expressions import (
     PI,
     Json,
     Node,
@@ -27,10 +27,10 @@ from stribeck.properties.verify_certificate.expressions import (
     read,
     replace,
 )
-from stribeck.properties.verify_certificate.identities import Normal
-from stribeck.properties.verify_certificate.intervals import Range
-from stribeck.properties.verify_certificate.leaf import Leaf, Region
-from stribeck.properties.verify_certificate.meeting import Cases, Place, agree_on_axis, depends, meets
+from stribeck_verify.identities import Normal
+from stribeck_verify.intervals import Range
+from stribeck_verify.leaf import Leaf, Region
+from stribeck_verify.meeting import Cases, Place, agree_on_axis, depends, meets
 
 FORMAT = 1
 UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError)

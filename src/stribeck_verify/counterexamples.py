@@ -1,4 +1,4 @@
-"""A second look at what shows a *no*: the law's own functions evaluated with 400 bits at points of what is stated.
+"""A second look at what shows a *no*: the law's equations evaluated with 400 bits at points of what is stated.
 
 It shares no code with what found it. It cannot prove the statement, which is about ranges, but contradicts one that is wrong.
 """
@@ -6,14 +6,11 @@ It shares no code with what found it. It cannot prove the statement, which is ab
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import SimpleNamespace
 from typing import Any
 
 from flint import arb, ctx
 
-from stribeck.expressions import ops
-from stribeck.laws.base import Law
-from stribeck.properties.verify_certificate.expressions import Json
+from stribeck_verify.expressions import Json
 
 _BITS = 400
 _POINTS = 64
@@ -21,28 +18,33 @@ _NEAR = 1e-9  # of a place that is known to 1e-13
 _TINY = 1e-30  # of a natural scale, beside an axis
 _SHARE = 1e-6  # of the distance from the place: steps of difference quotients
 
-_table = SimpleNamespace(
-    exp=arb.exp, log=arb.log, sqrt=arb.sqrt, sin=arb.sin, cos=arb.cos, atan=arb.atan, tanh=arb.tanh, sign=arb.sgn,
-    floor=arb.floor, where=lambda c, a, b: arb(a) if c else arb(b), both=lambda a, b: a and b, either=lambda a, b: a or b,
-)  # fmt: skip
-ops.register("flint", _table)
-
 Ball = Any  # flint's arb
 Function = Callable[[Ball, Ball], Ball]
+_OPERATIONS: dict[str, Callable[..., Any]] = {
+    "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b, "div": lambda a, b: a / b,
+    "pow": lambda a, b: a**b, "neg": lambda a: -a, "abs": abs, "sign": arb.sgn, "floor": arb.floor,
+    "exp": arb.exp, "log": arb.log, "sqrt": arb.sqrt, "sin": arb.sin, "cos": arb.cos, "atan": arb.atan, "tanh": arb.tanh,
+    "lt": lambda a, b: a < b, "le": lambda a, b: a <= b, "both": lambda a, b: a and b, "either": lambda a, b: a or b,
+}  # fmt: skip
 
 
-def confirmed(law: Law, name: str, evidence: Mapping[str, Json]) -> bool | None:
-    """Whether the points agree with what the evidence states; None where it states nothing that can be looked at."""
+def confirmed(law: Mapping[str, Json], name: str, evidence: Mapping[str, Json]) -> bool | None:
+    """Whether the points agree with what the evidence states; None where it states nothing that can be looked at.
+
+    Args:
+        law: its equations as plain data (:mod:`stribeck_verify.equations`).
+        name: of the property that it lacks.
+        evidence: what ``stribeck check --json`` gives for it.
+    """
     looks = {"bounded": _outward, "unique": _escapes, "drift_free": _departs, "smooth": _differs}
     if name not in looks:
         return None
-    p = SimpleNamespace(**{n: x if x is None else arb(x) for n, x in law.values.items()}, **law.choices)
 
     def rate(v: Ball, z: Ball) -> Ball:
-        return law.dz_dt(p, v, z)
+        return evaluate(law, "dz_dt", v=v, z=z)
 
     def force(v: Ball, z: Ball) -> Ball:
-        return law.friction(p, v, z, rate(v, z))
+        return evaluate(law, "force", v=v, z=z, dz_dt=rate(v, z))
 
     with ctx.workprec(_BITS):
         try:
@@ -51,20 +53,38 @@ def confirmed(law: Law, name: str, evidence: Mapping[str, Json]) -> bool | None:
             return None
 
 
+def evaluate(law: Mapping[str, Json], what: str, **at: Ball) -> Ball:
+    """One of a law's trees at a point."""
+    known = {n: arb(x) for n, x in law["constants"].items()} | {"pi": arb.pi()} | at
+    done: dict[int, Ball] = {}
+
+    def of(x: Json) -> Ball:
+        if isinstance(x, str):
+            return known[x]
+        if not isinstance(x, list):
+            return arb(x)
+        if id(x) not in done:
+            op, *args = x
+            done[id(x)] = of(args[1 if of(args[0]) else 2]) if op == "where" else _OPERATIONS[op](*map(of, args))
+        return done[id(x)]
+
+    return of(law[what])
+
+
 def _between(start: float, end: float) -> list[Ball]:
     return [arb(start) + (arb(end) - arb(start)) * k / _POINTS for k in range(1, _POINTS + 1)]
 
 
-def _outward(law: Law, evidence: Mapping[str, Json], rate: Function) -> bool:
+def _outward(law: Mapping[str, Json], evidence: Mapping[str, Json], rate: Function) -> bool:
     """dz/dt is at least what is stated on the way, and the way leads past Z."""
     stated = evidence["enclosed"]
     way = 1 if stated["z_to"] > stated["z_from"] else -1
-    past = abs(stated["z_to"]) > float(law.z_bound(law.p)) and stated["dz_dt_at_least"] > 0
+    past = abs(stated["z_to"]) > evaluate(law, "Z") and stated["dz_dt_at_least"] > 0
     v, least = arb(stated["v"]), arb(stated["dz_dt_at_least"])
     return bool(past and all(rate(v, z) * way >= least for z in _between(stated["z_from"], stated["z_to"])))
 
 
-def _escapes(law: Law, evidence: Mapping[str, Json], rate: Function) -> bool:
+def _escapes(law: Mapping[str, Json], evidence: Mapping[str, Json], rate: Function) -> bool:
     """|dz/dt| is at least c |z|^power, outward, far out too."""
     start, v = arb(evidence["z_start"]), arb(evidence["v"])
     c, power = arb(evidence["enclosed"]["c"]), int(evidence["enclosed"]["power"])
@@ -72,7 +92,7 @@ def _escapes(law: Law, evidence: Mapping[str, Json], rate: Function) -> bool:
     return power >= 2 and all(bool(rate(v, z) * start.sgn() >= c * abs(z) ** power) for z in points)
 
 
-def _departs(law: Law, evidence: Mapping[str, Json], rate: Function) -> bool | None:
+def _departs(law: Mapping[str, Json], evidence: Mapping[str, Json], rate: Function) -> bool | None:
     """dz/dt is not v near z = 0; None where it differs by less than 400 bits show."""
     stated = evidence["not_elastic"]
     v = arb(stated["v"])
@@ -82,14 +102,11 @@ def _departs(law: Law, evidence: Mapping[str, Json], rate: Function) -> bool | N
     return True if all(bool(rate(v, z) != v) for z in near) else None
 
 
-def _differs(law: Law, evidence: Mapping[str, Json], of: Function) -> bool | None:
+def _differs(law: Mapping[str, Json], evidence: Mapping[str, Json], of: Function) -> bool | None:
     """The value, or the derivative, beside the place is what is stated: nearer to its own side's than to the other's."""
     place = [arb(evidence["v"]), arb(evidence["z"])]
-    scales = law.scales(law.p)
-    beside = [
-        abs(x) * _NEAR if x != 0 else arb(size) * _TINY
-        for x, size in zip(place, (scales.speed, scales.length), strict=True)
-    ]
+    scales = law["scales"]["speed"], law["scales"]["length"]
+    beside = [abs(x) * _NEAR if x != 0 else arb(size) * _TINY for x, size in zip(place, scales, strict=True)]
     below, above = (arb(evidence[n]) for n in ("from_below", "from_above"))
     gap = abs(above - below) / 4
     by = {"by v": 0, "by z": 1}.get(str(evidence["derivative"])[-4:])

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from flint import fmpq
 
-from stribeck.properties.verify_certificate import intervals
-from stribeck.properties.verify_certificate.expressions import Json, Node, Refused, node, rational, read
-from stribeck.properties.verify_certificate.rational import Quotient
+from stribeck_verify import intervals
+from stribeck_verify.expressions import Json, Node, Refused, node, rational, read
+from stribeck_verify.rational import Quotient
 
 if TYPE_CHECKING:
-    from stribeck.properties.verify_certificate.leaf import Leaf
+    from stribeck_verify.leaf import Leaf
 
 
 ENDLESS_RULES = ("above", "below", "tangent")  # their variable is only known to be >= 0

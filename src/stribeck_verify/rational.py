@@ -11,7 +11,7 @@ from typing import Any
 
 from flint import arb, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly
 
-from stribeck.properties.verify_certificate.expressions import Refused
+from stribeck_verify.expressions import Refused
 
 Polynomial = Any  # flint's fmpq_mpoly
 _PRECISION = 400  # bits, for the sign of polynomials in pi

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 
 from flint import fmpq, fmpq_mpoly_ctx
 
-from stribeck.properties.verify_certificate.expressions import (
+from stribeck_verify.expressions import (
     CONDITIONS,
     PI,
     Node,
@@ -19,7 +19,7 @@ from stribeck.properties.verify_certificate.expressions import (
     ordered,
     replace,
 )
-from stribeck.properties.verify_certificate.rational import Polynomial
+from stribeck_verify.rational import Polynomial
 
 Pair = tuple[Polynomial, Polynomial]  # numerator and denominator
 _OPAQUE = 60  # functions and undecided cases in one expression, at most

@@ -1,4 +1,4 @@
-"""``python -m stribeck.properties.verify_certificate FILE``: check the certificates in a file, without the prover.
+"""``python -m stribeck_verify FILE``: check the certificates in a file, without the prover.
 
 The equations are taken from the file; it prints them, so that a reader can compare them with the law's.
 """
@@ -9,8 +9,8 @@ import json
 import sys
 from pathlib import Path
 
-from stribeck.properties.verify_certificate import verify
-from stribeck.properties.verify_certificate.expressions import Json
+from stribeck_verify import verify
+from stribeck_verify.expressions import Json
 
 
 def main(arguments: list[str]) -> int:

@@ -10,10 +10,10 @@ import mpmath
 import pytest
 from flint import fmpq
 
-from stribeck.properties.verify_certificate.expressions import Node, Refused, derivative, name, read, replace
-from stribeck.properties.verify_certificate.identities import Normal, written_out
-from stribeck.properties.verify_certificate.intervals import evaluate
-from stribeck.properties.verify_certificate.leaf import Leaf, Region
+from stribeck_verify.expressions import Node, Refused, derivative, name, read, replace
+from stribeck_verify.identities import Normal, written_out
+from stribeck_verify.intervals import evaluate
+from stribeck_verify.leaf import Leaf, Region
 
 U, W = name("u"), name("w")
 NAMES = {"u": U, "w": W, "pi": name("pi")}

@@ -8,8 +8,8 @@ from itertools import pairwise
 
 from flint import fmpq
 
-from stribeck.properties.verify_certificate import intervals
-from stribeck.properties.verify_certificate.expressions import (
+from stribeck_verify import intervals
+from stribeck_verify.expressions import (
     ONE,
     PI,
     ZERO,
@@ -26,9 +26,9 @@ from stribeck.properties.verify_certificate.expressions import (
     read,
     replace,
 )
-from stribeck.properties.verify_certificate.identities import written_out
-from stribeck.properties.verify_certificate.intervals import Range
-from stribeck.properties.verify_certificate.leaf import Leaf, Region
+from stribeck_verify.identities import written_out
+from stribeck_verify.intervals import Range
+from stribeck_verify.leaf import Leaf, Region
 
 V, Z_NAME, RATE = name("v"), name("z"), name("dz_dt")
 RELATIONS = (">=0", ">0", "!=0", "=0")
