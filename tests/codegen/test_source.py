@@ -11,7 +11,7 @@ from stribeck.codegen import source
 from stribeck.laws import BristleLaw, builtin, law
 from stribeck.laws.form import USUAL
 from stribeck.laws.render import equations
-from stribeck.simulation import compiler
+from stribeck.simulation import compiler, simulate
 from tests.codegen.systems import IDS, VARIANTS, systems
 from tests.simulation.rig import needs_compiler, rig, solved
 
@@ -166,3 +166,30 @@ def test_evaluation_beside_builds():
     evaluator.join()
     assert went_wrong == []
     assert texts == [alone] * 4
+
+
+def machine(body, contact):
+    """A body on a spring with load-dependent friction, under these names."""
+    numbers = {"sigma_0": 1e5, "sigma_1": 300.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
+    return {
+        "schema": 2,
+        "bodies": {body: {"mass": 1.0}},
+        "links": {"spring": {"from": body, "to": "ground", "stiffness": 1e3, "damping": 1.0}},
+        "contacts": {
+            contact: {"from": body, "law": {"name": "lugre_sobczyk", "k_v": 1e5, "parameters": numbers}},
+        },
+        "loads": {"push": {"on": body, "kind": "signal", "signal": {"kind": "ramp", "rate": 5.0}}},
+        "solve": {"t_end": 0.5},
+        "output": {"step": 0.01},
+    }
+
+
+@needs_compiler
+def test_names_do_not_change_a_bit():
+    """Of any length: neither a name of 80 letters nor one of a single letter decides where a statement is broken."""
+    short, long = simulate(machine("b", "c")), simulate(machine("b" * 80, "c" * 80))
+    assert short.reason is long.reason is None
+    assert short.stats["solver"] == long.stats["solver"] == "rodas5p"
+    for name in ("y", "v"):
+        assert np.array_equal(short[f"b.{name}"], long[f"{'b' * 80}.{name}"])
+    assert np.array_equal(short["c.F"], long[f"{'c' * 80}.F"])

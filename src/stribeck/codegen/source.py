@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -270,9 +269,7 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
         if not fields:
             return f"typedef struct {{ real none; }} {name};"
         if comments is None:
-            body = (
-                textwrap.fill(", ".join(fields), 100, initial_indent="    real ", subsequent_indent="        ") + ";\n"
-            )
+            body = "".join(f"    real {field};\n" for field in fields)
         else:
             width = max(map(len, fields))
             body = "".join(

@@ -13,7 +13,9 @@ from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 
 ATOM, UNARY, MUL, ADD, COMPARE, AND, OR, TERNARY = range(8)
-_LONGEST_LINE = 110
+# Operations in one statement. Counted, not measured as text: names must not change bits. As many as lines of 110 letters
+# held with the names of the built-in laws.
+_MOST_OPERATIONS = 8
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,8 @@ def _literal(x: float) -> str:
 class Writer:
     """Writes statements that compute some outputs.
 
-    A node becomes a variable of its own when it is used more than once, has a name in ``names``, or its text would be
-    long; all others are written where they are used.
+    A node becomes a variable of its own when it is used more than once, has a name in ``names``, or is of many operations;
+    all others are written where they are used.
     """
 
     def __init__(
@@ -77,6 +79,7 @@ class Writer:
         self.taken = set(taken) | {text for text in inputs.values() if text.isidentifier()}
         self.lines: list[str] = []
         self._text: dict[Expr, tuple[str, int]] = {}
+        self._size: dict[Expr, int] = {}  # operations in the text
 
     def write(self, outputs: Sequence[tuple[str, Expr]]) -> list[str]:
         """The statements that assign each output expression to its target, in order."""
@@ -93,11 +96,13 @@ class Writer:
 
     def _statement(self, node: Expr, uses: int) -> tuple[str, int]:
         text, precedence = self._format(node)
+        size = self._size[node] = (1 if node.args else 0) + sum(self._size[arg] for arg in node.args)
         if node.op in ("symbol", "constant", "lt", "le", "both", "either"):
             return text, precedence
         called = self.names.get(node)
-        if uses == 1 and called is None and len(text) <= _LONGEST_LINE:
+        if uses == 1 and called is None and size <= _MOST_OPERATIONS:
             return text, precedence
+        self._size[node] = 0
         name = self._name(called)
         self.lines.append(f"{self.dialect.declare}{name} = {text}{self.dialect.statement_end}")
         return name, ATOM
