@@ -178,7 +178,7 @@ def same(expected: str, found: str, strict: bool) -> bool:
 
 def boundaries(kind: str, data: Data, vary: str) -> list[Data]:
     """Rows, one for each side of each boundary."""
-    found = stribeck.design(stribeck.Scenario(data), vary=[vary], compensations=False)
+    found = stribeck.design(stribeck.Scenario(data), vary=[vary])
     rows = []
     for line in found.lines:
         for b in line.boundaries:
@@ -230,7 +230,7 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
     if sampled:
         period = 0.02 / w
         own["sampling"] = {"period": period, "delay": 0.5 * period, "resolution": 1e-7}
-    found = stribeck.design(stribeck.Scenario(data))
+    found = stribeck.design(stribeck.Scenario(data), compensate=True)
     rows, before = [], reversal(data)
     for c in found.compensations:
         table = c.loop.scenario.data["controllers"]["hold"].get("compensation")

@@ -10,7 +10,6 @@ import pytest
 # each has a sibling that is always run, and costs seconds of processor time. Most are products of lists: a share that
 # divides no list's length meets all of its entries.
 THINNED = {
-    "analysis/test_hunting.py::test_hunting_of_the_papers_loop_beside_its_simulation": 0,
     "cli/test_check.py::test_the_commands_of_the_page": 0,
     "cli/test_commands.py::test_new_writes_a_scenario_that_runs": 3,
     "cli/test_extras.py::test_a_missing_package_is_one_line_that_names_its_extra": 2,
@@ -73,13 +72,11 @@ THINNED = {
     "laws/test_claims.py::test_claims_with_damping_that_falls": 4,
     "laws/test_claims.py::test_passive_up_to_the_threshold": 4,
     "loops/test_axes.py::test_from_the_log_of_a_stage_to_its_controller": 0,
-    "loops/test_design.py::test_a_map_over_two_numbers": 0,
     "loops/test_design.py::test_an_integral_hunts_against_stiction": 0,
     "loops/test_design.py::test_another_solver_agrees_on_both_sides_of_a_boundary": 0,
     "loops/test_design.py::test_beyond_the_stability_of_the_linear_loop_it_is_unstable": 0,
     "loops/test_design.py::test_compensation_lowers_the_error_after_reversals_by_what_is_said": 0,
     "loops/test_design.py::test_the_commands_of_the_page": 0,
-    "loops/test_design.py::test_tuned_gains_are_better_and_repeat": 0,
     "machine/test_against_scipy.py::test_columns": 7,
     "machine/test_closed_forms.py::test_the_energy_of_random_machines_balances": 3,
     "machine/test_one_kind.py::test_the_smallest_machine": 2,

@@ -94,7 +94,7 @@ def show(name: str, out: Path, quick: bool = False) -> dict[str, float]:
     compensation: dict[str, Any] = {"speed": "reference", "law": known["contacts"][contact]["law"], "share": 1.0}
     verdict = ""
     if not quick:
-        found = stribeck.design(stribeck.Scenario(known), uncertainty_file=intervals)
+        found = stribeck.design(stribeck.Scenario(known), compensate=True, uncertainty=intervals)
         chosen, verdict = best(found), found.verdict
         if chosen is not None and chosen.kind != "none":
             compensation = chosen.loop.scenario.data["controllers"][controller]["compensation"] | {

@@ -9,8 +9,6 @@ from stribeck.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from stribeck.analysis.comparison import compare
-    from stribeck.analysis.gains import gains
-    from stribeck.analysis.hunting import hunting
     from stribeck.constants import Constant
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
     from stribeck.export import export
@@ -52,8 +50,8 @@ __all__ = [
     "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "MachineVerdicts", "Motor",
     "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
     "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
-    "check_all", "check_machine", "compare", "design", "export", "fit", "gains", "hunting", "law",
-    "library", "margins", "on_cluster", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
+    "check_all", "check_machine", "compare", "design", "export", "fit", "law", "library", "margins",
+    "on_cluster", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -66,8 +64,6 @@ _HOME = {
     **dict.fromkeys(("fit", "read_log"), "stribeck.identify.api"),
     "Fit": "stribeck.identify.result",
     "compare": "stribeck.analysis.comparison",
-    "gains": "stribeck.analysis.gains",
-    "hunting": "stribeck.analysis.hunting",
     "sweep": "stribeck.sweeps.job",
     "on_cluster": "stribeck.sweeps.far",
     "Constant": "stribeck.constants",

@@ -239,7 +239,7 @@ def test_usage_is_one_line_too(stribeck, scenario, word):
     [
         ("fit", "arm.toml", "--logs", "logs.toml"),
         ("fit", "log.csv", "--law", "lugre", "--time", "a", "--position", "b"),
-        ("design", "arm.toml", "--map", "bodies.arm.inertia=1:2"),
+        ("design", "arm.toml", "--vary", "bodies.arm.inertia"),
         ("sweep", "rig.toml", "--vary", "law.k_v=1e6:1e7:2", "--on", "nothing"),
         ("sweep", "rig.toml", "--vary", "law.k_v=1e6:1e7:2", "--on", "dask://127.0.0.1:1:1"),
     ],

@@ -8,12 +8,12 @@ import pytest
 import sympy
 
 import stribeck
-from stribeck.analysis.lyapunov import along
 from stribeck.cli import _status
 from stribeck.control import observer
 from stribeck.control.gains import at_speed, decay, gain_verdict, prove
 from stribeck.control.proof import derive
 from stribeck.laws import BristleLaw
+from stribeck.loops.lyapunov import along
 from tests.control.servos import servo, solved
 from tests.simulation.rig import needs_compiler
 

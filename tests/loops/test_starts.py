@@ -10,7 +10,6 @@ from stribeck.loops.compensation import CompensationResult, _dithered
 from stribeck.loops.judge import Judgement, _rest, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import reversal_errors
-from stribeck.loops.proof import proof
 from stribeck.loops.shaken import SHARE, swings
 from stribeck.loops.starts import Start, _together, from_starts, kinds
 from stribeck.report.design import starts_sentence
@@ -79,7 +78,6 @@ def test_a_dither_stops_what_hunts():
     free = 12.0 / (2.0 * (2 * np.pi * 100) ** 2)  # of the mass alone
     assert 0.3 * free < shaken.amplitude < 1.2 * free
     assert swings(loop, {}, 1)[0]["a"] == pytest.approx(2 * SHARE * free, rel=0.02)
-    assert "has a dither" in proof(loop)["why"]
 
 
 def test_the_amplitude_of_a_dither_that_leaves_least():

@@ -10,7 +10,6 @@ import pytest
 
 import stribeck
 from stribeck import InputError, Scenario, examples, laws
-from stribeck.analysis.hunting import describing_function
 from stribeck.laws import BristleLaw, Claims, Scales
 from stribeck.rig.synthetic import experiment
 
@@ -87,7 +86,6 @@ def test_a_law_keeps_its_choices_where_it_is_simulated_for_another_purpose():
         for chosen in ({}, {"smooth_abs": "sqrt"})
     )
     assert not plain.same_as(other)
-    assert abs(describing_function(plain, 1e-3) - describing_function(other, 1e-3)) > 1e-3
     t = np.linspace(0, 1, 1001)
     v = 1e-3 * np.sin(2 * np.pi * t)
     truth = {law: experiment(law, (t, v)).log.force for law in (plain, other)}

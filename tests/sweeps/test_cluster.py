@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck import Scenario, design
 from stribeck.errors import InputError, StribeckError, StribeckNote
 from stribeck.identify.actuator import fit_machine
 from stribeck.identify.log import Log
@@ -29,7 +28,6 @@ from stribeck.sweeps.job import Sweep
 from stribeck.sweeps.places import Store, place_of
 from tests.identify import rig
 from tests.identify.actuator.recorded import body, logs, record
-from tests.loops.axis import axis
 from tests.simulation.rig import needs_compiler
 
 distributed = pytest.importorskip("distributed")
@@ -364,28 +362,6 @@ def test_a_fit_of_a_machine_on_workers_finds_the_same_bits(cluster, tmp_path):
         there = fit_machine(body(mass=2.0, F_c=0.5, F_s=1.3), path, starts=2, baselines=False)
     assert there.to_json() == here.to_json()
     assert there.status == "done"
-
-
-def test_a_design_on_workers_of_which_one_is_killed_finds_the_same(cluster):
-    """The starts of a verdict are lanes that workers solve."""
-    loop = Scenario(axis(signal={"kind": "step", "time": 0.0, "value": 1.0}))
-    here = design(loop, compensations=False)
-    asked, killed, solve_here = [], [], lanes.solve_here
-
-    def counted(library, some, *rest):
-        asked.append(len(some))
-        if not killed:
-            killed.append(cluster.workers.pop())
-            with_group(killed[0], signal.SIGKILL)
-            cluster.worker()
-        return solve_here(library, some, *rest)
-
-    with stribeck.on_cluster(cluster.on), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(lanes, "solve_here", counted)
-        there = design(loop, compensations=False)
-    assert there.to_json() == here.to_json()
-    assert killed
-    assert set(asked) == {1}  # the probes alone
 
 
 def test_a_fit_of_a_log_on_workers_of_which_one_is_killed_finds_the_same_bits(cluster):

@@ -33,7 +33,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "fit": (("log.csv", *_LOG, "--law", "coulomb_viscous"), ("--trim", "3"), "parameters.toml"),
     "predict": (("log.csv", *_LOG, "--fit", "model"), (), None),
     "rig": (_RIG, ("--seed", "3"), "programme.csv"),
-    "design": (("machine.toml", "--no-compensations"), ("--set", "controllers.axis.K_p=600"), _SUMMARY),
+    "design": (("machine.toml",), ("--set", "controllers.axis.K_p=600"), _SUMMARY),
     "export": (("lugre", "--target", "fmu", "--parameters", "canudas1995"), ("--fmi", "2"), None),
     "explore": (("stick_slip.toml",), ("--set", "solve.t_end=3.0"), None),
     "new": (("servo",), (), None),
@@ -46,7 +46,6 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "fit logs": (("axis.toml", "--logs", "logs.toml", "--starts", "1"), ("--seed", "3"), "parameters.toml"),
     "check level": (("lugre", "--parameters", "canudas1995", "--level", "0.8:1.2"), ("--set", "sigma_1=100"), "report.html"),
     "explore report": (("--report", "ran"), (), None),
-    "design tune": (("machine.toml", "--no-compensations", "--tune", "K_p"), ("--seed", "3"), _SUMMARY),
 }  # fmt: skip
 _FILES = {  # in out
     "export": "law.fmu",
@@ -56,7 +55,7 @@ _FILES = {  # in out
     "parameters": "machine_set.toml",
     "import": "servo.toml",
 }
-_JOURNALS = ("fit.partial.json", "tune_so_far.json")  # from which a search goes on; of no result
+_JOURNALS = ("fit.partial.json",)  # from which a search goes on; of no result
 _FIRST_ONLY = ("new",)  # refuses what is there
 _SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)]
 _LAST = 1.2  # of the time that the command takes; some kills come after its end

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stribeck.analysis import gains as analysis
-from stribeck.analysis.gains import check_servo
-from stribeck.analysis.lyapunov import Along
 from stribeck.cli import show
 from stribeck.cli.text import say
 from stribeck.control.gains import Condition, GainVerdict, Proof, Staying
 from stribeck.control.proof import derive
 from stribeck.errors import InputError
+from stribeck.loops import servo as analysis
+from stribeck.loops.lyapunov import Along
+from stribeck.loops.servo import check_servo
 from stribeck.scenario import Scenario
 
 
@@ -26,7 +26,7 @@ def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | N
 
         if v_max is not None:
             raise InputError("--v-max: must be left out: a machine's loop is judged at the speeds of its signals")
-        return design.run(path, assignments, {"compensations": False}, out, json, trust)
+        return design.run(path, assignments, {}, out, json, trust)
     check_servo(scenario, v_max)
     if out is not None:
         show.check_folder(out)

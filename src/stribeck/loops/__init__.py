@@ -9,20 +9,18 @@ from pathlib import Path
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, refuse_twice
-from stribeck.loops import boundary, compensation, tuning, uncertainty
+from stribeck.loops import boundary, compensation
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, loop_of
 from stribeck.loops.moves import Moves, errors, moves_of
-from stribeck.loops.plane import Plane, plane, plane_of
-from stribeck.loops.proof import proof_and_certificates
-from stribeck.loops.second import SecondOpinion, second_opinion
 from stribeck.loops.starts import Start, from_starts, starts_row
+from stribeck.loops.uncertainty import friction_intervals, friction_samples
 from stribeck.scenario import Scenario
 from stribeck.scenario.counterpart import machine_path
 from stribeck.scenario.objects import Machine, scenario_of
 
-__all__ = ["Design", "design", "loop_and_controller"]
+__all__ = ["Design", "design"]
 
 Tell = Callable[[float, str], None]
 
@@ -39,14 +37,9 @@ class Design:
         lines: the verdict along each path that was varied, with its boundaries.
         compensations: what may be done against friction, with the largest quiet share and the error left.
         why_not: why compensations were not compared; empty where they were.
-        proof: what passivity proves; ``holds`` is True or None.
-        tuned: gains that were searched, if any.
-        plane: the verdict over two numbers, where that was asked for.
-        second: what describing functions say of it.
         excess: from which share on a compensation at the measured speed pushes.
         starts: the judgement from each of many starts.
         moves: amplitude (m or rad) and greatest speed of the standard moves.
-        certificates: those of the contacts, where ``proof`` holds, as ``stribeck check --certificate`` writes them.
     """
 
     loop: Loop
@@ -56,13 +49,8 @@ class Design:
     lines: list[boundary.PathVerdicts]
     compensations: list[compensation.CompensationResult]
     why_not: str
-    proof: dict[str, object]
-    tuned: tuning.Tuned | None = None
     excess: Excess | None = None
-    plane: Plane | None = None
-    second: SecondOpinion | None = None
     starts: list[Start] = field(default_factory=list)
-    certificates: dict[str, object] | None = None
     moves: Moves | None = None
 
     @property
@@ -90,24 +78,17 @@ class Design:
             "compensations": [c.row() for c in self.compensations],
             "compensations_missing": self.why_not or None,
             "over_compensation": self.excess.row() if self.excess else None,
-            "second_opinion": self.second,
-            "map": self.plane.row() if self.plane else None,
-            "proof": self.proof,
-            "tuned": asdict(self.tuned) if self.tuned else None,
         }
 
 
 def design(
     machine: Scenario | Machine | str | Path | Mapping[str, object],
     vary: Sequence[str] = (),
-    tune: Sequence[str] = (),
-    uncertainty_file: str | Path | None = None,
+    compensate: bool = False,
+    uncertainty: str | Path | None = None,
     controller: str | None = None,
-    compensations: bool = True,
     seed: int = 0,
     tell: Tell | None = None,
-    map: Sequence[str] = (),
-    journal: str | Path | None = None,
 ) -> Design:
     """Judge a machine's loop: will it hunt, how well does it track, what may be done against its friction.
 
@@ -115,57 +96,33 @@ def design(
         machine: a machine (schema = 2) with a controller, or a body under a PID controller (schema = 1), which is
             then named ``body``, its friction ``contact`` and the controller ``controller``; its file or its tables.
         vary: ``"PATH=LOW:HIGH"``: ranges in which boundaries of the verdict are looked for.
-        tune: numbers of the controller to search, such as ``["K_p", "K_v"]``, or paths.
-        uncertainty_file: a parameters.toml with intervals of the friction parameters; a tenth both ways unless given.
+        compensate: compare remedies against friction.
+        uncertainty: a parameters.toml with intervals of the friction parameters; a tenth both ways unless given.
         controller: which one, where there are several; the first unless given.
-        compensations: compare what may be done against friction (simulates some hundred lanes).
-        seed: of the random samples and of the search.
-        map: two of ``"PATH=LOW:HIGH"``: the verdict over both.
-        tell: told the share done of the present part, and what that is.
-        journal: a file in which the search of ``tune`` is kept while it runs: stopped, it goes on from there.
+        seed: of the random samples of the friction.
+        tell: called with the share done of the present part, and what that is.
 
     Raises:
         InputError: no machine with a controller, or a path or name that it does not have; one line for each problem.
-        StribeckError: no gains that were tried are quiet.
     """
     scenario = scenario_of(machine, None, None)
     if seed < 0:
         raise InputError(f"{arg('seed')}: {seed}: must be a whole number >= 0")
     if scenario.rig.single:
-        vary, tune, map = ([machine_path(x) for x in given] for given in (vary, tune, map))
+        vary = [machine_path(x) for x in vary]
     loop = loop_of(scenario)
     name = _controller(loop, controller)
     ranges = _ranges(loop, vary)
-    both = plane_of(loop, map) if map else None
-    if tune:
-        tuning.paths_of(loop, name, list(tune))
-    file = Path(uncertainty_file) if uncertainty_file is not None else None
-    samples = uncertainty.samples(uncertainty.intervals(loop.scenario, file), seed)
+    file = Path(uncertainty) if uncertainty is not None else None
+    samples = friction_samples(friction_intervals(loop.scenario, file), seed)
 
     part = partial(_part, tell)
     found = judge(loop, tell=part("the verdict"))[0]
     starts = from_starts(loop, name, part("the starts"))
     measured = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
-    over = plane(loop, *both, part("the map")) if both else None
-    compared, too_much, why_not = _compared(loop, name, samples, compensations, part)
-    kept = Path(journal) if journal is not None else None
-    tuned = tuning.tune(loop, name, list(tune), samples, seed, part("gains"), kept) if tune else None
-    told, certificates = proof_and_certificates(loop)
-    return Design(
-        loop, name, found, measured, lines, compared, why_not, told, tuned, too_much, over, second_opinion(loop, name), starts,
-        certificates, moves_of(loop, name),
-    )  # fmt: skip
-
-
-def loop_and_controller(scenario: Scenario, controller: str | None = None) -> tuple[Loop, str]:
-    """The loop of a machine, and the name of the controller that is judged.
-
-    Raises:
-        InputError: no machine with a controller, or none of that name.
-    """
-    loop = loop_of(scenario)
-    return loop, _controller(loop, controller)
+    compared, too_much, why_not = _compared(loop, name, samples, compensate, part)
+    return Design(loop, name, found, measured, lines, compared, why_not, too_much, starts, moves_of(loop, name))
 
 
 def _compared(

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.arrays import Array
 from stribeck.loops.loop import Loop, a_number, resolution_of
+from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.loops.shaken import swings
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 

@@ -17,7 +17,7 @@ VARIED = ("F_c", "F_s", "v_s", "sigma_0", "sigma_1", "sigma_2")
 _RANDOM = 8
 
 
-def intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, float]]:
+def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, float]]:
     """The interval of each friction parameter by its path: of the file, else a tenth both ways.
 
     The file is a parameters.toml as ``stribeck fit`` writes it: ``[parameters]`` with tables of value, low and high, by
@@ -64,7 +64,7 @@ def _ends(entry: object) -> tuple[float | None, float | None]:
     return None, None
 
 
-def samples(given: dict[str, tuple[float, float]], seed: int = 0) -> dict[str, Array]:
+def friction_samples(given: dict[str, tuple[float, float]], seed: int = 0) -> dict[str, Array]:
     """Values of each path, sample by sample: all low, all high, each alone at both ends, and some at random; the first
     sample is the middle."""
     names = list(given)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from stribeck.errors import StribeckError
-from stribeck.loops import uncertainty
 from stribeck.loops.compensation import with_compensation
 from stribeck.loops.excess import Excess, excess
+from stribeck.loops.uncertainty import friction_intervals, friction_samples
 from stribeck.paper.common import Done
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
@@ -47,7 +47,7 @@ def chapter(done: Done) -> Chapter:
     scenario = Scenario(_machine())
     runs = {kind: _run(with_compensation(scenario, "axis", "guide", kind, _SHARE)) for kind in _WORDS}
     worst = {kind: _worst(run) for kind, run in runs.items()}
-    over = excess(scenario, "axis", uncertainty.samples(uncertainty.intervals(scenario, None)))
+    over = excess(scenario, "axis", friction_samples(friction_intervals(scenario, None)))
     um = {kind: f"{1e6 * x:.3g} µm" for kind, x in worst.items()}
     text = (
         "A slide of 8 kg on a guide follows a sine under a sampled controller. At each reversal friction changes its side, "

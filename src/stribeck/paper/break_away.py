@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stribeck.analysis.oscillation import first_maximum
+from stribeck.loops.oscillation import first_maximum
 from stribeck.paper.common import PAPER, PROPOSED, REFERENCE, Done, Variant, scenario, solve
 from stribeck.report import plots
 from stribeck.report.page import Chapter, Table

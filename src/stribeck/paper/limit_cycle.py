@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stribeck.analysis.comparison import deviations
-from stribeck.analysis.oscillation import amplitude_and_period
+from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.paper import sketches
 from stribeck.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
 from stribeck.report import plots

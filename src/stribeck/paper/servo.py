@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from stribeck import examples
-from stribeck.analysis.lyapunov import rises
 from stribeck.arrays import Array
+from stribeck.loops.lyapunov import rises
 from stribeck.paper.common import Done, record, solve
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table

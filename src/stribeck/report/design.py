@@ -8,14 +8,11 @@ from pathlib import Path
 import tomli_w
 
 from stribeck.errors import left_out
-from stribeck.files import together, write_json, write_text
+from stribeck.files import together, write_text
 from stribeck.loops import Design
 from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult, with_compensation
 from stribeck.loops.judge import Judgement
-from stribeck.loops.plane import Plane
-from stribeck.loops.proof import FILE as CERTIFICATE
-from stribeck.loops.second import SecondOpinion
 from stribeck.loops.starts import Start, kinds
 from stribeck.machine.parts import ControllerPart
 from stribeck.report import chapters, design_figures
@@ -37,18 +34,14 @@ MACHINES = ("machine.toml", "overcompensated.toml")  # among what is written
 
 
 def write_design(found: Design, summary: dict[str, object], folder: Path, command: str = "") -> list[str]:
-    """Write machine.toml (with the best compensation and tuned gains, ready to run), the figures and the page, and, last,
+    """Write machine.toml (with the best compensation, ready to run), the figures and the page, and, last,
     summary.json; the paths."""
     with together(folder) as place:
         paths = [_machine(found, place, folder)]
         if found.excess is not None and found.excess.counterexample is not None:
             paths.append(_excess(found.excess.counterexample, place, folder))
-        if found.certificates is not None:
-            paths.append(place / CERTIFICATE)
-            write_json(paths[-1], found.certificates)
         with left_out("the plots and the page"):
             figures = [design_figures.line(line, i) for i, line in enumerate(found.lines)]
-            figures += [design_figures.plane(found.plane)] if found.plane is not None else []
             if found.compensations:
                 figures.append(design_figures.shares(found.compensations, _unit(found, found.judgement.body)))
             for figure in figures:
@@ -71,9 +64,7 @@ def _machine(found: Design, place: Path, folder: Path) -> Path:
     if chosen is not None:
         contact = contact_of(found.loop.scenario, found.controller)
         scenario = with_compensation(scenario, found.controller, contact, chosen.kind, chosen.share)
-    if found.tuned is not None:
-        scenario = scenario.with_changes(found.tuned.gains)
-    head = "# Written by 'stribeck design': the machine with the compensation and the gains that were best.\n"
+    head = "# Written by 'stribeck design': the machine with the compensation that was best.\n"
     write_text(place / MACHINES[0], head + tomli_w.dumps(moved(scenario.data, scenario.folder, folder)))
     return place / MACHINES[0]
 
@@ -119,8 +110,6 @@ def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: st
         text = [_along(line) for line in found.lines]
         tables = [Table(["path", "boundary", "below", "above", "lies within"], rows)] if rows else []
         made.append(Chapter("boundaries", "Where the verdict changes", text, tables))
-    if found.plane is not None:
-        made.append(_map(found.plane))
     if found.compensations:
         made.append(_compensations(found))
     made += chapters.plots(figures)
@@ -138,29 +127,10 @@ def _verdict(found: Design) -> Chapter:
     text = [
         "Judged after the signals have come to rest, by simulation of the loop as it is in the file over two hundred of its "
         f"slowest time constants ({found.loop.slowest:.3g} s while all contacts slide) or more.",
-        f"Proof: {proof_sentence(found)}.",
     ]
     if j.note:
         text.append(f"Note: {j.note}.")
-    if found.second is not None:
-        text += [f"{line.capitalize()}." for line in second_lines(found.second, _unit(found, j.body))]
-    if found.tuned is not None:
-        gains = ", ".join(f"{path} = {x:g}" for path, x in found.tuned.gains.items())
-        text.append(
-            f"Gains found: {gains}: the worst error after a reversal is {found.tuned.worst_error:.4g}, with the file's gains "
-            f"{found.tuned.error_before:.4g}; {found.tuned.quiet} of {found.tuned.tried} sets that were judged are quiet."
-        )
     return Chapter("verdict", "Verdict", text)
-
-
-def proof_sentence(found: Design) -> str:
-    """What is proved, with what checks it; or what stands against a proof."""
-    told = f"{'it cannot hunt' if found.proof['holds'] else 'none'}: {found.proof['why']}"
-    theorems = found.proof["theorems"]
-    if found.certificates is None or not isinstance(theorems, dict):
-        return told
-    each = ", ".join(f"{name} by theorem '{theorem}'" for name, theorem in theorems.items())
-    return f"{told}; certificates: {CERTIFICATE} ({each}), which the independent checker of 'stribeck check' accepts"
 
 
 def _along(line: PathVerdicts) -> str:
@@ -238,17 +208,6 @@ def _shown(x: float | None, unit: str) -> str:
     return "-" if x is None or x != x else human(x, unit)
 
 
-def _map(p: Plane) -> Chapter:
-    """The verdicts of the grid as a table, the second number upwards."""
-    rows = [[f"{p.y[k]:.4g}", *(column[k].verdict for column in p.found)] for k in reversed(range(len(p.y)))]
-    head = [f"{p.up.path} (down), {p.across.path} (across)", *(f"{x:.4g}" for x in p.x)]
-    text = [
-        f"Simulated at {len(p.x)} by {len(p.y)} points, and between neighbours whose verdicts differ. The file stands at "
-        f"{p.across.path} = {p.point[0]:.4g}, {p.up.path} = {p.point[1]:.4g}."
-    ]
-    return Chapter("map", "The verdict over two numbers", text, [Table(head, rows)])
-
-
 def _compensations(found: Design) -> Chapter:
     unit = _unit(found, found.judgement.body)
     rows = [
@@ -303,26 +262,6 @@ def _cycle(j: Judgement, unit: str) -> str:
 
 def _period(j: Judgement) -> str:
     return human(j.period, "s") if j.period == j.period else ""
-
-
-def second_lines(second: SecondOpinion, unit: str) -> list[str]:
-    """What describing functions say, a line for each way."""
-    if "why_not" in second:
-        return [f"second opinion: none: {second['why_not']}"]
-    left = second.get("left_out")
-    lines = []
-    for row, of in (
-        (second["law"], "of the law, position and speed taken as sinusoidal"),
-        (second["body"], "of the body, the force so"),
-    ):
-        if "why_not" in row:
-            told = f"none: {row['why_not']}"
-        elif row["amplitude"] is None or row["period"] is None:
-            told = "no cycle"
-        else:
-            told = f"a cycle of {human(row['amplitude'], unit)} every {human(row['period'], 's')}"
-        lines.append(f"describing function {of}: {told}" + (f" (without {', '.join(left)})" if left else ""))
-    return lines
 
 
 def _unit(found: Design, body: str) -> str:

@@ -1,4 +1,4 @@
-"""The figures of ``stribeck design``: the verdict along one number and over two, and what each compensation leaves."""
+"""The figures of ``stribeck design``: the verdict along one number, and what each compensation leaves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 
 from stribeck.loops.boundary import PathVerdicts
 from stribeck.loops.compensation import CompensationResult
-from stribeck.loops.plane import Plane
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
 
@@ -35,32 +34,6 @@ def line(along: PathVerdicts, i: int) -> FigureSvg:
             made,
             f"boundaries_{i}",
             f"Each point is a simulated loop; dashed: boundaries of {along.turned.path}; shaded: mixed.",
-            pdf=True,
-        )
-
-
-def plane(p: Plane) -> FigureSvg:
-    """The verdict over two numbers: the grid, the boundary and the file's point."""
-    with plots.style():
-        made, axes = plots.figure([["map"]], 4.2)
-        axis = axes["map"]
-        points = [(x, y, j.verdict) for x, col in zip(p.x, p.found, strict=True) for y, j in zip(p.y, col, strict=True)]
-        for i, verdict in enumerate(VERDICTS):
-            at = np.array([(x, y) for x, y, v in points if v == verdict])
-            if len(at):
-                axis.plot(*at.T, "osvXP"[i], color=plots.COLOURS[(3, 5, 1, 4, 6)[i]], label=verdict, markersize=6)
-        if p.edges:
-            axis.plot([e.x for e in p.edges], [e.y for e in p.edges], "k.", markersize=4, label="boundary")
-        axis.plot(*([x] for x in p.point), "k*", markersize=14, label="the file")
-        axis.set(xlabel=p.across.path, ylabel=p.up.path, title="verdict")
-        for turned, which in ((p.across, "x"), (p.up, "y")):
-            if turned.low > 0 and turned.high / turned.low >= 10:
-                plots.logarithmic(axis, x=which == "x", y=which == "y")
-        axis.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.16))
-        return plots.finish(
-            made,
-            "map",
-            "Each mark is a simulated loop; dots: where the verdict changes, within a sixteenth of a cell.",
             pdf=True,
         )
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from stribeck.analysis.lyapunov import Along
 from stribeck.constants import DECIDED
 from stribeck.control.gains import Condition, GainVerdict, Proof
 from stribeck.errors import left_out
+from stribeck.loops.lyapunov import Along
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure, write_summary
 from stribeck.report.overview import overview

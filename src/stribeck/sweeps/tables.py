@@ -10,8 +10,8 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.files import write_parquet
+from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.report.files import write_csv
 from stribeck.simulation import Ensemble
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import ControllerName, Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.cli.shared import ControllerName, Json, Out, ScenarioFile, Set, Trust, Undetermined, app
 
 
 @app.command(epilog="Example: stribeck gains servo.toml --out gains")
@@ -39,13 +39,7 @@ def design(
         list[str] | None,
         typer.Option("--vary", metavar="PATH=LOW:HIGH", help="Find where the verdict changes; may be repeated."),
     ] = None,
-    map_: Annotated[
-        list[str] | None,
-        typer.Option("--map", metavar="PATH=LOW:HIGH", help="Given twice: the verdict over two numbers, as a picture."),
-    ] = None,
-    tune: Annotated[
-        str | None, typer.Option("--tune", metavar="K_p,K_v", help="Search gains of the controller, or paths.")
-    ] = None,
+    compensate: Annotated[bool, typer.Option("--compensate", help="Compare remedies against friction.")] = False,
     uncertainty: Annotated[
         Path | None,
         typer.Option(
@@ -53,11 +47,7 @@ def design(
         ),
     ] = None,
     controller: ControllerName = None,
-    compensations: Annotated[
-        bool, typer.Option("--compensations/--no-compensations", help="Compare what may be done against friction.")
-    ] = True,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the samples and of the search.")] = 0,
-    on: On = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Seed of the random samples of the friction.")] = 0,
     set_: Set = None,
     trust: Trust = False,
     out: Out = None,
@@ -68,22 +58,6 @@ def design(
     from stribeck.cli import design as command
 
     options = {
-        "vary": vary or [], "tune": tune.split(",") if tune else [], "uncertainty_file": uncertainty, "controller": controller,
-        "compensations": compensations, "seed": seed, "map": map_ or [],
+        "vary": vary or [], "compensate": compensate, "uncertainty": uncertainty, "controller": controller, "seed": seed,
     }  # fmt: skip
-    return command.run(scenario, set_ or [], options, out, json, trust, on)
-
-
-@app.command(epilog="Example: stribeck hunting machine.toml")
-def hunting(
-    scenario: ScenarioFile,
-    controller: ControllerName = None,
-    set_: Set = None,
-    trust: Trust = False,
-    json: Json = False,
-    _undetermined: Undetermined = False,
-) -> int:
-    """Will this loop hunt? By simulation, and by describing functions as a second opinion."""
-    from stribeck.cli import design as command
-
-    return command.hunt(scenario, set_ or [], controller, json, trust)
+    return command.run(scenario, set_ or [], options, out, json, trust)

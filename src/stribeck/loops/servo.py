@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from stribeck.analysis.lyapunov import Along, along
 from stribeck.constants import require_positive
 from stribeck.control.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
 from stribeck.control.proof import derive
 from stribeck.errors import InputError
+from stribeck.loops.lyapunov import Along, along
 from stribeck.scenario import Scenario
 from stribeck.scenario.cascade import CascadeSettings, cascade_of, not_linear
 from stribeck.simulation import Solution, simulate

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stribeck.analysis.oscillation import amplitude_and_period, first_maximum
+from stribeck.loops.oscillation import amplitude_and_period, first_maximum
 
 
 @given(st.floats(0.1, 10.0), st.floats(0.5, 5.0), st.floats(-3.0, 3.0), st.floats(0.0, 6.0))
