@@ -19,7 +19,6 @@ THINNED = {
     "cli/test_hostile.py::test_names_in_plots": 2,
     "cli/test_hostile.py::test_names_that_are_not_text": 0,
     "cli/test_interrupted.py::test_signals_leave_nothing": 3,
-    "cli/test_machines.py::test_gains_of_a_machine_are_those_of_its_loop": 0,
     "cli/test_sweep.py::test_a_part_that_is_damaged_in_its_middle_is_made_again": 3,
     "cli/test_sweep.py::test_killed_at_any_moment_it_ends_with_the_same_bytes": 0,
     "cli/test_terminal.py::test_no_line_folds": 3,

@@ -17,7 +17,6 @@ LONG_FILES: dict[str, str] = {}
 LONG_FUNCTIONS: dict[str, str] = {}
 # Rooms that hold `Any`, how often at most, and what forces it there; there is none in the others.
 ANY: dict[str, tuple[int, str]] = {
-    "loops": (1, "a summary that is read again by its keys"),
     "cli": (4, "summaries for JSON that are read again by their keys, to be printed"),
     "exchange": (9, "the files of other programs, as JSON and XML hold them"),
     "explore": (8, "Bokeh's figures; numbers for the page"),

@@ -113,15 +113,17 @@ def test_sweep(tmp_path, law):
 
 
 @needs_compiler
-def test_gains():
-    found = st.gains(st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2}), v_max=0.2)
-    assert found.verdict.v_max == 0.2
-    assert found.proof.proven in (True, False)
-    assert found.summary()["simulation"]["status"] == "done"
+def test_the_design_of_a_servo():
+    found = st.design(st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2}), v_max=0.2)
+    assert found.gains.v_max == 0.2
+    assert found.proof.proven is True
+    assert found.to_json()["simulation"]["status"] == "done"
     with pytest.raises(st.InputError, match="v_max: -1: must be a finite number > 0"):
-        st.gains(examples.path("servo"), v_max=-1)
-    with pytest.raises(st.InputError, match=r"drive.kind: .*: must be 'cascade'"):
-        st.gains(SMALL)
+        st.design(examples.path("servo"), v_max=-1)
+    with pytest.raises(st.InputError, match="vary: must be left out: a servo"):
+        st.design(examples.path("servo"), vary=["drive.K_D=1:2"])
+    with pytest.raises(st.InputError, match="v_max: must be left out"):
+        st.design(examples.path("arm"), v_max=1.0)
 
 
 @needs_compiler

@@ -93,16 +93,10 @@ def test_show(stribeck, tmp_path):
     assert "must end in .svg" in stribeck("show", str(examples.path("gear")), "--out", str(tmp_path / "gear.png")).err
 
 
-def test_gains_of_a_machine_are_those_of_its_loop(stribeck):
-    changes = ("--set", "solve.t_end=2.0", "--set", "controllers.axis.signal.t=[0.1, 0.5]")
-    found = json.loads(stribeck("gains", str(examples.path("arm")), *changes, "--json").out)
-    assert (found["status"], found["scenario"], found["verdict"]) == ("done", "arm", "quiet")
-
-
 @pytest.mark.parametrize(
     "words",
     [
-        ("gains", "{}", "--v-max", "1"),
+        ("design", "{}", "--v-max", "1"),
         ("export", "--part", "body", "--scenario", "{}", "--target", "c", "--out", "x"),
         ("advise", "lugre_majorant", "--parameters", "canudas1995", "--scenario", "{}", "--position-error", "1e-6"),
     ],

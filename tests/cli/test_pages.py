@@ -60,8 +60,8 @@ def test_check(stribeck, tmp_path):
     assert (tmp_path / "out" / "not_passive.png").exists()
 
 
-def test_gains(stribeck, tmp_path):
-    words = ("gains", examples.path("servo"), "--set", "solve.t_end=1", "--out", tmp_path / "out", "--json")
+def test_the_design_of_a_servo(stribeck, tmp_path):
+    words = ("design", examples.path("servo"), "--set", "solve.t_end=1", "--out", tmp_path / "out", "--json")
     data = json.loads(stribeck(*words).out)
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["files"] == data["files"]
     rows = {row[0]: row for row in Page(tmp_path / "out" / "report.html").tables[0]}

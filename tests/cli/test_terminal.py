@@ -24,7 +24,7 @@ SPOKEN = {
         "--law", "lugre_majorant:k_v=1e6,smooth_abs=compact,v_d=0.02,sigma_0=1e5,sigma_1=300",
     ),
     "run": ("run", examples.path("break_away")),
-    "gains": ("gains", examples.path("servo"), "--set", "solve.t_end=0.1", "--v-max", "0.1"),
+    "design": ("design", examples.path("servo"), "--set", "solve.t_end=0.1", "--v-max", "0.1"),
     "advise": ("advise", "lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"),
     "doctor": ("doctor",),
 }  # fmt: skip

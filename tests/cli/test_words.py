@@ -19,7 +19,7 @@ from stribeck.export import export
         ("fit", "terms", "--term"),
         ("fit", "law", "--law"),
         ("check", "law", "LAW"),
-        ("gains", "scenario", "SCENARIO"),
+        ("design", "scenario", "SCENARIO"),
         ("export", "scenario", "--scenario"),
         ("fit", "data", "DATA"),
         ("sweep", "folder", "--out"),
@@ -69,12 +69,12 @@ def test_no_library_module_speaks_of_options():
 FORMS = ("law.name=lugre_majorant", "drive.observer.name=lugre_majorant", "drive.observer.smooth_abs=sqrt")
 
 
-def test_gains_and_export_tell_forms_of_a_law_apart(stribeck, tmp_path):
+def test_design_and_export_tell_forms_of_a_law_apart(stribeck, tmp_path):
     changes = [word for change in FORMS for word in ("--set", change)]
     short = ("--set", "solve.t_end=0.2", "--v-max", "0.01")
-    found = json.loads(stribeck("gains", examples.path("servo"), *changes, *short, "--json").out)
+    found = json.loads(stribeck("design", examples.path("servo"), *changes, *short, "--json").out)
     assert any(text.startswith("plant and observer differ") for text in found["not_covered"])
-    alike = json.loads(stribeck("gains", examples.path("servo"), *changes[:-2], *short, "--json").out)
+    alike = json.loads(stribeck("design", examples.path("servo"), *changes[:-2], *short, "--json").out)
     assert not any(text.startswith("plant and observer differ") for text in alike["not_covered"])
     scenario = library.Scenario.load(examples.path("servo"), dict(change.split("=") for change in FORMS))
     other = library.law("lugre_majorant", scenario.settings.observer.machine, k_v=1e6)

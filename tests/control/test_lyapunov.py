@@ -194,18 +194,18 @@ def test_command(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert _status(["new", "servo"]) == 0
     capsys.readouterr()
-    assert _status(["gains", "servo.toml", "--v-max", "0.5", "--json"]) == 0
+    assert _status(["design", "servo.toml", "--v-max", "0.5", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["proof"]["proven"] is True
     assert found["exact"]["holds"] is True
     assert found["simulation"]["rises"] == 0
-    assert _status(["gains", "servo.toml", "--v-max", "30"]) == 0
+    assert _status(["design", "servo.toml", "--v-max", "30"]) == 0
     out = capsys.readouterr().out
     assert "refuted" in out
     assert "K_D = 169" in out
     for words in (["--v-max", "-1"], ["--set", "drive.observer.name=none"],
                   ["--set", "drive.observer.name=coulomb_viscous"]):  # fmt: skip
-        assert _status(["gains", "servo.toml", *words]) == 2
+        assert _status(["design", "servo.toml", *words]) == 2
         assert capsys.readouterr().out == ""
 
 

@@ -120,7 +120,7 @@ def test_observers_too(place):
         ("run", "@"),
         ("compare", "@", "--law", "lugre"),
         ("sweep", "@", "--vary", "law.parameters.F_s=1.5:2:2", "--out", "out"),
-        ("gains", "@"),
+        ("design", "@"),
         ("export", "--scenario", "@", "--target", "c", "--out", "out"),
         ("advise", "lugre_majorant", "--parameters", "canudas1995", "--scenario", "@", "--position-error", "1e-5"),
     ],

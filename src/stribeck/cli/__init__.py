@@ -25,7 +25,7 @@ _EXTRA = {
     "rig": "fit",
     "export": "export",
     "check": "check",
-    "gains": "check",
+    "design": "check",
     "paper": "paper",
     "explore": "explore",
 }

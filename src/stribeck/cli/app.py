@@ -11,7 +11,7 @@ from stribeck.cli.shared import Json, app
 # isort: off
 from stribeck.cli.commands import scenarios as scenarios
 from stribeck.cli.commands import of_laws as of_laws
-from stribeck.cli.commands import loops as loops
+from stribeck.cli import design as design
 from stribeck.cli.commands import export as export
 from stribeck.cli import exchange as exchange
 from stribeck.cli import library as library

@@ -14,13 +14,15 @@ from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, loop_of
 from stribeck.loops.moves import Moves, errors, moves_of
+from stribeck.loops.servo import ServoDesign, design_servo
 from stribeck.loops.starts import Start, from_starts, starts_row
 from stribeck.loops.uncertainty import friction_intervals, friction_samples
 from stribeck.scenario import Scenario
+from stribeck.scenario.cascade import cascade_of
 from stribeck.scenario.counterpart import machine_path
 from stribeck.scenario.objects import Machine, scenario_of
 
-__all__ = ["Design", "design"]
+__all__ = ["Design", "ServoDesign", "design"]
 
 Tell = Callable[[float, str], None]
 
@@ -58,6 +60,11 @@ class Design:
         """The verdict in one word."""
         return self.judgement.verdict
 
+    @property
+    def failed(self) -> str | None:
+        """Why the simulation failed."""
+        return self.judgement.note if self.verdict == "failed" else None
+
     def to_json(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""
         j = self.judgement
@@ -76,7 +83,7 @@ class Design:
             "boundaries": [asdict(b) for x in self.lines for b in x.boundaries],
             "mixed": [asdict(m) for x in self.lines for m in x.mixed],
             "compensations": [c.row() for c in self.compensations],
-            "compensations_missing": self.why_not or None,
+            "compensations_missing": self.why_not or (None if self.compensations else "not asked for"),
             "over_compensation": self.excess.row() if self.excess else None,
         }
 
@@ -87,9 +94,10 @@ def design(
     compensate: bool = False,
     uncertainty: str | Path | None = None,
     controller: str | None = None,
+    v_max: float | None = None,
     seed: int = 0,
     tell: Tell | None = None,
-) -> Design:
+) -> Design | ServoDesign:
     """Judge a machine's loop: will it hunt, how well does it track, what may be done against its friction.
 
     Args:
@@ -99,6 +107,7 @@ def design(
         compensate: compare remedies against friction.
         uncertainty: a parameters.toml with intervals of the friction parameters; a tenth both ways unless given.
         controller: which one, where there are several; the first unless given.
+        v_max: the speed up to which a servo's proof holds, m/s; twice the peak of its motion unless given.
         seed: of the random samples of the friction.
         tell: called with the share done of the present part, and what that is.
 
@@ -106,6 +115,11 @@ def design(
         InputError: no machine with a controller, or a path or name that it does not have; one line for each problem.
     """
     scenario = scenario_of(machine, None, None)
+    if cascade_of(scenario) is not None:
+        _refuse_for_a_servo(vary=vary, compensate=compensate, uncertainty=uncertainty, controller=controller)
+        return design_servo(scenario, v_max, tell)
+    if v_max is not None:
+        raise InputError(f"{arg('v_max')}: must be left out: only a servo (drive.kind = 'cascade') has such a proof")
     if seed < 0:
         raise InputError(f"{arg('seed')}: {seed}: must be a whole number >= 0")
     if scenario.rig.single:
@@ -125,6 +139,14 @@ def design(
     return Design(loop, name, found, measured, lines, compared, why_not, too_much, starts, moves_of(loop, name))
 
 
+def _refuse_for_a_servo(**given: object) -> None:
+    """Refuse what is no question about a servo."""
+    if wrong := [name for name, value in given.items() if value]:
+        raise InputError(
+            [f"{arg(name)}: must be left out: a servo is judged by its Lyapunov function" for name in wrong]
+        )
+
+
 def _compared(
     loop: Loop,
     name: str,
@@ -134,7 +156,7 @@ def _compared(
 ) -> tuple[list[compensation.CompensationResult], Excess | None, str]:
     """What may be done against friction, from which share on it pushes, and why there is nothing of this."""
     if not wanted:
-        return [], None, "not asked for"
+        return [], None, ""
     try:
         return (
             compensation.compare(loop, name, samples, part("compensations")),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,8 @@ from stribeck.simulation import Solution
 
 _RISE = 1e-9  # of V(0): what is less is the solver's
 _TOLERANCE = 1e-6  # of the largest |dV/dt|
+
+Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -51,14 +52,32 @@ class Along:
             return np.zeros(len(self.t), bool)
         return np.asarray(self.dV_dt > self.bound + _TOLERANCE * np.max(np.abs(self.dV_dt)), bool)
 
-    def summary(self) -> dict[str, Any]:
+    @property
+    def largest_rise(self) -> float:
+        """By how much V rises at most from row to row, J."""
+        return float(max(np.max(np.diff(self.V), initial=0.0), 0.0))
+
+    @property
+    def rise_times(self) -> list[Span]:
+        """When V rises, first and last times."""
+        return spans(self.t, self.rises)
+
+    @property
+    def excess_times(self) -> list[Span]:
+        """When dV/dt is above its bound."""
+        return spans(self.t, self.excess)
+
+    @property
+    def saturated_times(self) -> list[Span]:
+        """When the valve saturates."""
+        return spans(self.t, self.saturated)
+
+    def summary(self) -> dict[str, object]:
         """For programs."""
-        steps = np.diff(self.V)
         return {
-            "V_0": float(self.V[0]), "V_end": float(self.V[-1]),
-            "rises": int(self.rises.sum()), "largest_rise": float(max(np.max(steps, initial=0.0), 0.0)),
-            "rise_times": spans(self.t, self.rises), "excess_times": spans(self.t, self.excess),
-            "saturated_times": spans(self.t, self.saturated),
+            "V_0": float(self.V[0]), "V_end": float(self.V[-1]), "rises": int(self.rises.sum()),
+            "largest_rise": self.largest_rise, "rise_times": self.rise_times, "excess_times": self.excess_times,
+            "saturated_times": self.saturated_times,
         }  # fmt: skip
 
 
@@ -118,7 +137,7 @@ def _bound(solution: Solution, observer: Law, gains: Mapping[str, float]) -> Arr
     return np.asarray(function(*errors, w, *(known[n] for n in names)))
 
 
-def spans(t: Array, marked: NDArray[np.bool_]) -> list[tuple[float, float]]:
+def spans(t: Array, marked: NDArray[np.bool_]) -> list[Span]:
     """The stretches of rows that are marked, as (first, last) times."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], marked.astype(int), [0]])))
     return [(float(t[a]), float(t[b - 1])) for a, b in edges.reshape(-1, 2)]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -19,29 +18,34 @@ from stribeck.simulation import Solution, simulate
 
 
 @dataclass(frozen=True)
-class Gains:
-    """What is found about the gains of a servo.
+class ServoDesign:
+    """What ``design`` finds of a pneumatic servo: whether its Lyapunov function V decreases with its gains.
 
     Attributes:
         solution: the scenario simulated.
-        verdict: the conditions at the speed ``verdict.v_max``, by how much they hold, and gains that do.
-        proof: whether dV/dt <= 0 is proven by intervals for all errors and speeds up to it.
+        gains: the conditions at the speed ``gains.v_max``, by how much they hold, and gains that do.
+        proof: whether dV/dt <= 0 is proved by intervals for all errors and speeds up to it.
         along: V along the simulation; None where it has no row.
         staying: from which starts the speed stays below ``v_max``; None as before.
         not_covered: what of the scenario the proof does not cover, in words.
     """
 
     solution: Solution
-    verdict: GainVerdict
+    gains: GainVerdict
     proof: Proof
     along: Along | None
     staying: Staying | None
     not_covered: tuple[str, ...]
 
-    def summary(self) -> dict[str, object]:
-        """What ``stribeck gains --json`` prints, without the files."""
+    @property
+    def failed(self) -> str | None:
+        """Why the simulation failed."""
+        return self.solution.reason if self.solution.status != "done" else None
+
+    def to_json(self) -> dict[str, object]:
+        """Plain data, as ``stribeck design --json`` prints it."""
         found: dict[str, object] = {
-            "scenario": self.solution.scenario.name, "derivative": str(derive().derivative), **self.verdict.summary(),
+            "scenario": self.solution.scenario.name, "derivative": str(derive().derivative), **self.gains.summary(),
             "proof": {"proven": self.proof.proven, "boxes": self.proof.boxes, "reason": self.proof.reason or None},
             "not_covered": list(self.not_covered),
         }  # fmt: skip
@@ -53,39 +57,37 @@ class Gains:
         return {**found, "simulation": simulation}
 
 
-def gains(
-    scenario: Scenario | str | Path | Mapping[str, object],
-    v_max: float | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> Gains:
-    """Whether the Lyapunov function V of a pneumatic servo (``drive.kind = "cascade"``) decreases with its gains.
+def design_servo(
+    rig: Scenario, v_max: float | None = None, tell: Callable[[float, str], None] | None = None
+) -> ServoDesign:
+    """Whether V decreases with the gains of a servo (``drive.kind = "cascade"``).
 
     Args:
-        scenario: a servo: a scenario, the path of its file, or its tables.
+        rig: the servo.
         v_max: the speed up to which it is asked, m/s; twice the peak of the simulation unless given.
-        progress: called now and then with the share of the simulation done, 0 to 1.
+        tell: called with the share of the simulation done, and what that is.
 
     Raises:
-        InputError: the scenario is no servo, its observer's law is not linear in z, or ``v_max`` is no speed.
+        InputError: the observer's law is not linear in z, or ``v_max`` is no speed.
         StribeckError: SymPy is not installed.
     """
-    rig = Scenario.of(scenario)
     controller = check_servo(rig, v_max)
-    solution = simulate(rig, progress)
+    solution = simulate(rig, None if tell is None else lambda share: tell(share, "the servo's motion"))
     observer, d = controller.observer, rig.drive_values
     assert observer is not None
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
     verdict, proof = gain_verdict(observer, d, speed), prove(observer, d, (-speed, speed))
     if not len(solution.t):
-        return Gains(solution, verdict, proof, None, None, doubts(rig, controller))
-    return Gains(solution, verdict, proof, along(solution), _staying(rig, solution, speed), doubts(rig, controller))
+        return ServoDesign(solution, verdict, proof, None, None, doubts(rig, controller))
+    stays = _staying(rig, solution, speed)
+    return ServoDesign(solution, verdict, proof, along(solution), stays, doubts(rig, controller))
 
 
 def check_servo(scenario: Scenario, v_max: float | None) -> CascadeSettings:
     """The controller of a servo whose V can be asked about.
 
     Raises:
-        InputError: as :func:`gains`.
+        InputError: as :func:`design_servo`.
     """
     if v_max is not None:
         require_positive("v_max", v_max, "m/s")

@@ -30,6 +30,12 @@ _MEANING = {
     "unstable": "oscillates, and grows until a limit or without end",
     "failed": "could not be simulated to the end",
 }
+_VERDICTS = {"quiet": "QUIET", "creeping": "CREEPS", "hunting": "HUNTS", "unstable": "UNSTABLE", "failed": "FAILED"}
+_DOES = {"quiet": "stays quiet", "creeping": "creeps", "unstable": "is unstable", "failed": "could not be simulated"}
+REMEDIES = {
+    "none": "none", "reference": "feedforward at the signal's speed", "measured": "observer at the measured speed",
+    "inner_loop": "observer with dF/dt, led by the lag", "dither": "dither",
+}  # fmt: skip
 MACHINES = ("machine.toml", "overcompensated.toml")  # among what is written
 
 
@@ -84,7 +90,7 @@ def excess_sentence(found: Design) -> str:
     """From which share on compensation at the measured speed pushes."""
     e = found.excess
     assert e is not None
-    unit = _unit(found, next(c.measures for c in _controllers(found) if c.name == found.controller))
+    unit = unit_of(found)
     text = (
         f"over-compensation: at the measured speed friction and compensation together push from share {e.worst_share:.3g} on "
         f"with the worst friction (at {human(e.speed, unit + '/s')}), from {e.share:.3g} on with the file's"
@@ -143,6 +149,30 @@ def _along(line: PathVerdicts) -> str:
     return f"{t.path}, {len(line.values)} values simulated: {'; '.join(told)}."
 
 
+def along_sentences(line: PathVerdicts) -> list[str]:
+    """What the verdict does along one number, a sentence each."""
+    if not line.boundaries and not line.mixed:
+        whole = line.turned
+        return [f"{line.found[0].verdict} from {whole.path} = {whole.low:g} to {whole.high:g}"]
+    told = [
+        (b.low, f"{b.below} below {b.path} = {b.value:.4g}, {b.above} above (between {b.low:.4g} and {b.high:.4g})")
+        for b in line.boundaries
+    ]
+    told += [(m.low, f"{m.path} = {mixed_sentence(m)}") for m in line.mixed]
+    return [text for _, text in sorted(told)]
+
+
+def quiet_range(c: CompensationResult) -> str:
+    """Up to which share of the friction a remedy stays quiet."""
+    if c.largest_quiet_share is None:
+        return "never"
+    if c.kind == "none":
+        return "yes"
+    if c.dither is not None:
+        return f"{c.dither['least_quiet_share']:.2f} to {c.largest_quiet_share:.2f}"
+    return f"up to {c.largest_quiet_share:.2f}"
+
+
 def mixed_sentence(m: Mixed) -> str:
     """A stretch in which no boundary is named."""
     met = f" ({', '.join(m.verdicts)})" if m.verdicts else ""
@@ -166,23 +196,15 @@ def _starts(found: Design) -> Chapter:
 
 
 def starts_sentence(starts: Sequence[Start], own: Judgement, unit: str) -> str:
-    """What the loop does from the starts that were tried; where that depends on the start, from which."""
-    if len(kinds(list(starts), own)) < 2:
-        return f"from {len(starts)} other starts: the same"
+    """What the loop does from the starts that were tried, where that differs from the file's own run."""
     told = []
-    for kind in kinds(list(starts), starts[0].judgement):
+    for kind in kinds(list(starts), own)[1:]:
         alike = [s for s in starts if len(kinds([s], kind)) == 1]
         first = min(alike, key=lambda s: (abs(s.speed), abs(s.off)))
-        at = (
-            f"from {human(abs(first.off), unit)} off"
-            if first.off
-            else f"from its target at {human(abs(first.speed), unit + '/s')}"
-        )
-        if kind.verdict == "hunting":
-            told.append(f"hunting by {_cycle(kind, unit)} {at} ({len(alike)} starts)")
-        else:
-            told.append(f"{kind.verdict} {at} ({len(alike)} starts)")
-    return f"it depends on the start: {own.verdict} in the file's run; {', '.join(told)}"
+        begun = human(abs(first.off), unit) + " off" if first.off else human(abs(first.speed), unit + "/s")
+        what = f"hunts by {_cycle(kind, unit)}" if kind.verdict == "hunting" else _DOES[kind.verdict]
+        told.append(f"from {len(alike)} of {len(starts)} other starts it {what} (first {begun})")
+    return "; ".join(told) or f"the same from {len(starts)} other starts"
 
 
 def _errors(found: Design) -> Chapter:
@@ -240,6 +262,12 @@ def _dither(found: Design, c: CompensationResult) -> str:
     )
 
 
+def headline(j: Judgement, unit: str) -> str:
+    """The verdict in a few words."""
+    text = _VERDICTS[j.verdict]
+    return f"{text}, {j.body} by {_cycle(j, unit)}" if j.verdict == "hunting" else text
+
+
 def sentence(found: Design) -> str:
     """The verdict in one sentence."""
     j = found.judgement
@@ -262,6 +290,11 @@ def _cycle(j: Judgement, unit: str) -> str:
 
 def _period(j: Judgement) -> str:
     return human(j.period, "s") if j.period == j.period else ""
+
+
+def unit_of(found: Design) -> str:
+    """The unit of the measured body's position."""
+    return _unit(found, next(c.measures for c in _controllers(found) if c.name == found.controller))
 
 
 def _unit(found: Design, body: str) -> str:

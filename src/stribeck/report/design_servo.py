@@ -1,48 +1,43 @@
-"""The page of ``stribeck gains --out``: conditions, proof, and V along the simulation."""
+"""The page of ``stribeck design`` of a servo: conditions, proof, and V along the simulation."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from stribeck.constants import DECIDED
-from stribeck.control.gains import Condition, GainVerdict, Proof
+from stribeck.control.gains import Condition
 from stribeck.errors import left_out
 from stribeck.loops.lyapunov import Along
+from stribeck.loops.servo import ServoDesign
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure, write_summary
 from stribeck.report.overview import overview
 from stribeck.report.page import Chapter, FigureSvg, Table
-from stribeck.simulation import Solution
 
 
-def write_gains(
-    solution: Solution, verdict: GainVerdict, proof: Proof, found: Along | None, summary: Mapping[str, Any], folder: Path,
-    command: str = "",
-) -> list[str]:  # fmt: skip
+def write_servo(found: ServoDesign, summary: Mapping[str, object], folder: Path, command: str = "") -> list[str]:
     """Write gains.svg and plot.svg (with PNG and PDF), report.html and, last, summary.json; the paths."""
-    paths: list[Path] = []
+    solution, paths = found.solution, list[Path]()
     with left_out("the plots and the page"):
-        figures = [_along(found)] if found is not None else []
+        figures = [_along(found.along)] if found.along is not None else []
         figures.append(overview({solution.scenario.name: solution}))
         paths = [path for figure in figures for path in write_figure(figure, folder)]
-        text, tables = _conditions(solution.scenario.drive_values, verdict, proof, summary["not_covered"])
+        text, tables = _conditions(found)
         derivation = f"dV/dt = {summary['derivative']}"
         chapter = Chapter("conditions", "Conditions and proof", text, tables, code=derivation)
         pages = [chapter, *chapters.plots(figures), chapters.of_scenario(solution.scenario)]
-        word = {True: "is proved", False: "is refuted", None: "is not settled"}[proof.proven]
-        introduction = [f"That V decreases for |v| up to {verdict.v_max:.4g} m/s {word}."]
+        word = {True: "is proved", False: "is refuted", None: "is not settled"}[found.proof.proven]
+        introduction = [f"That V decreases for |v| up to {found.gains.v_max:.4g} m/s {word}."]
         title = f"{solution.scenario.name}: do these gains hold?"
         paths.append(chapters.write_page(folder, title, introduction, pages, command))
     return write_summary(paths, folder, folder, summary)
 
 
-def _conditions(
-    gains: Mapping[str, float], v: GainVerdict, proof: Proof, doubts: Sequence[str]
-) -> tuple[list[str], list[Table]]:
+def _conditions(found: ServoDesign) -> tuple[list[str], list[Table]]:
+    gains, v, proof = found.solution.scenario.drive_values, found.gains, found.proof
     rows = [_row("exact condition", v.exact), _row("corrected (21)", v.sufficient)]
     head = ["condition", "holds", "needs K_D at least (N s/m)", "margin", "certifies up to (m/s)"]
     proposed = [[n, f"{gains[n]:.6g}", f"{v.proposed[n]:.6g}"] for n in ("K_D", "K")]
@@ -51,7 +46,7 @@ def _conditions(
     text = [
         f"By intervals, dV/dt <= 0 for all errors and |v| <= {v.v_max:.4g} m/s: {word}{why}, {proof.boxes} boxes.",
         f"Corrected (21) also needs K < {v.largest_K_sufficient:.4g} m/N.",
-        "Not covered: " + "; ".join(doubts) + ".",
+        "Not covered: " + "; ".join(found.not_covered) + ".",
     ]
     return text, [Table(head, rows), Table(["gain", "given", "with a factor of two to spare"], proposed)]
 
