@@ -112,10 +112,10 @@ def _write(found: Design | ServoDesign, summary: dict[str, object], out: Path, c
 
 
 def _print(path: Path, found: Design, out: Path | None) -> None:
-    from stribeck.report.design import along_sentences, headline, starts_sentence, unit_of
+    from stribeck.report.design import along_sentences, headline, position_unit, starts_sentence
     from stribeck.report.quantities import human
 
-    unit, own = unit_of(found), found.judgement
+    unit, own = position_unit(found), found.judgement
     say(f"{path.name}: {headline(own, unit)}  ({starts_sentence(found.starts, own, unit)})", 4)
     if found.loop.held:
         say(f"held at their value at t = {found.loop.rest:g} s, to judge rest: {', '.join(found.loop.held)}", 4, "  ")

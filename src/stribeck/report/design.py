@@ -90,7 +90,7 @@ def excess_sentence(found: Design) -> str:
     """From which share on compensation at the measured speed pushes."""
     e = found.excess
     assert e is not None
-    unit = unit_of(found)
+    unit = position_unit(found)
     text = (
         f"over-compensation: at the measured speed friction and compensation together push from share {e.worst_share:.3g} on "
         f"with the worst friction (at {human(e.speed, unit + '/s')}), from {e.share:.3g} on with the file's"
@@ -292,7 +292,7 @@ def _period(j: Judgement) -> str:
     return human(j.period, "s") if j.period == j.period else ""
 
 
-def unit_of(found: Design) -> str:
+def position_unit(found: Design) -> str:
     """The unit of the measured body's position."""
     return _unit(found, next(c.measures for c in _controllers(found) if c.name == found.controller))
 
