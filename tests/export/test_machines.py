@@ -266,10 +266,10 @@ def test_python(scenario, tmp_path, capsys):
 def test_of_a_contact(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     arm = str(examples.path("arm"))
-    assert _status(["export", arm, "--target", "c", "--contact", "seal", "--out", "seal", "--json"]) == 0
+    assert _status(["export", arm, "--target", "c", "--contact", "bearing", "--out", "bearing", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert (found["part"], found["parameters"]["F_s"]) == ("law", 0.42)
-    assert "N m s/rad" in (tmp_path / "seal/lugre_majorant.h").read_text()
+    assert (found["part"], found["parameters"]["F_s"]) == ("law", 0.012)
+    assert "N m s/rad" in (tmp_path / "bearing/lugre_majorant.h").read_text()
     assert _status(["export", arm, "--target", "st", "--part", "law", "--out", "x.st"]) == 2
     assert "--contact: missing: must be given (one of bearing, seal)" in capsys.readouterr().err
     assert not (tmp_path / "x.st").exists()

@@ -133,7 +133,8 @@ def _law(
     values, rotary = {}, False
     if parameters is not None:
         values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters).rotary
-    elif own_law is not None:
+    elif rig is not None and own_law is not None:
+        exports.refuse_losses(rig, contact)
         own = found.own_constants()
         values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in own}
         rotary = rotary_body

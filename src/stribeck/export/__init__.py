@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 from stribeck import kinds
+from stribeck.analysis.comparison import law_path
 from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, nearest, note
 from stribeck.export.request import Request, Target
@@ -64,6 +65,7 @@ def export(
     origin: str = "",
     fmi: int = 3,
     controller: str | None = None,
+    contact: str | None = None,
 ) -> list[Path]:
     """Write a law, or what is made of it, for another tool.
 
@@ -80,13 +82,15 @@ def export(
         fmi: 2 or 3, the version of FMI (target ``fmu``).
         controller: which of the machine's controllers (parts ``controller``, ``compensator`` and ``cascade``); the only one
             unless given.
+        contact: of which of the machine's contacts the law is (parts ``law`` and ``observer``); the only one unless given.
         origin: where the parameters are from, for the header; built-in sets are recognised.
 
     Returns:
         The files written.
 
     Raises:
-        InputError: no such target or part, or one that this law or target cannot have; nothing is written.
+        InputError: no such target or part, or one that this law or target cannot have, or one that would drop what the
+            contact has beside its law; nothing is written.
     """
     out = Path(out)
     if isinstance(law, Scenario):
@@ -106,7 +110,7 @@ def export(
     elif part in SAMPLED:
         content, notes = _block(law, chosen, part, scenario, step, self_test, origin, fmi, controller)
     else:
-        request = Request(_law(law, part, scenario), part, scenario, step, self_test, origin, fmi)
+        request = Request(_law(law, part, scenario, contact), part, scenario, step, self_test, origin, fmi)
         content, notes = _content(chosen, request)
     for text in notes:
         note(text)
@@ -139,7 +143,7 @@ def _block(
     origin: str, fmi: int, controller: str | None,
 ) -> tuple[dict[str, str | bytes], list[str]]:  # fmt: skip
     """The files of a machine's controller, or of its compensation."""
-    from stribeck.export.controller.block import block_of
+    from stribeck.export.controller.block import Block, block_of
 
     if law is not None:
         raise InputError(f"{arg('law')}: {law.name!r}: must be left out: part '{part}' takes all from the machine")
@@ -148,10 +152,26 @@ def _block(
         return module.files(scenario), []
     block = block_of(scenario, part, controller, step, origin)
     given = {"self_test": self_test} if chosen.self_test else {"fmi": fmi} if chosen.name == "fmu" else {}
-    return module.files(block, **given), block.notes()
+    notes = module.notes if hasattr(module, "notes") else Block.notes
+    return module.files(block, **given), notes(block)
 
 
-def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
+def refuse_losses(scenario: Scenario, contact: str | None = None) -> None:
+    """Let nobody take the law of a contact whose friction is more than its law.
+
+    Raises:
+        InputError: loads raise the contact's level, or factors multiply its constants.
+    """
+    path = law_path(scenario, contact)
+    (part,) = (each for each in scenario.rig.machine.contacts if each.law_path == path)
+    lost = [f"{part.path}.loads"] if part.levels else []
+    lost += [f"{part.path}.factors.{factor.of}" for factor in part.factors]
+    if lost:
+        text = "would be lost: the law alone does not have it; part 'machine' (targets c and fmu) does"
+        raise InputError(f"{', '.join(lost)}: {text}")
+
+
+def _law(law: Law | None, part: str, scenario: Scenario | None, contact: str | None) -> Law:
     """The law given, or the scenario's: for the cascade that of its observer, where it has one."""
     if scenario is None:
         if law is None:
@@ -165,7 +185,10 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
     controller = cascade_of(scenario) if part == "cascade" else None
     if controller is None and law is not None:
         return law
-    own = (controller.observer if controller is not None else None) or scenario.law
+    if controller is None:
+        refuse_losses(scenario, contact)
+        return scenario.rig.laws[law_path(scenario, contact)]
+    own = controller.observer or scenario.law
     if controller is not None and law is not None and not law.same_as(own):
         text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"
         raise InputError(f"{arg('law')}: {law.name!r}: {text}, {own.name!r}")

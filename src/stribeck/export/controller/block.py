@@ -246,8 +246,8 @@ class Block:
         lines += [valued(name, value, constant) for name, (constant, value, _) in self.constants.items()]
         return [ascii_only(line) for line in (*lines, made_by())]
 
-    def notes(self) -> list[str]:
-        """What differs from the file."""
+    def notes(self, carried: tuple[str, ...] = ()) -> list[str]:
+        """What differs from the file; ``carried``: the settings of its sampling that the target's own text has."""
         rig, found = self.scenario.rig, []
         own = next(c for c in rig.machine.controllers if c.name == self.controller.name)
         if own.sampling is None:
@@ -255,9 +255,30 @@ class Block:
                 f"controllers.{own.name} is continuous in the file: simulate what is exported with "
                 f"sampling = {{ period = {self.step:g} }}"
             )
-        elif delay := rig.values[f"{own.path}.sampling", "delay"]:
-            found.append(f"its output is expected to act {delay:g} s after the sample, as in the file")
+            return found
+        sampling = f"{own.path}.sampling"
+        delay = rig.values[sampling, "delay"]
+        if delay and "delay" not in carried:
+            found.append(
+                f"its output is expected to act {delay:g} s after the sample, as in the file ({sampling}.delay)"
+            )
+        sensor = [n for n in ("resolution", "noise") if rig.values.get((sampling, n)) and n not in carried]
+        if sensor:
+            sensor += ["seed"] if "noise" in sensor else []
+            names = ", ".join(f"{sampling}.{n}" for n in sensor)
+            found.append(f"{names}: not in it: it takes readings as its host's encoder gives them")
         return found
+
+    def refuse(self, target: str, *names: str) -> None:
+        """Let a target that cannot have some of the compensation's settings not drop them.
+
+        Raises:
+            InputError: one of these is given.
+        """
+        path = f"{self.controller.path}.compensation"
+        given = [f"{path}.{n}" for n in names if (path, n) in self.scenario.rig.values]
+        if given:
+            raise InputError(f"{', '.join(given)}: would be lost: target '{target}' cannot carry it")
 
 
 def block_of(

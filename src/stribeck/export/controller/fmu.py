@@ -12,7 +12,7 @@ from stribeck.export.fmu.description import Description, Details, Variable, para
 
 def files(block: Block, fmi: int = 3) -> dict[str, str | bytes]:
     """The archive, under the name of the block."""
-    of = Description(block.name, block.name, fmi, block.about(), variables_of(block), period=block.step or None)
+    of = Description(block.name, block.name, fmi, block.about(), variables_of(block), step=block.step or None)
     return packed("block", "fmu_block", of, context(block))
 
 

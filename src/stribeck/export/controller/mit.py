@@ -17,6 +17,7 @@ def files(block: Block) -> dict[str, str | bytes]:
     Raises:
         InputError: the controller has an integral, which the mode lacks, or is of one's own.
     """
+    block.refuse("mit", "lead")
     rig, each = block.scenario.rig, block.controller
     value = {n: rig.values[each.path, n] for n in each.kind.numbers(each.form)}
     if each.kind is PidController and not value.get("K_i"):
@@ -30,7 +31,7 @@ def files(block: Block) -> dict[str, str | bytes]:
     lines = [
         f"# {block.about()[0]}",
         f"# torque = kp (p_des - p) + kd (v_des - v) + t_ff; {about}.",
-        "# The drive works at its own rate and encoder: this file's sampling and limit are not in it.",
+        "# The drive works at its own rate and encoder.",
         f"# {made_by()}",
         f"{each.name}:",
         f"  kp: {kp!r}  # {unit}/{'rad' if block.rotary else 'm'}",
@@ -55,3 +56,13 @@ def files(block: Block) -> dict[str, str | bytes]:
             f"    frequency: {frequency!r}  # Hz",
         ]
     return {f"{block.name}.yaml": "\n".join(lines) + "\n"}
+
+
+def notes(block: Block) -> list[str]:
+    """What the drive does in its own way."""
+    each, found = block.controller, []
+    if each.sampling is not None:
+        found.append(f"{each.path}.sampling: not in it: the drive works at its own rate, with its own encoder")
+    if each.compensation is not None and each.compensation.speed == "measured":
+        found.append(f"{each.path}.compensation.speed: 'measured': a table of the steady friction stands for it")
+    return found

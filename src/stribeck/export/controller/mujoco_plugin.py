@@ -27,3 +27,8 @@ def files(block: Block) -> dict[str, str | bytes]:
         **pair(block.name, "block", values),
         f"{block.name}.xml": render("mujoco_plugin.xml", **values),
     }
+
+
+def notes(block: Block) -> list[str]:
+    """What differs from the file: of the encoder, the plugin has no noise."""
+    return block.notes(carried=("delay", "resolution"))

@@ -17,6 +17,7 @@ def files(block: Block) -> dict[str, str | bytes]:
     rig, made = block.scenario.rig, block.controller.compensation
     if made is None or block.part != "compensator":
         raise InputError(f"{arg('part')}: {block.part!r}: target 'table' has the compensator alone")
+    block.refuse("table", "lead")
     v, force, error = fit(rig.laws[made.path])
     share = rig.values[f"{block.controller.path}.compensation", "share"] if made.share else 1.0
     speed, unit = ("rad/s", "N m") if block.rotary else ("m/s", "N")
@@ -29,3 +30,11 @@ def files(block: Block) -> dict[str, str | bytes]:
     ]  # fmt: skip
     rows = "".join(f"{x!r},{share * y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))
     return {f"{block.name}.csv": "".join(f"# {line}\n" for line in head) + "v,F\n" + rows}
+
+
+def notes(block: Block) -> list[str]:
+    """What no table has."""
+    made = block.controller.compensation
+    if made is None or made.speed == "reference":
+        return []
+    return [f"{block.controller.path}.compensation.speed: 'measured': the table is the steady friction at that speed"]

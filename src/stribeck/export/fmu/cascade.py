@@ -13,7 +13,7 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
     """The FMU, and what the templates need beside."""
     cascade = ControllerCode(request)
     name, about = cascade.name, cascade.about()
-    return Description(name, name, request.fmi, about, _variables(cascade), period=cascade.period), cascade.context()
+    return Description(name, name, request.fmi, about, _variables(cascade), step=cascade.period), cascade.context()
 
 
 def _variables(cascade: ControllerCode) -> list[Variable]:

@@ -64,7 +64,8 @@ class Details(TypedDict, total=False):
 @dataclass(frozen=True)
 class Description:
     """An FMU: the prefix of its names in C, its model, the version of FMI, what its header says, its variables, the
-    continuous states among them, whether it is for model exchange too and has events, and its sample time (s)."""
+    continuous states among them, whether it is for model exchange too and has events; end (s), step (s) and tolerance of
+    a simulation that its user did not set otherwise."""
 
     prefix: str
     model: str
@@ -74,7 +75,9 @@ class Description:
     states: list[Variable] = field(default_factory=list)
     exchange: bool = False
     events: bool = False
-    period: float | None = None
+    t_end: float = 1.0
+    step: float | None = None
+    rtol: float = 1e-6
 
     @property
     def derivatives(self) -> list[Variable]:
@@ -135,8 +138,9 @@ def model_description(of: Description) -> str:
     _units(root, {v.unit for v in variables})
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", {"name": "logStatusError", "description": "errors"})
-    steps = {} if of.period is None else {"stepSize": repr(of.period)}
-    ET.SubElement(root, "DefaultExperiment", {"startTime": "0", "stopTime": "1", "tolerance": "1e-6", **steps})
+    default = {"startTime": "0", "stopTime": repr(of.t_end), "tolerance": repr(of.rtol)}
+    step = {} if of.step is None else {"stepSize": repr(of.step)}
+    ET.SubElement(root, "DefaultExperiment", default | step)
     element = ET.SubElement(root, "ModelVariables")
     for variable in variables:
         (_variable_3 if fmi == 3 else _variable_2)(element, variable)

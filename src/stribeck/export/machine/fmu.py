@@ -14,7 +14,11 @@ def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
     variables = variables_of(model)
     states = [v for v in variables if v.nominal is not None]
-    of = Description(model.name, model.name, fmi, model.about(), variables, states, exchange=True, events=True)
+    scenario = model.scenario
+    of = Description(
+        model.name, model.name, fmi, model.about(), variables, states, exchange=True, events=True,
+        t_end=float(scenario.end), step=float(scenario.output.step), rtol=float(scenario.solve.rtol),
+    )  # fmt: skip
     return packed("machine", "fmu_machine", of, model.context())
 
 
