@@ -1,0 +1,1 @@
+"""The estimator: a record becomes a library of models, one is chosen, and every number gets two uncertainties."""

@@ -1,0 +1,168 @@
+"""What a friction law may lack: one table of forms, each a force per unit of its coefficient along a motion.
+
+Forms are named by what an engineer would call them. Those of ``OF_RECORD`` belong to a record
+and are not carried over to another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+
+from stribeck.arrays import Array
+from stribeck.identify.features.filtering import smoother_log
+from stribeck.identify.log import Log
+from stribeck.identify.models import play
+from stribeck.identify.models.curves import SteadyCurve
+
+WIDTHS = (
+    0.005,
+    0.01,
+    0.02,
+    0.05,
+    0.1,
+    0.2,
+    0.4,
+)  # of the fastest speed, or of the way between reversals: a factor of 2
+POWERS = (0.5, 1.5, 2.0, 3.0)  # of the speed: thinning grease, turbulence, drag, a saturating drive
+LAGS = (2.0, 6.0, 18.0, 54.0)  # samples, by factors of 3: one lag between two of them leaves 4 % of its effect
+WAVES = 3  # cosines over a record's length: warming up has no more
+OF_RECORD = ("drift", "level by time", "filter")
+LOADED = "load and weight"  # friction that grows with all that is carried
+Key = tuple[str, str]  # form, column
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """What the forms' columns are made with, so that another record gets the same ones.
+
+    Attributes:
+        curve: the law; ``shape``: its shapes, about which delays and lags are taken; ``found``: all coefficients.
+        fast, way, step: the fastest speed, the way between reversals, the time between samples.
+        turns, placed: whether the body comes back; whether its position was measured.
+        speeds: of the levels.
+        carried: what the force holds beside inertia and friction: an offset, and sine and cosine of the position.
+        waves, level_waves: ripples of the force and of the friction's level over the position, 1/m.
+    """
+
+    curve: SteadyCurve
+    shape: Mapping[str, float]
+    found: Mapping[str, float]
+    fast: float
+    way: float
+    step: float
+    turns: bool
+    placed: bool
+    speeds: tuple[float, ...]
+    carried: Mapping[str, float]
+    waves: tuple[float, ...] = ()
+    level_waves: tuple[float, ...] = ()
+
+    def friction(self, v: Array) -> Array:
+        """Of the law at its anchor."""
+        return self.curve.force(v, self.shape, self.found) + self.found.get("sigma_2", 0.0) * v
+
+
+def forms(log: Log, at: Anchor) -> dict[Key, Array]:
+    """Every form's columns along a log."""
+    v, sign, load = log.velocity, at.curve.sign(log.velocity, at.shape), at.found.get("mass", 0.0) * log.acceleration
+    friction = at.friction(v)
+    made = _of_speed(v, sign, at)
+    made |= {("delay", ""): _rate(log, load + friction), ("friction lags", ""): _rate(log, friction)}
+    if at.turns:
+        for w in WIDTHS:
+            made[f"play {w}", ""] = play.turned(log, w * at.way) - np.sign(v)
+        for lag in LAGS:
+            made[f"lag {lag}", ""] = _lagging(log, sign, lag * at.step) - sign
+    made |= {("load", ""): sign * abs(load), (LOADED, ""): sign * abs(load + carried(log, at))}
+    made |= _of_place(log, sign, at)
+    for name in ("load", "pressure"):
+        if (x := getattr(log, name)) is not None:
+            made[f"level by {name} column", ""] = sign * x
+    t = 2 * (log.time - log.time[0]) / max(float(np.ptp(log.time)), 1e-300) - 1
+    for k in range(1, WAVES + 1):
+        wave = t if k == 1 else np.cos(np.pi * k * (t + 1) / 2)
+        after = "" if k == 1 else f" {k}"
+        made |= {(f"drift{after}", ""): wave, (f"level by time{after}", ""): sign * wave}
+    if log.bandwidth and log.step:
+        smooth = smoother_log(log)
+        changed = at.found.get("mass", 0.0) * smooth.acceleration + at.friction(smooth.velocity)
+        made["filter", ""] = changed - load - friction
+    return made
+
+
+def _of_speed(v: Array, sign: Array, at: Anchor) -> dict[Key, Array]:
+    """Other curves of friction against speed."""
+    share, made = abs(v) / at.fast, dict[Key, Array]()
+    for w in WIDTHS:
+        made[f"bend {w}", ""] = sign * np.exp(-share / w)
+        made[f"bend {w} square", ""] = sign * np.exp(-((share / w) ** 2))
+        made[f"uneven bend {w}", ""] = abs(sign) * np.exp(-share / w)
+    if "v_s" in at.shape:
+        made["pointed", ""] = sign * _pointed(abs(v) / at.shape["v_s"])
+    for p in POWERS:
+        made[f"growth {p}", ""] = sign * share**p
+    return made | {("uneven slope", ""): abs(v)}
+
+
+def _pointed(share: Array) -> Array:
+    """A Stribeck rise of the exponent 1 instead of 2."""
+    return np.asarray(np.exp(-share) - np.exp(-(share**2)))
+
+
+def _of_place(log: Log, sign: Array, at: Anchor) -> dict[Key, Array]:
+    """Weight, spring, cogging, and a level that changes along the way."""
+    y, made = log.position, dict[Key, Array]()
+    if at.placed:
+        made = {("weight", "sin"): np.sin(y), ("weight", "cos"): np.cos(y)}
+        made |= {("spring", ""): y, ("level by position", ""): sign * y}
+    for name, waves, height in (("ripple", at.waves, 1.0), ("level ripple", at.level_waves, sign)):
+        for k, w in enumerate(waves):
+            made |= {(f"{name} {k}", "sin"): height * np.sin(w * y), (f"{name} {k}", "cos"): height * np.cos(w * y)}
+    return made
+
+
+def carried(log: Log, at: Anchor) -> Array:
+    """What is carried beside the inertia: offset and weight."""
+    y, c = log.position, at.carried
+    return np.asarray(c[""] + c.get("sin", 0.0) * np.sin(y) + c.get("cos", 0.0) * np.cos(y))
+
+
+def steady(name: str, v: Array, at: Anchor, rigid: bool = False) -> Array:
+    """A form at steady speeds ``v`` > 0; 0 of those that only a change of the motion brings out.
+
+    Args:
+        rigid: with an exact sign, as F_s is asked for where the speed tends to 0.
+    """
+    kind, *rest = name.split()
+    share = v / at.fast
+    at_speed: dict[str, Callable[[], Array]] = {
+        "bend": lambda: np.exp(-((share / float(rest[0])) ** len(rest))),
+        "pointed": lambda: _pointed(v / at.shape["v_s"]),
+        "growth": lambda: share ** float(rest[0]),
+    }
+    if kind not in at_speed:
+        return np.zeros(len(v))
+    return np.asarray((1.0 if rigid else at.curve.sign(v, at.shape)) * at_speed[kind]())
+
+
+def is_bend(name: str) -> bool:
+    """Whether a form is a bend of the curve that vanishes at high speed: it belongs to the level at rest."""
+    return name.startswith(("bend", "pointed"))
+
+
+def _rate(log: Log, x: Array) -> Array:
+    out = np.empty(len(x))
+    for run in log.runs():
+        out[run] = np.gradient(x[run]) if run.stop - run.start > 1 else 0.0
+    return out
+
+
+def _lagging(log: Log, x: Array, time: float) -> Array:
+    out, keep = np.empty(len(x)), np.exp(-log.step / time)
+    for run in log.runs():
+        out[run] = lfilter([1 - keep], [1, -keep], x[run], zi=[keep * x[run][0]])[0]
+    return out

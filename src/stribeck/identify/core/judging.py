@@ -1,0 +1,193 @@
+"""Both uncertainties of a reported model.
+
+    interval^2 = C^2 + A^2              range^2 = interval^2 + B^2 + H^2                (half widths; no weight is tuned)
+
+C is the covariance, A the choice redone on blocks drawn anew, B the same with a random half of the forms withheld, H what forms
+of a size that the record would not show do to the estimates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.stats import t as student
+
+from stribeck.arrays import Array
+from stribeck.identify.core.choice import Selection
+from stribeck.identify.core.library import LEVELS, RIDGE, ModelLibrary
+from stribeck.identify.core.states import EstimateState, JudgedEstimate, ends, state_of
+from stribeck.identify.models.memory import rows_together
+
+DRAWS, SHARE, WORSE = (
+    40,
+    0.5,
+    2.0,
+)  # replicates; forms withheld; squared residual beside the reported one's of a replicate
+AGAIN, WITHHELD = 0.95, 0.9  # quantiles of the shifts: of 40 draws the 38th and the 36th largest
+SEEN, LARGEST = (
+    1.0,
+    0.02,
+)  # size of a hidden form: its visible part in residuals; at most so much of the force's deviation
+LAGS = 4.0  # times the rows that err together: Bartlett's weights then keep nine tenths of the correlation
+EXPLAINED = 0.25  # of the force's deviation: a fit that leaves more identifies nothing
+
+
+def judged(choice: Selection, draws: int = DRAWS, trusted: bool = True) -> dict[str, JudgedEstimate]:
+    """Every estimate of the reported model with interval, range and state.
+
+    Args:
+        draws: replicates.
+        trusted: whether the model holds all that was measured; if not, nothing is identified.
+    """
+    lib, model, x = choice.library, choice.model, choice.coefficients
+    value = lib.parameters(model, x)
+    slope = _slopes(choice, value)
+    by_ratio = np.array([n in lib.curve.shapes for n in value])
+    part: dict[str, Array] = {"C": covariance(choice, slope)}
+    part["A"], part["B"], withheld = _redrawn(choice, value, by_ratio, draws)
+    part["H"], hidden = _hidden(choice, slope)
+    interval = np.hypot(part["C"], part["A"])
+    wide = np.sqrt(interval**2 + part["B"] ** 2 + part["H"] ** 2)
+    trusted &= missed(choice) <= EXPLAINED
+    found = {}
+    for q, (name, x_now) in enumerate(value.items()):
+        own = [ends(x_now, half[q], bool(by_ratio[q])) for half in (interval, wide)]
+        state = state_of(own[0], own[1], _level(lib, value, name))
+        if state is EstimateState.IDENTIFIED and (not trusted or (name == "mass" and x_now < 0)):
+            state = EstimateState.MODEL_DEPENDENT
+        cause = (
+            (withheld if part["B"][q] > part["H"][q] else hidden)[q] if state is EstimateState.MODEL_DEPENDENT else ""
+        )
+        found[name] = JudgedEstimate(
+            x_now, own[0], own[1], state, depends_on=cause, parts={k: float(z[q]) for k, z in part.items()}
+        )
+    return lib.curve.judged(found, found[LEVELS[0]], lib.at.speeds[0])
+
+
+def missed(choice: Selection) -> float:
+    """What the reported model leaves, of the force's deviation."""
+    lib, r = choice.library, choice.library.residual(choice.model, choice.coefficients)
+    return float(np.sqrt(np.mean(r**2)) / max(float(np.std(lib.columns[:, 0])), 1e-300))
+
+
+def _level(lib: ModelLibrary, value: Mapping[str, float], name: str) -> float | None:
+    """The friction's level, for what may be 0 beside it: offset, weight, and the like."""
+    may_be_zero = name in lib.body and name not in ("mass", "sigma_2")
+    return value.get("F_c", value[LEVELS[-1]]) / max(lib.weight(name), 1e-300) if may_be_zero else None
+
+
+def _slopes(choice: Selection, value: Mapping[str, float]) -> Array:
+    """The derivatives of the estimates by the coefficients."""
+    lib, model, x = choice.library, choice.model, choice.coefficients
+    base, slope = np.array(list(value.values())), np.empty((len(value), len(x)))
+    for c in range(len(x)):
+        h = np.zeros(len(x))
+        h[c] = 1e-5 * max(abs(x[c]), 1e-5)
+        slope[:, c] = (np.array(list(lib.parameters(model, x + h).values())) - base) / h[c]
+    return slope
+
+
+def covariance(choice: Selection, slope: Array) -> Array:
+    """C: the larger of the delete-a-block jackknife, Newey and West's, what the record leaves of a prior of one largest force,
+    and, of several files, the spread between these; times Student's t."""
+    lib, model, x = choice.library, choice.model, choice.coefficients
+    i, target = lib.index(model), lib.targets[model[0]]
+    total, r, j = lib.gram.sum(0), lib.residual(model, x), lib.columns[:, i]
+    gram, rows = total[np.ix_(i, i)], len(r)
+    blocks = _jackknife(lib.gram, i, target, slope)
+    prior = np.diag(np.maximum(np.diag(gram), 1e-12 * np.max(np.diag(gram)))) / rows / lib.largest**2
+    left = max(float(r @ r) / rows, 1e-12 * lib.largest**2)
+    unseen = np.sqrt(np.diag(slope @ np.linalg.inv(gram / left + prior) @ slope.T))
+    both = np.max([blocks, newey_west(j, r, slope @ _inverse(gram)), unseen], axis=0)
+    out = student.ppf(0.975, len(lib.gram) - 1) * both
+    files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
+    if len(files) > 1:  # another run is asked for
+        out = np.maximum(out, student.ppf(0.975, len(files) - 1) * _jackknife(files, i, target, slope))
+    return np.asarray(out)
+
+
+def _jackknife(gram: Array, i: list[int], target: int, slope: Array) -> Array:
+    """Standard errors of the estimates by leaving out one part after the other."""
+    total, count = gram.sum(0), len(gram)
+    left = [total - g for g in gram]
+    found = np.array([slope @ (_inverse(g[np.ix_(i, i)]) @ g[i, target]) for g in left])
+    return np.asarray(np.sqrt((count - 1) / count * np.sum((found - found.mean(axis=0)) ** 2, axis=0)))
+
+
+def _redrawn(
+    choice: Selection, value: Mapping[str, float], by_ratio: Array, draws: int
+) -> tuple[Array, Array, list[str]]:
+    """A and B, and the form whose withholding moves each estimate most."""
+    lib, n, count = choice.library, choice.law, len(choice.library.gram)
+    draw, again, moved = np.random.default_rng(0), list[Array](), list[Array]()
+    good, which = list[bool](), list[set[str]]()
+    every, base = sorted(lib.groups), np.array(list(value.values()))
+    for _ in range(draws):
+        drawn = np.bincount(draw.integers(0, count, count), minlength=count).astype(float)
+        withheld: set[str] = set()
+        for shifts, alone in ((again, choice.alone), (moved, False)):
+            _, k, y, ratio = choice.choose(drawn, withheld, n, alone)
+            now = np.array(list(lib.parameters(lib.models[k], y).values()))
+            with np.errstate(all="ignore"):
+                logs = base * np.log(np.maximum(now, 1e-12) / base)
+            shifts.append(np.where(by_ratio, logs, now - base))
+            if shifts is again:
+                withheld = {g for g in every if draw.uniform() < SHARE}
+        good.append(ratio <= WORSE)
+        which.append(withheld)
+    far = np.asarray(abs(np.array(moved)), float)
+    a = np.quantile(abs(np.array(again)), AGAIN, axis=0)
+    b = np.quantile(far[good], WITHHELD, axis=0) if any(good) else np.zeros(len(base))
+    return np.asarray(a, float), np.asarray(b, float), _cause(choice.model[1], far, which)
+
+
+def _cause(own: tuple[str, ...], far: Array, which: list[set[str]]) -> list[str]:
+    """The form of the reported model without which each estimate moves farther than with it."""
+    if not own:
+        return [""] * far.shape[1]
+    more = []
+    for g in own:
+        gone = np.array([g in each for each in which])
+        more.append(far[gone].mean(axis=0) - far[~gone].mean(axis=0) if gone.any() and not gone.all() else far[0] * 0)
+    return [own[int(i)] for i in np.argmax(np.array(more), axis=0)]
+
+
+def _hidden(choice: Selection, slope: Array) -> tuple[Array, list[str]]:
+    """H, and the hidden form that moves each estimate most."""
+    lib, model, x = choice.library, choice.model, choice.coefficients
+    j, r = lib.columns[:, lib.index(model)], lib.residual(model, x)
+    inverse = _inverse(lib.gram.sum(0)[np.ix_(lib.index(model), lib.index(model))])
+    noise = np.sqrt(max(float(r @ r) / len(r), 1e-12 * lib.largest**2))
+    force, shifts, names = float(np.std(lib.columns[:, 0])), [], []  # a preload is no scale of friction
+    for g, own in lib.groups.items():
+        if g not in model[1]:
+            column = lib.columns[:, own[0]]
+            stands = inverse @ (j.T @ column)
+            seen = float(np.sqrt(np.mean((column - j @ stands) ** 2)))
+            shifts.append(slope @ stands * min(SEEN * noise / max(seen, 1e-9), LARGEST * force))
+            names.append(g)
+    if not shifts:
+        return np.zeros(len(slope)), [""] * len(slope)
+    return np.sqrt(np.mean(np.square(shifts), axis=0)), [names[int(i)] for i in np.argmax(np.abs(shifts), axis=0)]
+
+
+def newey_west(columns: Array, r: Array, to_estimates: Array) -> Array:
+    """Standard errors of estimates for a residual that remembers."""
+    n, score = len(r), columns * r[:, None]
+    lags = int(min(max(LAGS * rows_together(r), LAGS), n // 6))
+    meat = score.T @ score
+    for lag in range(1, lags + 1):
+        g = score[lag:].T @ score[:-lag]
+        meat = meat + (1 - lag / (lags + 1)) * (g + g.T)
+    of_freedom = n / max(n - columns.shape[1], 1)
+    return np.asarray(np.sqrt(np.maximum(np.diag(to_estimates @ meat @ to_estimates.T) * of_freedom, 0)))
+
+
+def _inverse(a: Array) -> Array:
+    """Of a Gram matrix; 0 for columns that do not move."""
+    d = np.sqrt(np.diag(a))
+    dead = d <= 1e-9 * d.max()
+    d = np.where(dead, 1.0, d)
+    scaled = np.linalg.inv(a / np.outer(d, d) + RIDGE * np.eye(len(a)))
+    return np.asarray(np.where(dead[:, None] | dead, 0.0, scaled) / np.outer(d, d))

@@ -1,0 +1,194 @@
+"""Models of one law on one record as linear regressions: the Gram matrix of all columns, by block, answers everything."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.core.forms import Anchor, is_bend, steady
+from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.record import Record
+
+RIDGE, DEAD = (
+    1e-10,
+    1e-16,
+)  # beside a scaled diagonal of 1: rounding; a column's square beside the largest: it does not move
+LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction at four speeds that were seen
+CELL, STEEP = 1.2, 3.0  # of a node's cell: where its slopes still hold; factor on the squared residual beyond
+Model = tuple[int, tuple[str, ...]]  # index of the node, forms
+
+
+@dataclass
+class ModelLibrary:
+    """Models of one law on one record. Columns: the force, the body's, the forms', and those of the nodes of the shapes.
+
+    Attributes:
+        nodes: shapes of the law; each has ``k`` columns: the law's, then its slopes by the logarithm of each shape.
+        targets: the column that each node's model is to meet: the force, or the force without what is given.
+        groups, size, name: columns of each form; the rms of each column before it was scaled, and its key.
+        gram: (blocks, p, p).
+        step: of the grid, by shape, in logarithms.
+        models: kept by the search; ``count``: coefficients of each; ``kinds``: which forms each has.
+    """
+
+    record: Record
+    at: Anchor
+    groups: dict[str, list[int]]
+    size: dict[int, float]
+    name: dict[int, tuple[str, str]]
+    columns: Array
+    gram: Array
+    step: list[float]
+    nodes: list[dict[str, float]] = field(default_factory=list)
+    targets: list[int] = field(default_factory=list)
+    starts: list[int] = field(default_factory=list)
+    models: list[Model] = field(default_factory=list)
+
+    @property
+    def curve(self) -> SteadyCurve:
+        """The law's columns."""
+        return self.at.curve
+
+    @property
+    def k(self) -> int:
+        """Columns of a node."""
+        return len(self.curve.names) + len(self.step)
+
+    @property
+    def body(self) -> list[str]:
+        """What the body's columns are called."""
+        return list(self.record.body)
+
+    @property
+    def largest(self) -> float:
+        """The largest force."""
+        return float(np.max(abs(self.columns[:, 0])))
+
+    @property
+    def first_form(self) -> int:
+        """The place of the first form's coefficient in a model's."""
+        return self.k + len(self.body)
+
+    def index(self, model: Model) -> list[int]:
+        """The columns of a model: the law's with slopes, the body's, the forms'."""
+        s, chosen = model
+        own = range(self.starts[s], self.starts[s] + self.k)
+        return [*own, *range(1, 1 + len(self.body)), *(i for g in chosen for i in self.groups[g])]
+
+    @property
+    def files(self) -> Array:
+        """The file of each block."""
+        return np.array([self.record.file[self.record.block == b][0] for b in range(len(self.gram))])
+
+    def weight(self, name: str) -> float:
+        """The largest value of a column of the body: its force per unit of the coefficient."""
+        return float(np.max(abs(self.columns[:, 1 + self.body.index(name)])))
+
+    def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
+        """Further nodes; ``heights``: of the law's columns, with which the slopes are taken."""
+        made, place = [], self.columns.shape[1]
+        for shape, height in zip(shapes, heights, strict=True):
+            own = self.record.law_with_slopes(self.curve, shape, height)
+            known = self.record.known(self.curve, shape)
+            self.targets.append(0 if known is None else place + own.shape[1])
+            self.starts.append(place)
+            made.append(own if known is None else np.column_stack([own, self.columns[:, 0] - known]))
+            place += made[-1].shape[1]
+        new = np.column_stack(made)
+        both, block, p = np.column_stack([self.columns, new]), self.record.block, self.columns.shape[1]
+        side = np.array([both[block == b].T @ new[block == b] for b in range(block.max() + 1)])
+        gram = np.empty((len(side), both.shape[1], both.shape[1]))
+        gram[:, :p, :p], gram[:, :, p:], gram[:, p:, :p] = self.gram, side, np.swapaxes(side, 1, 2)[:, :, :p]
+        self.columns, self.gram = both, gram
+        self.nodes += [dict(s) for s in shapes]
+
+    def keep(self, models: list[Model]) -> None:
+        """Take these models."""
+        self.models = models
+        rows = [self.index(m) for m in models]
+        width = max(map(len, rows))
+        self.count = np.array([len(r) for r in rows])
+        self._at = np.array([r + [0] * (width - len(r)) for r in rows])
+        self._there = np.arange(width)[None] < self.count[:, None]
+        self._target = np.array([self.targets[s] for s, _ in models])
+        self.kinds = np.array([[g in c for g in self.groups] for _, c in models]).reshape(len(models), len(self.groups))
+
+    def solve(self, gram: Array) -> tuple[Array, Array]:
+        """Coefficients and squared residual of every model; the residual of an impossible one is made larger."""
+        i, t, target = self._at, self._there, self._target
+        a = gram[i[:, :, None], i[:, None, :]] * (t[:, :, None] & t[:, None, :])
+        diag = np.einsum("mii->mi", a)
+        seen = t & (
+            diag > DEAD * np.max(diag, axis=1, keepdims=True)
+        )  # a column that these blocks do not move is left out
+        d = np.where(seen, np.sqrt(np.maximum(diag, 1e-300)), 1.0)
+        a = np.where(seen[:, :, None] & seen[:, None, :], a, 0.0) / d[:, :, None] / d[:, None, :]
+        a[:, np.arange(i.shape[1]), np.arange(i.shape[1])] = 1 + RIDGE
+        b = gram[i, target[:, None]] * seen / d
+        x = np.linalg.solve(a, b[..., None])[..., 0]
+        force = gram[target, target]
+        sse = np.maximum(force - np.einsum("mi,mi->m", x, b), 1e-12 * force)
+        return x / d, sse * self.fault(x / d)
+
+    def fault(self, x: Array) -> Array:
+        """A factor on the squared residual of what cannot be: negative levels or masses, steps out of the grid's cell."""
+        n = len(self.curve.names)
+        named = dict(zip((*self.curve.names, *[""] * len(self.step), *self.body), x.T, strict=False))
+        out = self.curve.fault(named, self.at.fast, self.largest)
+        for j, step in enumerate(self.step):
+            out = np.where(abs(x[:, n + j]) > CELL * step, out * STEEP, out)
+        return out
+
+    def shape(self, model: Model, x: Array) -> dict[str, float]:
+        """The shapes of a model: its node's, moved by the coefficients of the slopes."""
+        n = len(self.curve.names)
+        moved = enumerate(self.nodes[model[0]].items())
+        return {m: s * float(np.exp(np.clip(x[n + j], -2, 2))) for j, (m, s) in moved}
+
+    def coefficients(self, x: Array) -> dict[str, float]:
+        """Those of the law and of the body, by name."""
+        names = [*self.curve.names, *self.body]
+        return dict(
+            zip(names, [*x[: len(self.curve.names)].tolist(), *x[self.k : self.first_form].tolist()], strict=True)
+        )
+
+    def of_forms(self, model: Model, x: Array) -> dict[tuple[str, str], float]:
+        """The coefficients of a model's forms, by their columns."""
+        i = self.index(model)
+        there = zip(i[self.first_form :], x[self.first_form : len(i)].tolist(), strict=True)
+        return {self.name[j]: z / self.size[j] for j, z in there}
+
+    def level(self, model: Model, x: Array, v: Array) -> Array:
+        """Friction at steady speeds ``v`` > 0, half the difference between both directions."""
+        shape, c = self.shape(model, x), self.coefficients(x)
+        out = self.curve.force(v, shape, c) + self._viscous(c) * v
+        for (form, _), z in self.of_forms(model, x).items():
+            out = out + z * steady(form, v, self.at)
+        return np.asarray(out)
+
+    def _viscous(self, c: Mapping[str, float]) -> float:
+        return c.get("sigma_2", self.record.given.get("sigma_2", 0.0)) if self.curve.sigma_2 else 0.0
+
+    def parameters(self, model: Model, x: Array) -> dict[str, float]:
+        """All numbers that a model estimates: the body's, the law's, and the levels at the speeds that were seen."""
+        c, u = self.coefficients(x), self.curve.speeds(self.at.fast)
+        bends = np.zeros(len(u))
+        for (form, _), z in self.of_forms(model, x).items():
+            if is_bend(form):
+                bends = bends + z * steady(form, u, self.at, rigid=True)
+        own = {n: c[n] for n in self.curve.names}
+        out = {n: c[n] for n in self.body} | self.curve.constants(own, self.shape(model, x), bends, u)
+        return out | dict(zip(LEVELS, self.level(model, x, np.array(self.at.speeds)).tolist(), strict=True))
+
+    def scores(self, sse: Array, rows: float) -> Array:
+        """BIC with ``rows`` independent rows; which forms they are is paid for too."""
+        which = 2 * self.kinds.sum(axis=1) * np.log(max(len(self.groups), 1))
+        return np.asarray(rows * np.log(sse) + self.count * np.log(max(rows, 3.0)) + which)
+
+    def residual(self, model: Model, x: Array) -> Array:
+        """What a model leaves, row by row."""
+        i = self.index(model)
+        return self.columns[:, self.targets[model[0]]] - self.columns[:, i] @ x[: len(i)]

@@ -1,0 +1,264 @@
+"""Prediction apart from identification: the chosen forms or the law alone, on either of two motions, by block cross-validation.
+
+The identification leaves out rows (filtered, thinned, about reversals) because they bias numbers. A prediction is asked for in
+all rows, so its numbers, shapes too, are found again from all rows in motion as they were measured. Each stretch of the record is
+left out in turn, the choice is redone on the others, and the candidate that misses least there is taken. Forms of the record
+itself (time, filter) are chosen, so that they do not bias the rest, and not carried over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TypedDict, cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+from stribeck.arrays import Array
+from stribeck.identify.core.choice import Selection
+from stribeck.identify.core.forms import OF_RECORD, Anchor, Key, forms
+from stribeck.identify.core.search import optimum
+from stribeck.identify.features.rest import at_rest
+from stribeck.identify.log import Log
+from stribeck.identify.models.curves import SteadyCurve, curve_of
+from stribeck.identify.models.record import body_columns
+
+FOLDS, MOST_ROWS = 6, 25_000  # stretches left out in turn; rows that numbers are found from
+WINDOW, NARROWEST = 0.06, 7  # s, of Savitzky and Golay's filter: 8 Hz, below an axis' bandwidth; rows that it must hold
+BETTER = 0.95  # of the error: the second motion must be so much better to be taken
+EXPECTED = 1.2  # times the cross-validated error: what another motion of the same machine had on calibration records
+BY_FILTER, BY_POLYNOMIAL = "filter", "polynomial"
+
+
+class SavedCurve(TypedDict):
+    """Which law a predictor has."""
+
+    law: str
+    given: dict[str, float]
+    free: list[str]
+
+
+class SavedAnchor(TypedDict):
+    """What its forms are made with."""
+
+    shape: dict[str, float]
+    found: dict[str, float]
+    carried: dict[str, float]
+    fast: float
+    way: float
+    step: float
+    turns: bool
+    placed: bool
+    speeds: list[float]
+    waves: list[float]
+    level_waves: list[float]
+
+
+class Saved(TypedDict):
+    """A predictor as fit.json holds it."""
+
+    curve: SavedCurve
+    at: SavedAnchor
+    shape: dict[str, float]
+    law: dict[str, float]
+    body: dict[str, float]
+    forms: list[tuple[str, str, float]]
+    motion: str
+    error: float
+
+
+@dataclass(frozen=True)
+class Predictor:
+    """A model of the force along any record of the machine.
+
+    Attributes:
+        at: what the forms are made with; its curve is the law.
+        shape, law, body, forms: shapes and coefficients.
+        motion: of the log's own filter, or by polynomials over 60 ms.
+        error: cross-validated, norm(residual)/norm(force).
+    """
+
+    at: Anchor
+    shape: Mapping[str, float]
+    law: Mapping[str, float]
+    body: Mapping[str, float]
+    forms: Mapping[Key, float]
+    motion: str
+    error: float
+
+    def parts(self, log: Log) -> tuple[Array, Array]:
+        """Friction and the rest of the force along a log; at rest friction is 0."""
+        log = smoothed(log) if self.motion == BY_POLYNOMIAL else log
+        rest = at_rest(log)
+        v, curve = log.velocity, self.at.curve
+        columns = body_columns(log, [n for n in self.body if n != "sigma_2"], viscous="sigma_2" in self.body)
+        friction = curve.force(v, self.shape, self.law) + self.body.get("sigma_2", 0.0) * v
+        beside = sum((c * columns[n] for n, c in self.body.items() if n != "sigma_2"), np.zeros(len(log)))
+        carried = {k: c for k, c in self.forms.items() if not k[0].startswith(OF_RECORD)}
+        made = forms(log, self.at) if carried else {}
+        for key, c in carried.items():
+            if key in made and key[0].startswith(("weight", "spring", "ripple")):
+                beside = beside + c * made[key]
+            elif key in made:
+                friction = friction + c * made[key]
+        return np.where(rest, 0.0, friction), np.asarray(beside)
+
+    def force(self, log: Log) -> Array:
+        """The force along a log."""
+        friction, beside = self.parts(log)
+        return friction + beside
+
+    def to_json(self) -> Saved:
+        """As fit.json holds it."""
+        a = self.at
+        at: SavedAnchor = {
+            "shape": dict(a.shape), "found": dict(a.found), "carried": dict(a.carried), "fast": a.fast, "way": a.way,
+            "step": a.step, "turns": a.turns, "placed": a.placed, "speeds": list(a.speeds), "waves": list(a.waves),
+            "level_waves": list(a.level_waves),
+        }  # fmt: skip
+        curve = self.at.curve
+        named = [(form, column, c) for (form, column), c in self.forms.items()]
+        return {
+            "curve": {"law": curve.law, "given": curve.given, "free": list(curve.free)}, "at": at,
+            "shape": dict(self.shape), "law": dict(self.law), "body": dict(self.body), "forms": named,
+            "motion": self.motion, "error": self.error,
+        }  # fmt: skip
+
+
+def of_json(saved: Mapping[str, object]) -> Predictor:
+    """The predictor of a file.
+
+    Raises:
+        KeyError, TypeError, ValueError: the file holds something else.
+    """
+    data = cast("Saved", saved)
+    curve = curve_of(data["curve"]["law"], data["curve"]["given"], data["curve"]["free"])
+    at = data["at"]
+    lists = [tuple(map(float, x)) for x in (at["speeds"], at["waves"], at["level_waves"])]
+    anchor = Anchor(
+        curve, at["shape"], at["found"], at["fast"], at["way"], at["step"], at["turns"], at["placed"], lists[0],
+        at["carried"], lists[1], lists[2],
+    )  # fmt: skip
+    named = {(str(form), str(column)): float(c) for form, column, c in data["forms"]}
+    shape, law, body = ({n: float(x) for n, x in part.items()} for part in (data["shape"], data["law"], data["body"]))
+    if set(shape) != set(curve.shapes) or set(law) != set(curve.names):
+        raise ValueError
+    return Predictor(anchor, shape, law, body, named, str(data["motion"]), float(data["error"]))
+
+
+@dataclass(frozen=True)
+class AllRows:
+    """Rows of a log as they were measured, in the place of a record's."""
+
+    log: Log
+    at: NDArray[np.intp]
+
+    def law_columns(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array:
+        """The law's columns."""
+        made = curve.columns(self.log.velocity[self.at], shape)
+        return np.column_stack([made[n] for n in curve.names]) if made else np.empty((len(self.at), 0))
+
+    def law_with_slopes(self, curve: SteadyCurve, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
+        """And its slopes."""
+        return np.column_stack(
+            [self.law_columns(curve, shape), *curve.slopes(self.log.velocity[self.at], shape, height)]
+        )
+
+    def known(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array | None:
+        """What is given."""
+        return curve.known(self.log.velocity[self.at], shape)
+
+
+def predictor(choice: Selection, log: Log) -> Predictor:
+    """The candidate that predicts left-out stretches of a log best.
+
+    Args:
+        log: the whole record of the choice.
+    """
+    moving, block = np.flatnonzero(~at_rest(log)), choice.library.record.block
+    if not len(moving):
+        moving = np.arange(len(log))
+    count = len(choice.library.gram)
+    fold_of_block = np.arange(count) * min(FOLDS, count) // count
+    fold = fold_of_block[_block_of(choice, log, block)[moving]]
+    motions = [BY_FILTER, *([BY_POLYNOMIAL] if _can_be_smoothed(log) else [])]
+    candidates = [(alone, motion) for motion in motions for alone in ((True,) if choice.alone else (False, True))]
+    left = dict.fromkeys(candidates, 0.0)
+    for f in range(int(fold_of_block.max()) + 1):
+        inside, others = moving[fold == f], moving[fold != f]
+        if not len(inside) or not len(others):
+            continue
+        for key in candidates:
+            made = _candidate(choice, (fold_of_block != f).astype(float), log, others, *key)
+            left[key] += float(np.sum((log.force - made.force(log))[inside] ** 2))
+    best = min(left, key=lambda k: left[k])
+    plain = min((k for k in left if k[1] == BY_FILTER), key=lambda k: left[k])
+    if best[1] == BY_POLYNOMIAL and left[best] > BETTER**2 * left[plain]:
+        best = plain
+    error = float(np.sqrt(left[best]) / max(np.linalg.norm(log.force[moving]), 1e-300))
+    return replace(_candidate(choice, np.ones(count), log, moving, *best), error=error)
+
+
+def _block_of(choice: Selection, log: Log, block: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The block of each row of the whole record: that of the last compared row before it in its file."""
+    record, out = choice.library.record, np.zeros(len(log), np.intp)
+    names = list(dict.fromkeys(log.files)) or [""]
+    number = np.array([names.index(n) for n in log.files] or [0] * (int(log.run.max()) + 1))
+    for each in range(len(names)):
+        rows, own = np.flatnonzero(number[log.run] == each), np.flatnonzero(record.file == each)
+        if not len(rows):
+            continue
+        if not len(own):
+            continue
+        own = own[np.argsort(record.log.time[record.at[own]], kind="stable")]
+        place = np.searchsorted(record.log.time[record.at[own]], log.time[rows], side="right") - 1
+        out[rows] = block[own][np.maximum(place, 0)]
+    return out
+
+
+def _candidate(
+    choice: Selection, weight: Array, log: Log, rows: NDArray[np.intp], alone: bool, motion: str
+) -> Predictor:
+    """Chosen on a weighting of the blocks, its numbers from some rows of the log."""
+    n, i, x, _ = choice.choose(weight, alone=alone or choice.alone)
+    lib, curve = choice.libraries[n], choice.libraries[n].curve
+    model, given = lib.models[i], lib.record.given
+    keys = list(lib.of_forms(model, x))
+    seen = smoothed(log) if motion == BY_POLYNOMIAL else log
+    rows = rows[:: max(1, len(rows) // MOST_ROWS)]
+    made = forms(seen, lib.at) if keys else {}
+    body = body_columns(seen, [m for m in (*lib.body, *given) if m != "sigma_2"], curve.sigma_2)
+    rest = np.column_stack([*(body[m][rows] for m in lib.body), *(made[k][rows] for k in keys)])
+    force = seen.force - sum((c * body[m] for m, c in given.items()), np.zeros(len(seen)))
+    shape, y, _ = optimum(AllRows(seen, rows), curve, lib.shape(model, x), rest, force[rows])
+    names = [*curve.names, *lib.body, *keys]
+    found = dict(zip(names, y.tolist(), strict=True))
+    of_body = {m: found[m] for m in lib.body} | {m: c for m, c in given.items() if m in body}
+    return Predictor(
+        lib.at, shape, {m: found[m] for m in curve.names}, of_body, {k: found[k] for k in keys}, motion, float("nan")
+    )
+
+
+def _can_be_smoothed(log: Log) -> bool:
+    """Whether a second motion can be made: a position was measured, and the filter's window holds enough rows."""
+    if log.unfiltered is None or log.sources.get("velocity") == "measured" or not log.step:
+        return False
+    return 2 * round(WINDOW / log.step / 2) + 1 >= NARROWEST
+
+
+def smoothed(log: Log) -> Log:
+    """Speed and acceleration by Savitzky and Golay's filter of the position as it was measured."""
+    if not _can_be_smoothed(log) or log.unfiltered is None:
+        return log
+    wide, out = 2 * round(WINDOW / log.step / 2) + 1, np.empty((2, len(log)))
+    for run in log.runs():
+        window = min(wide, (run.stop - run.start - 1) // 2 * 2 + 1)
+        for k in (1, 2):
+            out[k - 1, run] = (
+                savgol_filter(log.unfiltered[run], window, 3, k, log.step)
+                if window > 3
+                else (log.velocity, log.acceleration)[k - 1][run]
+            )
+    return log.with_columns(velocity=out[0], acceleration=out[1])

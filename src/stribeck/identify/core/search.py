@@ -1,0 +1,307 @@
+"""One search: every form at every node of the shapes by Schur complements, then nodes at the optima of the best sets of forms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.errors import InputError, arg
+from stribeck.identify.core.forms import Anchor, Key, forms
+from stribeck.identify.core.library import RIDGE, Model, ModelLibrary
+from stribeck.identify.log import INTEGRAL, Log
+from stribeck.identify.models import ripple
+from stribeck.identify.models.curves import SteadyCurve
+from stribeck.identify.models.record import Record
+
+CELLS = {
+    0: (),
+    1: (16,),
+    2: (9, 6),
+    3: (5, 4, 4),
+}  # of the grid of shapes: a factor of 1.5 to 3, over which slopes hold
+BEAM, MOST, KEPT = (
+    6,
+    4,
+    250,
+)  # sets of forms followed at each depth; forms of a model (six helped 3 and ruined 2 of 17); models
+STEPS, REFINED, REFINED_WITH = 8, 4, 12  # of Gauss and Newton; sets of forms with a node of their own; sets tried there
+SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step
+LITTLE = 1e-5  # of the squared residual: the search has ended
+HARDLY = 1e-3  # of a column's square beside the model: the model stands for less
+SHOWN = 0.05  # of a bend's height that the record must reach
+BENDS_BELOW = 0.35  # of v_s: a wider bend is the law's own curve
+STEEPNESS = 0.02  # of the level: the least coefficient with which slopes at an optimum are taken
+COST = (
+    0.04  # of the logarithm of the squared residual, a column of the beam must gain: BIC of some 200 independent rows
+)
+FAINT = 1e-9  # of a column: it is 0
+SEEN = (0.02, 0.98)  # of the rows, by speed: the slowest and the fastest level
+
+
+class LawColumns(Protocol):
+    """What the columns of a law are taken on: a record, or rows of a log as they were measured."""
+
+    def law_columns(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array:
+        """The law's columns."""
+
+    def law_with_slopes(self, curve: SteadyCurve, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
+        """And its slopes."""
+
+    def known(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array | None:
+        """What is given."""
+
+
+def optimum(
+    rows: LawColumns, curve: SteadyCurve, shape: Mapping[str, float], rest: Array, force: Array
+) -> tuple[dict[str, float], Array, float]:
+    """Gauss and Newton's steps of the shapes, everything linear eliminated; a step that does not help is shortened.
+
+    Args:
+        rest: the columns beside the law's.
+
+    Returns:
+        Shapes, coefficients (the law's, then those of ``rest``), squared residual.
+    """
+
+    def solved(columns: Array, at: Mapping[str, float]) -> tuple[Array, float]:
+        a, known = np.column_stack([columns, rest]), rows.known(curve, at)
+        target = force if known is None else force - known
+        d = np.maximum(np.sqrt(np.sum(a * a, axis=0)), 1e-300)
+        x = np.linalg.lstsq(a / d, target, rcond=1e-9)[0] / d
+        r = target - a @ x
+        return x, float(r @ r)
+
+    n, shape = len(curve.names), dict(shape)
+    x, sse = solved(rows.law_columns(curve, shape), shape)
+    for _ in range(STEPS if shape else 0):
+        height = dict(zip(curve.names, x.tolist(), strict=False))
+        z, _ = solved(rows.law_with_slopes(curve, shape, height), shape)
+        step, before = np.clip(z[n : n + len(shape)], -1.0, 1.0), sse
+        for part in SHORTER:
+            other = {m: s * float(np.exp(part * e)) for (m, s), e in zip(shape.items(), step.tolist(), strict=True)}
+            y, found = solved(rows.law_columns(curve, other), other)
+            if found < sse:
+                shape, x, sse = other, y, found
+                break
+        if sse > before * (1 - LITTLE):
+            break
+    return shape, x, sse
+
+
+def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) -> ModelLibrary:
+    """All columns and their Gram matrices, and the models that a beam search meets.
+
+    Args:
+        speeds: of the levels; four seen ones unless given.
+
+    Raises:
+        InputError: the law has more shapes than a grid can hold.
+    """
+    if len(curve.shapes) not in CELLS:
+        raise InputError(f"{arg('law')}: {curve.law!r}: {', '.join(curve.shapes)}: all but 3 must be given")
+    ranges = curve.ranges(record.log.velocity)
+    axes = {n: np.geomspace(*ranges[n], c) for n, c in zip(curve.shapes, CELLS[len(curve.shapes)], strict=True)}
+    mesh = np.stack([m.ravel() for m in np.meshgrid(*axes.values(), indexing="ij")], -1).tolist() if axes else [[]]
+    shapes = [dict(zip(axes, p, strict=True)) for p in mesh]
+    body = np.column_stack(list(record.body.values()))
+    best, at_nodes = shapes[0], []
+    least = np.inf
+    for shape in shapes:
+        x, sse = _plain(record, curve, shape, body)
+        at_nodes.append(x)
+        if sse < least:
+            least, best = sse, shape
+    shape, x, _ = optimum(record, curve, best, body, record.force)
+    if not _sound(curve, shape, x, ranges):
+        shape, x = best, _plain(record, curve, best, body)[0]
+    at = anchor(record, curve, shape, x, body, speeds)
+    out = _with_forms(record, at, body, [float(np.log(a[1] / a[0])) for a in axes.values()])
+    n = len(curve.names)
+    out.add([*shapes, shape], [curve.anchored(c[:n].tolist()) for c in (*at_nodes, x)])
+    search(out)
+    return out
+
+
+def _plain(record: Record, curve: SteadyCurve, shape: Mapping[str, float], body: Array) -> tuple[Array, float]:
+    """Coefficients of the law alone, and the squared residual; larger of what cannot be."""
+    a, known = np.column_stack([record.law_columns(curve, shape), body]), record.known(curve, shape)
+    target = record.force if known is None else record.force - known
+    x = np.linalg.lstsq(a, target, rcond=1e-9)[0]
+    r = target - a @ x
+    own = {n: np.asarray(x[i : i + 1], float) for i, n in enumerate(curve.names)}
+    fault = float(curve.fault(own, 0.0, float(np.max(abs(record.force))))[0]) if own else 1.0
+    return np.asarray(x, float), float(r @ r) * fault
+
+
+def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Mapping[str, tuple[float, float]]) -> bool:
+    """Whether the law alone has an optimum that forms may be made with."""
+    n = len(curve.names)
+    inside = all(ranges[m][0] / 3 < s < 3 * ranges[m][1] for m, s in shape.items())
+    return inside and (n == 0 or (x[0] > 0 and float(x[:n].min()) >= 0))
+
+
+def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> ModelLibrary:
+    """The library before its nodes: force, body, and every form that the record moves and the body does not hold."""
+    made: list[Array] = []
+    groups, size, name = dict[str, list[int]](), dict[int, float](), dict[int, Key]()
+    whole = {key: record.column(c) for key, c in forms(record.log, at).items()}
+    held = {key[0] for key, c in whole.items() if _in_body(c, body)}
+    for key, column in whole.items():
+        largest = np.max(abs(column))
+        if largest <= FAINT or key[0] in held or (key[0].startswith(("bend", "uneven bend")) and largest < SHOWN):
+            continue
+        groups.setdefault(key[0], []).append(i := 1 + body.shape[1] + len(made))
+        size[i], name[i] = float(np.sqrt(np.mean(column**2))), key
+        made.append(column / size[i])
+    columns = np.column_stack([record.force, body, *made])
+    block = record.block
+    gram = np.array([columns[block == b].T @ columns[block == b] for b in range(block.max() + 1)])
+    return ModelLibrary(record, at, groups, size, name, columns, gram, step)
+
+
+def _in_body(column: Array, body: Array) -> bool:
+    """Whether a form is one of the body's columns, which the user named."""
+    size = float(column @ column)
+    return any(size * float(b @ b) * (1 - FAINT) < float(column @ b) ** 2 for b in body.T)
+
+
+def anchor(
+    record: Record, curve: SteadyCurve, shape: Mapping[str, float], x: Array, body: Array, speeds: Sequence[float]
+) -> Anchor:
+    """What the forms' columns are made with, by a plain fit of the law; and the ripples that its residual holds."""
+    log, v, n = record.log, record.log.velocity, len(curve.names)
+    found = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
+    fast = float(np.max(abs(v)))
+    if not speeds:
+        slow, high = np.quantile(abs(v[record.at]), SEEN)
+        speeds = (float(slow), float(np.sqrt(slow * high)), float(0.5 * high), float(high))
+    own, known = np.column_stack([record.law_columns(curve, shape), body]), record.known(curve, shape)
+    target = record.force if known is None else record.force - known
+    turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
+    offset = found.get("offset", 0.0)
+    y, carried = record.column(log.position), {"": offset}
+    if placed and "offset" in record.body:  # beside the inertia: the offset and a weight over the position
+        a = np.column_stack([own, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
+        z = np.linalg.lstsq(a, target, rcond=1e-7)[0]
+        carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
+    at = Anchor(curve, shape, found, fast, _way(log), log.step, turns, placed, tuple(speeds), carried)
+    if (between := ripple.range_of(log, record.q)) is None:
+        return at
+    residual, side = target - own @ x, np.sign(record.column(v))
+    of_level = tuple(ripple.peaks(y, residual * side, *between)[:1])
+    return replace(at, waves=tuple(ripple.peaks(y, residual, *between)[:2]), level_waves=of_level)
+
+
+def _way(log: Log) -> float:
+    """The way between reversals: half of all that is gone lies in longer ones."""
+    moving = np.flatnonzero(np.sign(log.velocity))
+    turn = moving[1:][np.diff(np.sign(log.velocity[moving])) != 0]
+    ways = np.sort(abs(np.diff(log.position[turn]))) if len(turn) > 1 else np.array([np.ptp(log.position)])
+    made = np.cumsum(ways)
+    return float(ways[np.searchsorted(made, 0.5 * made[-1])])
+
+
+Met = dict[tuple[int, frozenset[str]], tuple[float, tuple[str, ...]]]  # squared residual and forms, by node and set
+
+
+def search(lib: ModelLibrary) -> None:
+    """Beam search: every form is tried beside each set of the beam at every node; the best models are kept."""
+    total, met = lib.gram.sum(0), Met()
+    beam: list[tuple[str, ...]] = [()]
+    for depth in range(MOST + 1):
+        found: dict[frozenset[str], tuple[float, tuple[str, ...]]] = {}
+        for chosen in beam:
+            _try_beside(lib, total, chosen, depth < MOST, met, found)
+        beam = [c for _, c in sorted(found.values(), key=lambda e: e[0])[:BEAM]]
+    taken: list[Model] = []
+    many = [0] * (MOST + 1)
+    for (s, _), (_, chosen) in sorted(met.items(), key=lambda e: e[1][0]):
+        if many[len(chosen)] < KEPT // (MOST + 1):
+            taken.append((s, chosen))
+            many[len(chosen)] += 1
+    lib.keep(taken)
+
+
+def _try_beside(
+    lib: ModelLibrary, total: Array, chosen: tuple[str, ...], further: bool, met: Met,
+    found: dict[frozenset[str], tuple[float, tuple[str, ...]]],
+) -> None:  # fmt: skip
+    """The squared residual of one set of forms at all nodes, and of this set with each other form beside it."""
+    nodes, target = range(len(lib.nodes)), np.array(lib.targets)
+    a_i = np.array([lib.index((s, chosen)) for s in nodes])
+    rest = {g: i for g, i in lib.groups.items() if g not in chosen}
+    b_i = np.array([i for own in rest.values() for i in own], dtype=int)
+    a = total[a_i[:, :, None], a_i[:, None, :]]
+    d = np.sqrt(np.maximum(np.einsum("mii->mi", a), 1e-300))
+    to_force = total[a_i, target[:, None]]
+    b = np.concatenate([total[a_i[:, :, None], b_i[None, None]], to_force[:, :, None]], axis=2) / d[:, :, None]
+    y = np.linalg.solve(a / d[:, :, None] / d[:, None, :] + RIDGE * np.eye(a_i.shape[1]), b)
+    force, diag = total[target, target], np.diag(total)[b_i]
+    sse = np.maximum(force - np.einsum("mi,mi->m", b[:, :, -1], y[:, :, -1]), 1e-12 * force)
+    left = diag - np.einsum("mij,mij->mj", b[:, :, :-1], y[:, :, :-1])
+    share = total[b_i[None, :], target[:, None]] - np.einsum("mi,mij->mj", b[:, :, -1], y[:, :, :-1])
+    fault = lib.fault(y[:, :, -1] / d)
+    for s in nodes:
+        met[s, frozenset(chosen)] = (float(sse[s] * fault[s]), chosen)
+    v_s, j = np.array([s.get("v_s", np.inf) for s in lib.nodes]), 0
+    for g, own in rest.items() if further else ():
+        w = list(range(j, j + len(own)))
+        j += len(own)
+        ok = np.all(left[:, w] / diag[w] > HARDLY, axis=1)
+        if g.startswith("bend"):
+            ok &= float(g.split()[1]) * lib.at.fast < BENDS_BELOW * v_s
+        gain = _gain(total, left, share, b, y, b_i, w)
+        after = np.where(ok, np.maximum(sse - gain, 1e-12) * np.where(fault > 50, fault, 1.0), np.inf)
+        new, key = (*chosen, g), frozenset((*chosen, g))
+        cost = float(np.log(after.min())) + COST * sum(len(lib.groups[h]) for h in new)
+        if np.isfinite(cost) and (key not in found or cost < found[key][0]):
+            found[key] = cost, new
+        for s in np.argsort(after)[:3].tolist():
+            if np.isfinite(after[s]):
+                met.setdefault((s, key), (float(after[s]), new))
+
+
+def _gain(total: Array, left: Array, share: Array, b: Array, y: Array, b_i: Array, w: list[int]) -> Array:
+    """What a form of one or two columns takes from the squared residual, at every node."""
+    if len(w) == 1:
+        return np.asarray(share[:, w[0]] ** 2 / np.maximum(left[:, w[0]], 1e-300))
+    p, q = w
+    pq = total[b_i[p], b_i[q]] - np.einsum("mi,mi->m", b[:, :, p], y[:, :, q])
+    det = np.maximum(left[:, p] * left[:, q] - pq**2, 1e-12 * left[:, p] * left[:, q])
+    crossed = share[:, p] ** 2 * left[:, q] + share[:, q] ** 2 * left[:, p] - 2 * pq * share[:, p] * share[:, q]
+    return np.asarray(crossed / det)
+
+
+def refine(lib: ModelLibrary, rows: float) -> None:
+    """The best sets of forms, and the law alone, get a node at their own optimum; the next best sets are tried there too.
+
+    Without it forms stand in for the grid's error.
+    """
+    if not lib.step:
+        return
+    x, sse = lib.solve(lib.gram.sum(0))
+    order = np.argsort(lib.scores(sse, rows)).tolist()
+    sets: dict[frozenset[str], Model] = {}
+    for i in order:
+        sets.setdefault(frozenset(lib.models[i][1]), lib.models[i])
+    ranked = list(sets.values())
+    alone = [m for m in ranked[REFINED:] if not m[1]]
+    at = {lib.models[i]: i for i in order}
+    shapes, heights, models = list[dict[str, float]](), list[dict[str, float]](), list[Model]()
+    n = len(lib.curve.names)
+    for model in (*ranked[:REFINED], *alone):
+        rest = lib.columns[:, lib.index(model)[lib.k :]]
+        shape, y, _ = optimum(lib.record, lib.curve, lib.shape(model, x[at[model]]), rest, lib.columns[:, 0])
+        if not lib.curve.possible(y[:n].tolist(), lib.largest):
+            continue
+        with_ = ranked[:REFINED_WITH] if model not in alone else [model]
+        models += [(len(lib.nodes) + len(shapes), m[1]) for m in with_]
+        shapes.append(shape)
+        heights.append(lib.curve.anchored(y[:n].tolist(), STEEPNESS))
+    if shapes:
+        lib.add(shapes, heights)
+        lib.keep([*lib.models, *models])

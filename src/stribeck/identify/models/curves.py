@@ -1,0 +1,245 @@
+"""A law's steady friction as columns: coefficients that multiply, shapes that bend. Only this file knows the laws' constants."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stribeck import laws
+from stribeck.arrays import Array
+from stribeck.errors import InputError, arg
+from stribeck.identify.core.states import EstimateState, JudgedEstimate
+from stribeck.identify.features.sliding import Sliding
+from stribeck.laws.base import Law
+
+REACHED = 0.5  # of v_s: exp(-1/4) = 78 % of the rise; a slower speed must have been seen for F_s to have an upper bound
+BENT, FLAT = 100.0, 2.0  # k_v times the slowest and fastest speed: tanh is 1 to rounding; tanh bends over all speeds
+HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
+IMPOSSIBLE, WRONG, ODD = 100.0, 4.0, 2.0  # factors on the squared residual: never, hardly ever, rarely reported
+HIGHEST = 3.0  # times the largest force: a level above it is balanced by another one
+STEP = 0.02  # of a shape's logarithm, for its slopes: their error is its square
+SPEEDS = 25  # at which the highest level of a curve is looked for, over three decades
+ANCHORED = 0.1  # of the level: the least coefficient with which slopes by a shape are taken; of 0 they are 0
+ROUGH = 5.0  # times a law's example value, up and down: the range of a shape without a unit of speed
+
+
+class SteadyCurve(ABC):
+    """The friction of a law at held speeds.
+
+    Attributes:
+        law: its name; ``given``: constants that are given.
+        names: coefficients of its columns; ``shapes``: constants that bend them.
+        sigma_2: whether viscous friction is beside it, as a column of the body.
+    """
+
+    def __init__(self, law: str, given: Mapping[str, float], free: Sequence[str]) -> None:
+        self.law, self.given, self.free = law, dict(given), tuple(free)
+        self.names: tuple[str, ...] = ()
+        self.shapes: tuple[str, ...] = ()
+        self.sigma_2 = True
+
+    @abstractmethod
+    def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
+        """What each coefficient multiplies."""
+
+    @abstractmethod
+    def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
+        """What is given of the force; None if nothing is."""
+
+    @abstractmethod
+    def constants(
+        self, c: Mapping[str, float], shape: Mapping[str, float], bends: Array, speeds: Array
+    ) -> dict[str, float]:
+        """The law's fitted constants from coefficients; ``bends``: what forms add to the level at ``speeds``."""
+
+    @abstractmethod
+    def sign(self, v: Array, shape: Mapping[str, float]) -> Array:
+        """The direction of the friction."""
+
+    def speeds(self, fast: float) -> Array:
+        """At which the level is looked at for its highest value."""
+        return fast * np.geomspace(1e-3, 1.0, SPEEDS)
+
+    def force(self, v: Array, shape: Mapping[str, float], c: Mapping[str, float]) -> Array:
+        """The friction, without what is viscous."""
+        known = self.known(v, shape)
+        out = np.zeros(len(v)) if known is None else known
+        return np.asarray(sum((c[n] * x for n, x in self.columns(v, shape).items()), out))
+
+    def slopes(self, v: Array, shape: Mapping[str, float], c: Mapping[str, float]) -> list[Array]:
+        """Of the friction by the logarithm of each shape."""
+        out = []
+        for n in shape:
+            up, down = ({**shape, n: shape[n] * float(np.exp(e))} for e in (STEP, -STEP))
+            out.append((self.force(v, up, c) - self.force(v, down, c)) / (2 * STEP))
+        return out
+
+    def ranges(self, v: Array) -> dict[str, tuple[float, float]]:
+        """Between which values the shapes are searched: what the record's speeds can show."""
+        v = np.sort(abs(v[v != 0]))
+        fast, slow = float(v[-1]), max(float(v[len(v) // 100]), 1e-3 * float(v[-1]))
+        constants, found = laws.find(self.law).constants(), {}
+        for n in self.shapes:
+            unit, middle = constants[n].unit, float(constants[n].example or constants[n].default or 1.0)
+            by_unit = {"m/s": (slow, HALF * fast), "s/m": (FLAT / fast, BENT / slow)}
+            found[n] = by_unit.get(unit, (middle / ROUGH, middle * ROUGH))
+        return found
+
+    def fault(self, x: Mapping[str, Array], fast: float, largest: float) -> Array:
+        """A factor on the squared residual of coefficients that cannot be."""
+        out = np.ones(len(next(iter(x.values()))))
+        size = np.full(len(out), largest)
+        if self.names:
+            own = np.array([x[n] for n in self.names])
+            size = abs(own[0])
+            out = np.where((own[0] < 0) | (np.max(abs(own), axis=0) > HIGHEST * largest), IMPOSSIBLE, out)
+        for n in self.names[1:]:
+            out = np.where(x[n] < 0, out * WRONG, out)
+        if "sigma_2" in x:
+            out = np.where(x["sigma_2"] * fast < -0.02 * size, out * ODD, out)
+        return np.where(x["mass"] < 0, out * 1.2, out) if "mass" in x else out
+
+    def possible(self, c: Sequence[float], largest: float) -> bool:
+        """Whether a law has such coefficients."""
+        return not len(c) or (c[0] > 0 and max(map(abs, c)) <= HIGHEST * largest)
+
+    def anchored(self, c: Sequence[float], least: float = ANCHORED) -> dict[str, float]:
+        """Coefficients with which slopes are taken: none of them 0."""
+        return {n: max(x, least * max(c[0], 1e-9)) for n, x in zip(self.names, c, strict=False)}
+
+    def judged(
+        self, found: dict[str, JudgedEstimate], slow: JudgedEstimate, slowest: float
+    ) -> dict[str, JudgedEstimate]:
+        """Estimates as they are told; ``slow``: the level at the slowest speed seen."""
+        return found
+
+
+class StribeckCurve(SteadyCurve):
+    """Coulomb's level, with a Stribeck rise or without, and a sign that is exact or smooth.
+
+    Columns are F_c and the rise F_s - F_c, as these hardly correlate; F_s itself if F_c is given.
+    """
+
+    def __init__(self, law: str, given: Mapping[str, float], free: Sequence[str]) -> None:
+        super().__init__(law, given, free)
+        kind = laws.find(law)
+        self.rises, self.smooth = "F_s" in kind.uses, "k_v" in free or "k_v" in given or kind.name == "stribeck_tanh"
+        self.tanh = kind.name == "stribeck_tanh"
+        wanted = [
+            *(["v_s"] if self.rises else []),
+            *(["k_v"] if self.smooth else []),
+            *(n for n in free if n == "delta"),
+        ]
+        self.shapes = tuple(n for n in dict.fromkeys(wanted) if n not in given)
+        self.names = tuple(self.columns(np.ones(1), dict.fromkeys(self.shapes, 1.0)))
+
+    def sign(self, v: Array, shape: Mapping[str, float]) -> Array:
+        """Exact, or smooth as the law has it."""
+        if not self.smooth:
+            return np.sign(v)
+        steep = {**self.given, **shape}["k_v"] * v
+        return np.asarray(np.tanh(steep) if self.tanh else 2 / np.pi * np.arctan(steep))
+
+    def _rise(self, v: Array, shape: Mapping[str, float]) -> Array:
+        have = {**self.given, **shape}
+        share = abs(v / have["v_s"])
+        return np.asarray(np.exp(-(share**2 if "delta" not in have else share ** have["delta"])))
+
+    def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
+        """What F_c and the rise multiply."""
+        sign = self.sign(v, shape)
+        if not self.rises:
+            return {} if "F_c" in self.given else {"F_c": sign}
+        bump, held = sign * self._rise(v, shape), {"F_c", "F_s"} & self.given.keys()
+        if held:
+            return {} if len(held) == 2 else {"F_s": bump} if "F_c" in held else {"F_c": sign - bump}
+        return {"F_c": sign, "rise": bump}
+
+    def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
+        """What given levels do."""
+        if not {"F_c", "F_s"} & self.given.keys():
+            return None
+        sign = self.sign(v, shape)
+        bump = sign * self._rise(v, shape) if self.rises else 0.0
+        return np.asarray(self.given.get("F_c", 0.0) * (sign - bump) + self.given.get("F_s", 0.0) * bump)
+
+    def constants(
+        self, c: Mapping[str, float], shape: Mapping[str, float], bends: Array, speeds: Array
+    ) -> dict[str, float]:
+        """F_s is the highest level of the curve with its bends: where the speed tends to 0."""
+        out = {n: c[n] for n in ("F_c", "F_s") if n in c}
+        if "rise" in c:
+            level = c["F_c"] + c["rise"] * self._rise(speeds, shape) + bends
+            out["F_s"] = max(float(level.max()), 0.0)
+        return out | dict(shape)
+
+    def judged(
+        self, found: dict[str, JudgedEstimate], slow: JudgedEstimate, slowest: float
+    ) -> dict[str, JudgedEstimate]:
+        """No speed was seen that is slow beside v_s: F_s is at least the level there and F_c, v_s at most what it may be."""
+        if not {"F_s", "v_s"} <= found.keys() or slowest <= REACHED * found["v_s"].value:
+            return found
+        f, v = found["F_s"], found["v_s"]
+        low = [slow, found["F_c"]] if "F_c" in found else [slow]  # never below F_c
+        value, open_ = max(e.value for e in low), float("inf")
+        interval = (max(e.interval[0] for e in low), open_)
+        wide = (max((e.range or e.interval)[0] for e in low), open_)
+        return found | {
+            "F_s": replace(f, value=value, interval=interval, range=wide, state=EstimateState.AT_LEAST),
+            "v_s": replace(
+                v, interval=(0.0, v.interval[1]), range=(0.0, (v.range or v.interval)[1]), state=EstimateState.AT_MOST
+            ),
+        }
+
+
+class SlidingCurve(SteadyCurve):
+    """Any law that is linear in some constants: its columns are the derivatives of its steady force."""
+
+    def __init__(self, law: str, given: Mapping[str, float], free: Sequence[str]) -> None:
+        super().__init__(law, given, free)
+        kind, self.sigma_2 = laws.find(law), False
+        example = {n: c.example or c.default or 1.0 for n, c in kind.constants().items() if not c.choices}
+        self._sliding = Sliding(kind, self.given, example)
+        optional = {n for n, c in kind.constants().items() if (c.optional or c.default is not None) and n not in free}
+        wanted = [n for n in self._sliding.seen if n not in self.given and n not in optional]
+        self.names = tuple(n for n in wanted if n in self._sliding.linear)
+        self.shapes = tuple(n for n in wanted if n not in self.names)
+        if not self.names:
+            text = "is linear in none of its constants, so that no static fit finds them; must be fitted as 'dynamic'"
+            raise InputError(f"{arg('law')}: {law!r}: {text}")
+
+    def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
+        """The derivatives by the constants, from a table over the speeds."""
+        speeds, table = self._table(v, shape)
+        return {n: np.interp(v, speeds, table[n]) for n in self.names}
+
+    def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
+        """What given constants multiply."""
+        held = [n for n in self._sliding.linear if n in self.given]
+        if not held:
+            return None
+        speeds, table = self._table(v, shape)
+        return np.asarray(sum(self.given[n] * np.interp(v, speeds, table[n]) for n in held))
+
+    def _table(self, v: Array, shape: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:
+        return self._sliding.table(shape, max(float(np.max(abs(v))), 1e-12), self._sliding.linear)
+
+    def constants(
+        self, c: Mapping[str, float], shape: Mapping[str, float], bends: Array, speeds: Array
+    ) -> dict[str, float]:
+        """As they were fitted."""
+        return dict(c) | dict(shape)
+
+    def sign(self, v: Array, shape: Mapping[str, float]) -> Array:
+        """Of the speed."""
+        return np.sign(v)
+
+
+def curve_of(law: str, given: Mapping[str, float], free: Sequence[str] = ()) -> SteadyCurve:
+    """The columns of a static law."""
+    kind: type[Law] = laws.find(law)
+    made = StribeckCurve if kind.name in ("coulomb_viscous", "stribeck", "stribeck_tanh") else SlidingCurve
+    return made(law, given, free)

@@ -1,0 +1,111 @@
+"""The estimator on records whose truth is known."""
+
+import numpy as np
+import pytest
+
+from stribeck.identify.core.choice import chosen
+from stribeck.identify.core.judging import judged
+from stribeck.identify.core.predictor import of_json, predictor
+from stribeck.identify.core.states import EstimateState
+from stribeck.identify.models.curves import curve_of
+from stribeck.identify.models.record import record_of
+from stribeck.identify.models.static_problem import rows_of
+from tests.identify.core.records import TRUTH, joined, record
+
+
+def choice_of(log, laws=("stribeck",), terms=("offset",), given=None, **asked):
+    given = given or {}
+    curves = [curve_of(law, given) for law in laws]
+    return chosen(record_of(rows_of(log), terms, given), curves, **asked)
+
+
+def inside(e, truth, how="interval"):
+    low, high = getattr(e, how)
+    return low <= truth <= high
+
+
+def test_a_complete_law_is_identified_and_its_intervals_hold_the_truth():
+    found = judged(choice_of(record()))
+    for name, truth in TRUTH.items():
+        assert inside(found[name], truth, "range"), name
+    assert all(found[n].state is EstimateState.IDENTIFIED for n in ("mass", "F_c", "F_s", "sigma_2", "offset"))
+    assert sum(inside(found[n], x) for n, x in TRUTH.items()) >= len(TRUTH) - 1
+
+
+def test_the_range_is_never_narrower_than_the_interval():
+    for e in judged(choice_of(record(1))).values():
+        assert e.range[0] <= e.interval[0] <= e.value <= e.interval[1] <= e.range[1]
+
+
+def test_levels_at_seen_speeds_are_estimates():
+    choice = choice_of(record(2))
+    found, speeds = judged(choice), choice.library.at.speeds
+    for name, v in zip(("level slow", "level middle", "level half", "level fast"), speeds, strict=True):
+        truth = TRUTH["F_c"] + (TRUTH["F_s"] - TRUTH["F_c"]) * np.exp(-((v / TRUTH["v_s"]) ** 2)) + TRUTH["sigma_2"] * v
+        assert inside(found[name], truth, "range")
+        assert found[name].state is EstimateState.IDENTIFIED
+
+
+def test_what_the_law_lacks_is_chosen_from_the_table_of_forms():
+    log = record(3, extra=lambda t, y, v, a: 25.0 * y)
+    choice = choice_of(log)
+    assert "spring" in choice.model[1]
+    found = judged(choice)
+    assert inside(found["F_c"], TRUTH["F_c"], "range")
+    assert inside(found["mass"], TRUTH["mass"], "range")
+
+
+def test_without_slow_rows_the_static_friction_is_a_lower_bound_that_is_never_below_the_coulomb_level():
+    log = record(4)
+    log = log.rows(abs(log.velocity) > 0.06)
+    log = log.with_columns(run=np.cumsum(np.diff(log.time, prepend=log.time[0]) > 1.5 * log.step).astype(np.int32))
+    found = judged(choice_of(log))
+    f_s, v_s = found["F_s"], found["v_s"]
+    assert f_s.state is EstimateState.AT_LEAST
+    assert v_s.state is EstimateState.AT_MOST
+    assert f_s.value >= found["F_c"].value
+    assert f_s.interval[0] >= found["F_c"].interval[0]
+    assert f_s.interval[1] == np.inf
+
+
+def test_a_fit_that_leaves_a_quarter_of_the_force_identifies_nothing():
+    log = record(5, noise=4.0)
+    found = judged(choice_of(log))
+    assert not any(e.state is EstimateState.IDENTIFIED for e in found.values())
+
+
+def test_the_spread_between_files_is_in_the_interval():
+    levels = (4.6, 5.0, 5.4)
+    apart = judged(choice_of(joined(*(record(6 + i, F_c=x, F_s=x + 3) for i, x in enumerate(levels)))))["F_c"]
+    alike = judged(choice_of(joined(*(record(6 + i) for i in range(3)))))["F_c"]
+    assert np.diff(apart.interval) > 5 * np.diff(alike.interval)
+    assert inside(apart, 5.0)
+
+
+def test_given_constants_are_taken_off_the_force():
+    given = {"mass": 2.0, "F_s": 8.0, "sigma_2": 12.0}
+    found = judged(choice_of(record(9), given=given))
+    assert not given.keys() & found.keys()
+    assert inside(found["F_c"], 5.0, "range")
+    assert inside(found["v_s"], 0.05, "range")
+
+
+def test_the_law_is_chosen_first():
+    choice = choice_of(record(10), laws=("coulomb_viscous", "stribeck"))
+    assert choice.library.curve.law == "stribeck"
+    plain = choice_of(record(11, F_s=5.0), laws=("coulomb_viscous", "stribeck"))
+    assert plain.library.curve.law == "coulomb_viscous"
+
+
+def test_the_law_alone_has_no_forms():
+    choice = choice_of(record(12, extra=lambda t, y, v, a: 25.0 * y), alone=True)
+    assert choice.model[1] == ()
+
+
+@pytest.mark.parametrize("extra", [lambda t, y, v, a: 0.0, lambda t, y, v, a: 25.0 * y])
+def test_the_prediction_of_another_motion_survives_a_file(extra):
+    made = predictor(choice_of(record(13, extra=extra)), record(13, extra=extra))
+    other = record(14, extra=extra, noise=0.0)
+    error = np.linalg.norm(made.force(other) - other.force) / np.linalg.norm(other.force)
+    assert error < 0.03
+    assert np.allclose(of_json(made.to_json()).force(other), made.force(other))
