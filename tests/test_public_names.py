@@ -9,6 +9,7 @@ import pytest
 
 import stribeck as st
 from stribeck import examples
+from stribeck.analysis.comparison import compare
 from tests.simulation.rig import needs_compiler
 
 SMALL = {"law": {"name": "lugre_majorant", "parameters": "canudas1995", "k_v": 1e6}, "plant": {"mass": 1.0},
@@ -87,7 +88,7 @@ def test_a_scenario_does_not_change(law):
 
 @needs_compiler
 def test_compare(law):
-    found = st.compare(SMALL, {"first": law, "slower": law.replace(sigma_2=2.0), "plain": "lugre_sobczyk"})
+    found = compare(SMALL, {"first": law, "slower": law.replace(sigma_2=2.0), "plain": "lugre_sobczyk"})
     assert found.status == "done"
     assert list(found.deviations) == ["slower", "plain"]
     assert found.deviations["slower"]["y"]["max"] == pytest.approx(
@@ -95,11 +96,11 @@ def test_compare(law):
     )
     machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Contact("d", "a", law))
     with pytest.raises(st.InputError, match="contact: missing: must be given"):
-        st.compare(machine, [law], t_end=0.1)
-    assert st.compare(machine, [law], contact="d", t_end=0.01).status == "done"
+        compare(machine, [law], t_end=0.1)
+    assert compare(machine, [law], contact="d", t_end=0.01).status == "done"
     for laws, text in (([], "empty"), ([law, law], "given twice"), (law, "must be a list")):
         with pytest.raises(st.InputError, match=text):
-            st.compare(SMALL, laws)
+            compare(SMALL, laws)
 
 
 @needs_compiler

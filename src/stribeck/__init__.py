@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from stribeck.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from stribeck.analysis.comparison import compare
     from stribeck.constants import Constant
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
     from stribeck.export import export
@@ -50,7 +49,7 @@ __all__ = [
     "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "MachineVerdicts", "Motor",
     "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
     "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
-    "check_all", "check_machine", "compare", "design", "export", "fit", "law", "library", "margins",
+    "check_all", "check_machine", "design", "export", "fit", "law", "library", "margins",
     "on_cluster", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
 ]  # fmt: skip
 
@@ -63,7 +62,6 @@ _HOME = {
     "export": "stribeck.export",
     **dict.fromkeys(("fit", "read_log"), "stribeck.identify.api"),
     "Fit": "stribeck.identify.result",
-    "compare": "stribeck.analysis.comparison",
     "sweep": "stribeck.sweeps.job",
     "on_cluster": "stribeck.sweeps.far",
     "Constant": "stribeck.constants",

@@ -1,4 +1,4 @@
-"""compare, library, new, doctor."""
+"""run under several laws, library, new, doctor."""
 
 import json
 import re
@@ -17,7 +17,7 @@ from stribeck.parameter_sets.library import machine_sets
 def test_compare_names_deviations_from_the_first(stribeck, scenario, tmp_path):
     laws = ["--law", "lugre", "--law", "lugre_sobczyk:k_v=1e6", "--law", "lugre_majorant:k_v=1e6,F_s=1.5"]
     out = tmp_path / "out"
-    data = json.loads(stribeck("compare", scenario, *laws, "--json", "--out", out).out)
+    data = json.loads(stribeck("run", scenario, *laws, "--json", "--out", out).out)
     assert data["reference"] == "lugre"
     assert list(data["laws"]) == laws[1::2]
     sobczyk, majorant = (data["laws"][name]["deviations"]["y"] for name in laws[3::2])
@@ -28,15 +28,27 @@ def test_compare_names_deviations_from_the_first(stribeck, scenario, tmp_path):
     assert json.loads((out / "summary.json").read_text())["laws"].keys() == data["laws"].keys()
 
 
-def test_compare_of_one_law_prints_no_empty_table(stribeck, scenario):
-    result = stribeck("compare", scenario, "--law", "lugre")
-    assert result.status == 0
-    assert "lugre alone: there is nothing to compare it with" in result.out
-    assert "deviation" not in result.out
+def test_one_law_takes_the_place_of_the_files(stribeck, scenario):
+    found = json.loads(stribeck("run", scenario, "--law", "dahl", "--json").out)
+    assert found["law"]["name"] == "dahl"
+    same = json.loads(stribeck("run", scenario, "--set", "law.name=dahl", "--json").out)
+    assert found["peaks"] == same["peaks"]
+
+
+def test_options_that_do_not_go_together(stribeck, scenario, tmp_path):
+    several = ("--law", "lugre", "--law", "dahl")
+    for words, line in (
+        ((*several, "--keep-c", tmp_path / "x.c"), "--keep-c: must be left out where several laws are compared"),
+        (("--contact", "a"), "--contact: goes with --law, which is not given"),
+        ((*several, "--show"), "--law: must be left out with --show, which simulates nothing"),
+    ):
+        result = stribeck("run", scenario, *words)
+        assert (result.status, result.out) == (2, "")
+        assert line in result.err
 
 
 def test_compare_prints_a_table(stribeck, scenario):
-    result = stribeck("compare", scenario, "--law", "lugre", "--law", "dahl")
+    result = stribeck("run", scenario, "--law", "lugre", "--law", "dahl")
     assert result.status == 0
     assert re.search(r"dahl +\S+ +\S+ %", result.out)
 
@@ -51,7 +63,7 @@ def test_compare_prints_a_table(stribeck, scenario):
     ],
 )
 def test_compare_refuses_a_bad_law(stribeck, scenario, law, line):
-    result = stribeck("compare", scenario, "--law", "lugre_sobczyk", "--law", law, "--json")
+    result = stribeck("run", scenario, "--law", "lugre_sobczyk", "--law", law, "--json")
     assert result.status == 2
     assert result.out == ""
     assert line in result.err
@@ -119,10 +131,11 @@ def test_the_command_that_was_given_is_made_alone():
     assert len(app.registered_commands) == len(names)
 
 
-def test_one_run_reads_nothing_of_ensembles():
-    """What is not needed is not imported: a run from the cache is mostly imports."""
-    code = "import sys, stribeck.cli.run; print([n for n in sys.modules if n.startswith('stribeck.simulation.')])"
-    read = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+def test_one_run_reads_nothing_of_ensembles(scenario):
+    """Most of the time of a run from the cache is imports."""
+    code = "import sys\nfrom stribeck.cli import _status\n_status(['run', sys.argv[1]])\n"
+    code += "print([n for n in sys.modules if n.startswith('stribeck.simulation.')])"
+    read = subprocess.run([sys.executable, "-c", code, scenario], capture_output=True, text=True, check=True).stdout
     assert "'stribeck.simulation.single'" in read
     assert "ensemble" not in read
     assert "lanes" not in read

@@ -28,7 +28,7 @@ def command(folder, *words, blocked=tuple(EXTRAS)):
     [
         ("--help",),
         ("run", examples.path("break_away"), "--json"),
-        ("compare", examples.path("break_away"), "--law", "lugre", "--law", "lugre_majorant"),
+        ("run", examples.path("break_away"), "--law", "lugre", "--law", "lugre_majorant"),
         ("library",),
         ("library", "lugre_majorant"),
         ("new", "mine"),

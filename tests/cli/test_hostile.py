@@ -133,7 +133,7 @@ def test_names_that_are_not_text(scenario, tmp_path):
 def test_names_cannot_command_a_terminal(stribeck, scenario):
     evil = "\x1b]0;owned\x07\x1b[2Jrig\n\u202e"
     scenario.write_text(scenario.read_text().replace('name = "rig"', f"name = {json.dumps(evil)}"))
-    for words in (("run",), ("compare", "--law", "lugre", "--law", "dahl")):
+    for words in (("run",), ("run", "--law", "lugre", "--law", "dahl")):
         outcome = stribeck(words[0], scenario, *words[1:], "--set", "solve.t_end=0.1")
         assert r"\x1b]0;owned\x07\x1b[2Jrig\n" in outcome.out
         assert all(c.isprintable() or c == "\n" for c in outcome.out + outcome.err)
@@ -149,7 +149,7 @@ def test_names_in_plots(stribeck, scenario, tmp_path, name):
     words = ("--set", f"name={json.dumps(name)}", "--set", "solve.t_end=0.1", "--out", tmp_path / "out")
     assert stribeck("run", scenario, *words).status == 0
     law = f"lugre_majorant:k_v=1{'0' * 250}e-245"
-    assert stribeck("compare", scenario, "--law", law, "--law", "lugre", *words).status == 0
+    assert stribeck("run", scenario, "--law", law, "--law", "lugre", *words).status == 0
 
 
 def test_a_long_label_is_cut_and_nothing_in_it_is_a_formula():
@@ -174,7 +174,7 @@ def test_places_that_cannot_be_written(stribeck, scenario, tmp_path, which):
     out = places(tmp_path)[which]
     before = sorted(tmp_path.rglob("*"))
     refused(stribeck("run", scenario, "--out", out), "--out: ")
-    refused(stribeck("compare", scenario, "--law", "lugre", "--out", out), "--out: ")
+    refused(stribeck("run", scenario, "--law", "lugre", "--out", out), "--out: ")
     refused(stribeck("sweep", scenario, "--vary", "plant.mass=1:2:2", "--out", out), "--out: ")
     refused(stribeck("paper", "--out", out), "--out: ")
     for target in ("c", "fmu", "st"):
@@ -303,12 +303,12 @@ def test_streams_that_the_shell_has_closed(scenario):
 
 def test_a_library_that_cannot_be_loaded(stribeck, scenario, monkeypatch):
     """Where no memory is left for one, or its file is damaged; it was a traceback."""
-    from stribeck.cli import run
+    from stribeck.cli import show
 
     def missing(*args, **named):
         raise ImportError("x.so: failed to map segment from shared object")
 
-    monkeypatch.setattr(run, "run", missing)
+    monkeypatch.setattr(show, "load", missing)
     found = stribeck("run", scenario)
     assert (found.status, found.out) == (1, "")
     assert found.err == "stribeck: a library cannot be loaded: x.so: failed to map segment from shared object\n"

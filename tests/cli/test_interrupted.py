@@ -32,7 +32,7 @@ def content(folder):
     return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
-@pytest.mark.parametrize("command", [("run",), ("compare", "--law", "lugre", "--law", "dahl")], ids=["run", "compare"])
+@pytest.mark.parametrize("command", [("run",), ("run", "--law", "lugre", "--law", "dahl")], ids=["run", "compare"])
 def test_an_older_result_stays_whole(command, scenario, tmp_path, capsys, monkeypatch):
     out = tmp_path / "out"
     words = [command[0], str(scenario), *command[1:], "--out", str(out)]

@@ -44,7 +44,7 @@ def test_the_generated_code_names_bodies_and_contacts(stribeck, tmp_path):
 
 @needs_compiler
 def test_compare_at_a_contact(stribeck, tmp_path):
-    words = ("compare", str(examples.path("gear")), "--law", "lugre_majorant:k_v=1e5", "--law", "lugre")
+    words = ("run", str(examples.path("gear")), "--law", "lugre_majorant:k_v=1e5", "--law", "lugre")
     done = stribeck(*words, "--contact", "mesh", "--set", "solve.t_end=0.3", "--json", "--out", str(tmp_path))
     found = json.loads(done.out)
     assert found["laws"]["lugre"]["contacts"]["mesh"]["law"]["name"] == "lugre"
@@ -79,18 +79,20 @@ def test_sweep(stribeck, tmp_path):
 
 
 def test_show(stribeck, tmp_path):
-    done = stribeck("show", str(examples.path("gear")), "--out", str(tmp_path / "gear.svg"))
+    done = stribeck("run", str(examples.path("gear")), "--show", "--out", str(tmp_path / "gear"))
     assert (
         "gear  rotor --/\\/\\/-- arm  stiffness 9000 N m/rad, damping 3 N m s/rad, gap 0.0004 rad, ratio 0.01"
         in done.out
     )
-    text = (tmp_path / "gear.svg").read_text()
+    text = (tmp_path / "gear" / "machine.svg").read_text()
     for words in ("<svg", ">rotor<", ">mesh<", ">gear<", "gap 0.0004 rad"):
         assert words in text, words
-    found = json.loads(stribeck("show", str(examples.path("arm")), "--json").out)
+    found = json.loads(stribeck("run", str(examples.path("arm")), "--show", "--json").out)
     assert [e["name"] for e in found["elements"] if e["kind"] == "controller"] == ["axis"]
-    assert "~~~~~-- ground" in stribeck("show", str(examples.path("stick_slip"))).out  # a single body too
-    assert "must end in .svg" in stribeck("show", str(examples.path("gear")), "--out", str(tmp_path / "gear.png")).err
+    assert "~~~~~-- ground" in stribeck("run", str(examples.path("stick_slip")), "--show").out  # a single body too
+    refused = stribeck("run", str(examples.path("arm")), "--show", "--keep-c", str(tmp_path / "arm.c"))
+    assert (refused.status, refused.out) == (2, "")
+    assert "--keep-c: must be left out with --show" in refused.err
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ def test_run(stribeck, scenario, tmp_path):
 
 
 def test_compare(stribeck, scenario, tmp_path):
-    words = ("compare", scenario, "--law", "lugre", "--law", "dahl", "--out", tmp_path / "out", "--json")
+    words = ("run", scenario, "--law", "lugre", "--law", "dahl", "--out", tmp_path / "out", "--json")
     data = json.loads(stribeck(*words).out)
     rows = {row[0]: row for row in Page(tmp_path / "out" / "report.html").tables[0]}
     assert rows["dahl"][1] == f"{data['laws']['dahl']['deviations']['y']['max']:.4g}"

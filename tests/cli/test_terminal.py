@@ -19,8 +19,8 @@ SPOKEN = {
     "library NAME": ("library", "lugre_majorant", "liu2015", "mx106"),
     "check --all": ("check", "--all", "--parameters", "canudas1995"),
     "check": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7"),
-    "compare": (
-        "compare", examples.path("break_away"), "--law", "lugre",
+    "run with laws": (
+        "run", examples.path("break_away"), "--law", "lugre",
         "--law", "lugre_majorant:k_v=1e6,smooth_abs=compact,v_d=0.02,sigma_0=1e5,sigma_1=300",
     ),
     "run": ("run", examples.path("break_away")),

@@ -43,7 +43,7 @@ def commands(folder):
         '[drive]\nkind = "force"\nsignal = { kind = "ramp", rate = 1.0 }\n[solve]\nt_end = 0.01\n[output]\nstep = 0.001\n'
     )
     return (
-        ("run", scenario), ("compare", scenario, "--law", "lugre", "--law", "dahl"),
+        ("run", scenario), ("run", scenario, "--law", "lugre", "--law", "dahl"),
         ("check", "lugre", "--parameters", file),
         ("export", "lugre", "--parameters", file, "--target", "c", "--out", folder / "c"),
     )  # fmt: skip

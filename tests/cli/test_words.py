@@ -82,8 +82,8 @@ def test_design_and_export_tell_forms_of_a_law_apart(stribeck, tmp_path):
         export(other, "c", tmp_path / "out", part="cascade", scenario=scenario)
 
 
-def test_compare_does_not_warn_of_a_steepness_that_the_other_law_has_not(stribeck, scenario):
-    found = stribeck("compare", scenario, "--law", "lugre", "--law", "lugre_majorant", "--set", "solve.t_end=0.1")
+def test_laws_are_compared_without_a_warning_of_a_steepness_that_the_other_law_has_not(stribeck, scenario):
+    found = stribeck("run", scenario, "--law", "lugre", "--law", "lugre_majorant", "--set", "solve.t_end=0.1")
     assert (found.status, found.err) == (0, "")
 
 

@@ -40,7 +40,7 @@ def test_show_draws_it(capsys):
         "limit_cycle": ("controller", "controller", "body", "body"), "servo": ("controller", "controller", "body", "body"),
     }  # fmt: skip
     for name, wanted in drawn.items():
-        assert _status(["show", str(examples.path(name)), "--json"]) == 0
+        assert _status(["run", str(examples.path(name)), "--show", "--json"]) == 0
         elements = json.loads(capsys.readouterr().out)["elements"]
         found = {e["kind"]: (e["kind"], e["name"], e["from"], e["to"]) for e in elements}
         assert found["contact"] == ("contact", "contact", "body", "ground")

@@ -118,7 +118,7 @@ def test_observers_too(place):
     "words",
     [
         ("run", "@"),
-        ("compare", "@", "--law", "lugre"),
+        ("run", "@", "--law", "lugre"),
         ("sweep", "@", "--vary", "law.parameters.F_s=1.5:2:2", "--out", "out"),
         ("design", "@"),
         ("export", "--scenario", "@", "--target", "c", "--out", "out"),

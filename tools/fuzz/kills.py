@@ -26,7 +26,6 @@ _SUMMARY, _RIG = "summary.json", ("--stroke", "0.05", "--speed", "0.1", "--force
 _LOG = ("--time", "t", "--position", "y", "--force", "F")
 COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "run": (("stick_slip.toml",), ("--set", "solve.t_end=40.0"), _SUMMARY),
-    "compare": (("stick_slip.toml", "--law", "lugre", "--law", "dahl"), ("--law", "lugre_majorant:k_v=1e6"), _SUMMARY),
     "sweep": (("stick_slip.toml", "--vary", "law.k_v=1e6:1e8:40:log"), (), None),
     "check": (("lugre", "--parameters", "canudas1995"), ("--set", "sigma_1=100"), "report.html"),
     "advise": (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"), ("--share", "0.5"), _SUMMARY),
@@ -37,7 +36,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "export": (("lugre", "--target", "fmu", "--parameters", "canudas1995"), ("--fmi", "2"), None),
     "explore": (("stick_slip.toml",), ("--set", "solve.t_end=3.0"), None),
     "new": (("servo",), (), None),
-    "parameters": (("mx106",), (), None),
+    "library": (("mx106",), (), None),
     "validate": (("stick_slip.toml", "--log", "log.csv", "--time", "t", "--position", "y"), ("--set", "plant.mass=1.1"), None),
     "import": (("bam", "servo.json"), (), None),
     "fit dynamic": (
@@ -52,7 +51,7 @@ _FILES = {  # in out
     "explore": "page.html",
     "explore report": "page.html",
     "new": "new.toml",
-    "parameters": "machine_set.toml",
+    "library": "machine_set.toml",
     "import": "servo.toml",
 }
 _JOURNALS = ("fit.partial.json",)  # from which a search goes on; of no result

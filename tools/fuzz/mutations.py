@@ -35,7 +35,7 @@ def commands(place: Path, rng: random.Random) -> list[str]:
     file, out = str(place / "rig.toml"), str(place / "out")
     words = rng.choice([
         ["run", file, *_SHORT], ["run", file, *_SHORT, "--out", out], ["run", file, *_SHORT, "--json"],
-        ["compare", file, "--law", "lugre", "--law", "dahl", *_SHORT],
+        ["run", file, "--law", "lugre", "--law", "dahl", *_SHORT],
         ["sweep", file, "--vary", "law.parameters.F_s=1.6:2:2", "--summary", *_SHORT, "--out", out],
         ["export", "lugre", "--parameters", str(place / "set.toml"), "--target", rng.choice(["c", "st", "table"]), "--out", out],
         ["check", "dahl", "--parameters", str(place / "set.toml")],

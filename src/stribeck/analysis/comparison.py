@@ -34,7 +34,7 @@ class Comparison:
         return "done" if all(s.status == "done" for s in self.solutions.values()) else "failed"
 
     def summary(self) -> dict[str, object]:
-        """What ``stribeck compare --json`` prints, without the files."""
+        """What ``stribeck run --json`` prints under several laws, without the files."""
         labels = list(self.solutions)
         failed = {label: s.reason for label, s in self.solutions.items() if s.reason}
         return {

@@ -9,6 +9,7 @@ from typer import Typer
 from stribeck.cli.shared import Json, app
 
 # isort: off
+from stribeck.cli import run as run
 from stribeck.cli.commands import scenarios as scenarios
 from stribeck.cli.commands import of_laws as of_laws
 from stribeck.cli import design as design

@@ -9,7 +9,7 @@ _WORDS = {
     "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA", "every": "--all",
     "ranges": "--vary", "forces": "--force", "laws": "--law", "as_csv": "--csv", "folder": "--out",
 }  # fmt: skip
-_POSITIONAL = {"law": ("advise", "check", "export"), "scenario": ("run", "compare", "sweep", "design")}
+_POSITIONAL = {"law": ("advise", "check", "export"), "scenario": ("run", "sweep", "design")}
 
 
 def option(name: str, command: str) -> str:

@@ -2,19 +2,82 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from stribeck.cli import show
-from stribeck.simulation import c_source, simulate
+from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app, place
+from stribeck.cli.text import say, width
+from stribeck.errors import InputError, StribeckNote, refuse_twice
 
 if TYPE_CHECKING:
+    from stribeck.analysis.comparison import Comparison
+    from stribeck.scenario import Scenario
     from stribeck.simulation import Solution
 
+_NUMBERS = 40  # columns of a row of the comparison beside its label
+_LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
-def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c: Path | None, trust: bool) -> int:
-    """Simulate, write what was asked for, print the summary."""
-    scenario = show.load(path, assignments, trust)
+
+@app.command(epilog="Example: stribeck run my_rig.toml --law lugre --law lugre_majorant:k_v=1e7 --out first")
+def run(
+    scenario: ScenarioFile,
+    law: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--law",
+            metavar="NAME[:KEY=VALUE,...]",
+            help="Use this law instead of the file's. Given again: the laws are compared with the first.",
+        ),
+    ] = None,
+    contact: Annotated[
+        str | None,
+        typer.Option(
+            "--contact", metavar="NAME", help="Contact whose law --law replaces; needed if there are several."
+        ),
+    ] = None,
+    out: Out = None,
+    set_: Set = None,
+    draw: Annotated[
+        bool, typer.Option("--show", help="Draw the machine instead: bodies, what acts on them, numbers.")
+    ] = False,
+    keep_c: Annotated[
+        Path | None,
+        typer.Option("--keep-c", metavar="FILE", parser=place, help="Write the generated C here, to read or debug."),
+    ] = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Simulate a scenario or a machine; without --out, print the summary and write nothing."""
+    given = show.load(scenario, set_ or [], trust)
+    laws = law or []
+    if draw:
+        others = {"--law": laws, "--keep-c": keep_c}
+        if wrong := [
+            f"{name}: must be left out with --show, which simulates nothing" for name, x in others.items() if x
+        ]:
+            raise InputError(wrong)
+        return _show(given, out=out, json=json)
+    if contact is not None and not laws:
+        raise InputError("--contact: goes with --law, which is not given")
+    if len(laws) > 1:
+        if keep_c is not None:
+            raise InputError("--keep-c: must be left out where several laws are compared")
+        return _compare(given, laws, contact, out=out, json=json)
+    for text in laws:
+        (given,) = _under_laws(given, [text], contact).values()
+    return _simulate(given, scenario, out=out, keep_c=keep_c, json=json)
+
+
+def _simulate(scenario: Scenario, path: Path, *, out: Path | None, keep_c: Path | None, json: bool) -> int:
+    """Simulate, write the files asked for, print the summary."""
+    from stribeck.simulation import c_source, simulate
+
     if keep_c is not None and (out is None or keep_c.absolute().parent != out.absolute()):
         show.check_file("--keep-c", keep_c, path)
     if out is not None:
@@ -53,8 +116,8 @@ def _print(solution: Solution, files: list[str]) -> None:
         slips, sticks = len(solution.events["slip"]), len(solution.events["stick"])
         print(f"  |v| rises through v_s {slips} times (slip), falls through it {sticks} times (stick)")
     for element, events in solution.events.items() if named else ():
-        told = ", ".join(f"{kind} {len(times)}" for kind, times in events.items() if len(times))
-        print(f"  {element}: {told or 'no events'}")
+        counts = ", ".join(f"{kind} {len(times)}" for kind, times in events.items() if len(times))
+        print(f"  {element}: {counts or 'no events'}")
     width = max(8, *(len(column.name) for column in solution.columns))
     print(f"  {'':{width}}{'peak':>16}{'final':>16}")
     peaks, final = solution.peaks, solution.final
@@ -64,3 +127,109 @@ def _print(solution: Solution, files: list[str]) -> None:
         print(f"  {column.name:{width}}{peaks[column.name] / factor:16.8g}{last / factor:16.8g} {unit}")
     for file in files:
         print(f"  wrote {file}")
+
+
+# -- several laws ----------------------------------------------------------------------------------------------------
+
+
+def _compare(scenario: Scenario, laws: list[str], contact: str | None, *, out: Path | None, json: bool) -> int:
+    """Simulate under each law, print the deviations from the first, write an overlay."""
+    from stribeck.analysis.comparison import compare_laws
+
+    variants = _under_laws(scenario, laws, contact)
+    if out is not None:
+        show.check_folder(out)
+    with show.progress(scenario.name) as tell:
+        comparison = compare_laws(variants, tell)
+    summary, files = comparison.summary(), list[str]()
+    if out is not None:
+        from stribeck.report.compare import write_comparison
+
+        files = write_comparison(comparison, out, summary, show.command_line())
+    if json:
+        show.print_json({**summary, "files": files})
+    else:
+        _print_comparison(comparison, files)
+    for label, solution in comparison.solutions.items():
+        if solution.status != "done":
+            show.failed(f"{scenario.name} with {label}", solution.reason)
+    return 0 if comparison.status == "done" else 1
+
+
+def _under_laws(scenario: Scenario, laws: list[str], contact: str | None) -> dict[str, Scenario]:
+    """The scenario under each law, by what the option says.
+
+    Raises:
+        InputError: a law or one of its constants is unknown, or the same text is given twice.
+    """
+    from stribeck.analysis.comparison import law_path
+
+    table = law_path(scenario, contact)
+    with warnings.catch_warnings():  # a law without smoothing takes no k_v: no news where laws are compared
+        warnings.filterwarnings("ignore", r"(.*\.)?law\.(parameters\.)?k_v: dropped", StribeckNote)
+        variants = {text: scenario.with_changes(_changes(text, table)) for text in laws}
+    if len(variants) < len(laws):
+        raise InputError(f"--law: {max(laws, key=laws.count)!r}: given twice; must differ from the others")
+    return variants
+
+
+def _changes(text: str, table: str) -> dict[str, object]:
+    """``NAME:KEY=VALUE,...`` as changes to a scenario."""
+    from stribeck.laws.base import PARAMETERS
+    from stribeck.scenario import parse_assignment
+
+    match = _LAW.fullmatch(text)
+    if match is None:
+        raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
+    given = []
+    for part in (match["constants"] or "").split(","):
+        if part.strip() or match["constants"] == "":
+            if "=" not in part:
+                raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
+            given.append(parse_assignment(part))
+    refuse_twice([key for key, _ in given], f"--law: {text!r}:")
+    places = {f"{table}.parameters.{key}" if key in PARAMETERS else f"{table}.{key}": value for key, value in given}
+    return {f"{table}.name": match["name"], **places}
+
+
+def _print_comparison(comparison: Comparison, files: list[str]) -> None:
+    from stribeck.report.cells import percent
+
+    reference = next(iter(comparison.solutions))
+    units = {column.name: column.unit for column in comparison.solutions[reference].columns}
+    wide = max(map(len, comparison.solutions))
+    beside = wide if wide <= width() - _NUMBERS else 0  # the labels' column; none where they would fold the table
+    say(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak", 2)
+    print(f"  {'law' if beside else '':{beside}}{'deviation':>14}{'share':>12}  of")
+    for label, deviations in comparison.deviations.items():
+        if not beside:
+            print(f"  {label}")
+        for i, (name, d) in enumerate(deviations.items()):
+            named = label if beside and not i else ""
+            print(f"  {named:{beside}}{d['max']:14.4g}{percent(d['max_relative']):>12}  {name} ({units[name]})")
+    for file in files:
+        print(f"  wrote {file}")
+
+
+# -- the machine as a drawing ----------------------------------------------------------------------------------------
+
+
+def _show(scenario: Scenario, *, out: Path | None, json: bool) -> int:
+    """Print the machine as a schematic; with --out also as DIR/machine.svg."""
+    from stribeck.report import schematic
+    from stribeck.scenario.counterpart import as_machine
+
+    machine, files = as_machine(scenario), list[str]()
+    if out is not None:
+        from stribeck.files import write_text
+
+        show.check_folder(out)
+        write_text(out / "machine.svg", schematic.svg(machine.rig, machine.name))
+        files.append(str(out / "machine.svg"))
+    if json:
+        show.print_json({"scenario": machine.name, **schematic.describe(machine.rig), "files": files})
+        return 0
+    print(schematic.text(machine.rig, machine.name))
+    for file in files:
+        print(f"wrote {file}")
+    return 0

@@ -13,16 +13,19 @@ from typing import TYPE_CHECKING
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, printable
 from stribeck.files import trouble
-from stribeck.scenario import Scenario, parse_assignments
 
 if TYPE_CHECKING:
     from rich.progress import Progress
+
+    from stribeck.scenario import Scenario
 
 _MADE: list[Path] = []  # folders that this command made before it ran, the innermost of each path first
 
 
 def load(path: Path, assignments: list[str], trust: bool) -> Scenario:
     """The scenario of the command line: the file with every --set applied."""
+    from stribeck.scenario import Scenario, parse_assignments
+
     return Scenario.load(path, parse_assignments(assignments), trust=trust)
 
 

@@ -1,4 +1,4 @@
-"""The files of ``stribeck compare --out``."""
+"""The files of ``stribeck run --out`` under several laws."""
 
 from __future__ import annotations
 

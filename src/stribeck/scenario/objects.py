@@ -362,7 +362,7 @@ class Machine:
         return Scenario({**self._data, "solve": {"t_end": t_end, **solve}, "output": output}, folder=self._folder)
 
     def show(self) -> str:
-        """The machine as text, as 'stribeck show' prints it."""
+        """The machine as text, as 'stribeck run --show' prints it."""
         import importlib
 
         rig = self.scenario(1.0).rig

@@ -7,64 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app, place, written_to
-
-
-@app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
-def run(
-    scenario: ScenarioFile,
-    out: Out = None,
-    set_: Set = None,
-    trust: Trust = False,
-    json: Json = False,
-    keep_c: Annotated[
-        Path | None,
-        typer.Option("--keep-c", metavar="FILE", parser=place, help="Write the generated C here, to read or debug."),
-    ] = None,
-    _undetermined: Undetermined = False,
-) -> int:
-    """Simulate one scenario; without --out, print the summary and write nothing."""
-    from stribeck.cli import run as command
-
-    return command.run(scenario, out, set_ or [], json, keep_c, trust)
-
-
-@app.command(epilog="Example: stribeck show machine.toml --out machine.svg")
-def show(
-    machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file, or one of schema 1.")],
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE.svg", parser=place, help="Draw it here, as a picture.")
-    ] = None,
-    set_: Set = None,
-    trust: Trust = False,
-    json: Json = False,
-) -> int:
-    """Draw a machine as a schematic: bodies, what is between them and what acts on them, with their numbers."""
-    from stribeck.cli import schematic as command
-
-    return command.draw(machine, out, set_ or [], json, trust)
-
-
-@app.command(epilog="Example: stribeck compare my_rig.toml --law lugre --law lugre_majorant:k_v=1e6")
-def compare(
-    scenario: ScenarioFile,
-    law: Annotated[
-        list[str],
-        typer.Option("--law", metavar="NAME[:KEY=VALUE,...]", help="A law to compare; the first is the reference."),
-    ],
-    contact: Annotated[
-        str | None, typer.Option("--contact", metavar="NAME", help="Of a machine, whose law is replaced.")
-    ] = None,
-    out: Out = None,
-    set_: Set = None,
-    trust: Trust = False,
-    json: Json = False,
-    _undetermined: Undetermined = False,
-) -> int:
-    """Simulate one scenario under several laws and show where they deviate."""
-    from stribeck.cli import compare as command
-
-    return command.compare(scenario, law, out, set_ or [], json, trust, contact)
+from stribeck.cli.shared import Json, On, ScenarioFile, Set, Trust, Undetermined, app, place, written_to
 
 
 @app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
