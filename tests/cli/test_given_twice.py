@@ -70,7 +70,7 @@ def test_one_name_twice_is_refused(stribeck, place, words, text):
     [
         "run rig.toml --out", "run rig.toml --keep-c", "run rig.toml --law lugre --out", "new rig --out",
         "sweep rig.toml --vary plant.mass=1:2:2 --out", "explore rig.toml --out", "paper --out", "run rig.toml --show --out",
-        "export lugre --parameters canudas1995 --target c --out", "design machine.toml --out", 
+        "export lugre --parameters canudas1995 --target c --out", "design machine.toml --out",
         "check lugre --parameters canudas1995 --certificate", "check lugre --parameters canudas1995 --out",
         "advise lugre --parameters canudas1995 --out", "import mujoco machine.toml --out", "fit log.csv --out",
         "library mx106 --out", "rig --stroke 1 --speed 1 --force 1 --out",
