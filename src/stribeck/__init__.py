@@ -18,10 +18,8 @@ if TYPE_CHECKING:
     from stribeck.laws.library import library
     from stribeck.loops import design
     from stribeck.parameter_sets import allow_undetermined
-    from stribeck.properties import Verdict, Verdicts, check, storage_interval
-    from stribeck.properties.margins import margins
-    from stribeck.properties.matrix import check_all
-    from stribeck.properties.ports import MachineVerdicts, check_machine
+    from stribeck.properties import Verdict, Verdicts, check
+    from stribeck.properties.ports import MachineVerdicts
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import (
         Body,
@@ -49,8 +47,8 @@ __all__ = [
     "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "MachineVerdicts", "Motor",
     "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
     "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
-    "check_all", "check_machine", "design", "export", "fit", "law", "library", "margins",
-    "on_cluster", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
+    "design", "export", "fit", "law", "library",
+    "on_cluster", "read_log", "simulate", "simulate_ensemble", "sweep",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -66,13 +64,11 @@ _HOME = {
     "on_cluster": "stribeck.sweeps.far",
     "Constant": "stribeck.constants",
     **dict.fromkeys(("BristleLaw", "Claims", "Law"), "stribeck.laws.base"),
-    **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),
-    "check_all": "stribeck.properties.matrix",
+    **dict.fromkeys(("Verdict", "Verdicts", "check"), "stribeck.properties"),
     "design": "stribeck.loops",
-    **dict.fromkeys(("MachineVerdicts", "check_machine"), "stribeck.properties.ports"),
+    "MachineVerdicts": "stribeck.properties.ports",
     "law": "stribeck.laws",
     "library": "stribeck.laws.library",
-    "margins": "stribeck.properties.margins",
     "allow_undetermined": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(

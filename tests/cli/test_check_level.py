@@ -1,4 +1,4 @@
-"""``stribeck check --level`` and ``--scenario``, and ``advise --level``, from the command line."""
+"""``stribeck check --level`` and of a machine, and ``advise --level``, from the command line."""
 
 import json
 
@@ -35,7 +35,7 @@ def test_a_machine_with_its_files(stribeck, tmp_path):
     file, out = tmp_path / "two.toml", tmp_path / "found"
     loads = [{"force": "gear", "F_c": 0.1, "F_s": 0.2}]
     file.write_text(tomli_w.dumps(machine(loads=loads)))
-    result = stribeck("check", "--scenario", file, "--json", "--out", out)
+    result = stribeck("check", file, "--json", "--out", out)
     assert result.status == 0, result.err
     data = json.loads(result.out)
     assert data["machine"]["spoiled_by"] == ["mesh"]
@@ -44,22 +44,22 @@ def test_a_machine_with_its_files(stribeck, tmp_path):
     assert simulate(Scenario.load(out / "mesh_passive.toml")).final["E_in"] < 0
     shown = Page(out / "report.html").rows(["contact", "law", "what varies", "passive"])
     assert shown["mesh"][-1] == "no"
-    again = stribeck("check", "--scenario", file, "--force", "gear=20", "--set", "contacts.mesh.law.name=lugre")
+    again = stribeck("check", file, "--force", "gear=20", "--set", "contacts.mesh.law.name=lugre")
     assert "passive at its ports: yes" in " ".join(again.out.split())
     file.write_text(tomli_w.dumps(machine(DAMPED, loads=loads)))
-    assert "passive at its ports: yes" in " ".join(stribeck("check", "--scenario", file).out.split())
+    assert "passive at its ports: yes" in " ".join(stribeck("check", file).out.split())
 
 
 @pytest.mark.parametrize(("options", "says"), [
     (["lugre", "--level", "2:1"], "--level: '2:1': must be LOW:HIGH"),
     (["lugre", "--level", "1"], "--level: '1': must be LOW:HIGH"),
     (["lugre", "--level", "a:b"], "--level: 'a:b': must be LOW:HIGH"),
-    (["--all", "--level", "1:2"], "--level: must stand without --all"),
-    (["lugre", "--force", "gear=1"], "--force: 'gear=1': needs --scenario"),
-    (["--scenario", "FILE", "--level", "1:2"], "--level: must be left out"),
-    (["lugre", "--scenario", "FILE"], "LAW: must be left out"),
-    (["--scenario", "FILE", "--force", "gear=x"], "--force: 'gear=x': must be NAME=MAX"),
-    (["--scenario", "FILE", "--force", "gaer=1"], "'gaer': two has no such link, load or motor"),
+    (["lugre", "--force", "gear=1"], "--force: 'gear=1': needs a machine's FILE.toml"),
+    (["FILE", "--level", "1:2"], "--level: must be left out"),
+    (["FILE", "--parameters", "canudas1995"], "--parameters: must be left out"),
+    (["nowhere.toml"], "nowhere.toml: cannot be read"),
+    (["FILE", "--force", "gear=x"], "--force: 'gear=x': must be NAME=MAX"),
+    (["FILE", "--force", "gaer=1"], "'gaer': two has no such link, load or motor"),
 ])  # fmt: skip
 def test_mistakes_are_one_line(stribeck, tmp_path, options, says):
     file = tmp_path / "two.toml"

@@ -40,7 +40,7 @@ def place(tmp_path, monkeypatch, scenario):
     ("words", "text"),
     [
         ("run rig.toml --set plant.mass=2 --set plant.mass=3", "--set plant.mass"),
-        ("check --scenario rig.toml --set plant.mass=2 --set plant.mass=2", "--set plant.mass"),
+        ("check rig.toml --set plant.mass=2 --set plant.mass=2", "--set plant.mass"),
         ("check lugre --parameters canudas1995 --set F_s=2 --set F_s=3", "--set F_s"),
         ("advise lugre_sobczyk --parameters canudas1995 --set F_s=2 --set F_s=3", "--set F_s"),
         ("export lugre --parameters canudas1995 --target st --set F_s=2 --set F_s=3 --out o.st", "--set F_s"),

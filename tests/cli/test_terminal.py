@@ -17,7 +17,6 @@ COMMANDS = sorted(command.name or command.callback.__name__ for command in app.r
 SPOKEN = {
     "library": ("library",),
     "library NAME": ("library", "lugre_majorant", "liu2015", "mx106"),
-    "check --all": ("check", "--all", "--parameters", "canudas1995"),
     "check": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7"),
     "run with laws": (
         "run", examples.path("break_away"), "--law", "lugre",

@@ -100,7 +100,7 @@ def test_ranges_of_constants():
 
 
 def test_a_passive_machine():
-    found = stribeck.check_machine(machine(DAMPED, loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
+    found = stribeck.check(machine(DAMPED, loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
     assert found.passive is True
     assert "machine_passive" in found.why
     assert found.ranges == {"mesh": {"F_c": [1.0, None], "F_s": [1.5, None]}}
@@ -115,7 +115,7 @@ def test_a_load_that_is_held_raises_the_level(sigma_2, holds):
     law = {"name": "lugre", "parameters": {**PASSIVE, "sigma_2": sigma_2}}
     held = {"push": {"on": "rotor", "kind": "signal", "signal": {"kind": "points", "t": [0.0], "value": [10.0]}}}
     table = {**machine(law, loads=[{"force": "push", "F_c": 0.02, "F_s": 0.07}]), "loads": held}
-    found = ports.check_machine(table)
+    found = stribeck.check(table)
     assert found["mesh"]["passive"].holds is holds
     assert found.ranges["mesh"] == {"F_c": [pytest.approx(1.2)] * 2, "F_s": [pytest.approx(2.2)] * 2}
     assert found["mesh"]["unique"].holds
@@ -132,7 +132,7 @@ def test_a_level_without_end_is_swung_above_its_lowest():
 
 
 def test_a_contact_spoils_it_and_the_run_shows_how():
-    found = stribeck.check_machine(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
+    found = stribeck.check(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
     assert found.passive is None
     assert found.spoiled_by == ["mesh"]
     verdict = found["mesh"]["passive"]
@@ -141,16 +141,14 @@ def test_a_contact_spoils_it_and_the_run_shows_how():
     assert verdict.stated["E_in"] < 0
     # F_s+ may be (1 + sigma_2/sigma_1) F_c- = 7: the gear may carry (7 - 1.5)/0.2 = 27.5
     for most, holds in ((27.4, True), (27.6, False)):
-        again = stribeck.check_machine(
-            machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]), forces={"gear": most}
-        )
+        again = stribeck.check(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]), forces={"gear": most})
         assert again["mesh"]["passive"].holds is holds
 
 
 def test_other_constants_that_vary():
     """sigma_2 falls to a tenth: the constants are passive at the start, and no longer at the end."""
     signal = {"kind": "points", "t": [0, 2], "value": [1.0, 0.05]}
-    found = stribeck.check_machine(machine(factors={"sigma_2": {"signal": signal}}))
+    found = stribeck.check(machine(factors={"sigma_2": {"signal": signal}}))
     verdict = found["mesh"]["passive"]
     assert verdict.holds is False
     assert replay.repeats(verdict.scenario, verdict.stated)
@@ -159,7 +157,7 @@ def test_other_constants_that_vary():
 def test_laws_without_z():
     table = {**PASSIVE, "sigma_2": 1.0}
     law = {"name": "stribeck_tanh", "k_v": 100.0, "parameters": table}
-    found = stribeck.check_machine(machine(law, loads=[{"force": "push", "F_c": 0.1, "F_s": 0.2}]))
+    found = stribeck.check(machine(law, loads=[{"force": "push", "F_c": 0.1, "F_s": 0.2}]))
     assert found["mesh"]["passive"].holds
     assert found.passive
 
@@ -168,18 +166,18 @@ def test_a_single_body():
     law = {"name": "lugre", "parameters": {**PASSIVE, "sigma_2": 1.0}}
     given = {"law": law, "plant": {"mass": 1.0}, "drive": {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}},
              "solve": {"t_end": 1.0}, "output": {"step": 0.1}}  # fmt: skip
-    found = stribeck.check_machine(given)
+    found = stribeck.check(given)
     assert found.passive is False
     assert found.spoiled_by == [ports.ONLY]
-    better = stribeck.check_machine({**given, "law": {"name": "lugre", "parameters": PASSIVE}})
+    better = stribeck.check({**given, "law": {"name": "lugre", "parameters": PASSIVE}})
     assert better.passive
 
 
 def test_what_is_refused():
     with pytest.raises(InputError, match=r"gera.*gear"):
-        stribeck.check_machine(machine(), forces={"gera": 1.0})
+        stribeck.check(machine(), forces={"gera": 1.0})
     with pytest.raises(InputError, match=r"forces\.gear"):
-        stribeck.check_machine(machine(), forces={"gear": -1.0})
+        stribeck.check(machine(), forces={"gear": -1.0})
 
 
 def varying(law, **factors):
@@ -202,7 +200,7 @@ def test_a_level_below_the_elastic_range_is_refused(name):
     """With g below z_ba no z is plastic, and it grows without end: it was said to be bounded where F_s fell."""
     law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
     with pytest.raises(InputError, match=rf"mesh\.factors\.{name}: z_ba .*must stay below F_[cs]/sigma_0") as told:
-        stribeck.check_machine(varying(law, **{name: (1.0, 0.5)}))
+        stribeck.check(varying(law, **{name: (1.0, 0.5)}))
     assert len(told.value.problems) == 1
 
 
@@ -211,7 +209,7 @@ def test_laws_without_z_are_passive_whatever_a_gear_carries(name):
     law = {"name": name, "k_v": 100.0, "parameters": {**PASSIVE, "sigma_2": 1.0}}
     rises = {"F_c": 0.1} if name == "coulomb_viscous" else {"F_c": 0.3, "F_s": 0.1}
     contact = {"loads": [{"force": "gear", **rises}], "factors": {"sigma_2": {"amplitude": [0.5], "waves": [3]}}}
-    assert stribeck.check_machine(machine(law, **contact)).passive
+    assert stribeck.check(machine(law, **contact)).passive
 
 
 class Dips(StaticLaw):
@@ -255,6 +253,6 @@ def test_nor_by_its_own_value_where_a_load_holds_another(kind):
 def test_a_cylinder_is_a_port():
     """It was said to be passive without any port, its gas and its valve left out."""
     law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": {**PASSIVE, "sigma_2": 400.0}}
-    found = stribeck.check_machine({**MACHINE, "contacts": {"seal": {"from": "piston", "law": law}}})
+    found = stribeck.check({**MACHINE, "contacts": {"seal": {"from": "piston", "law": law}}})
     assert found.passive
     assert set(found.ports) == {"bodies.piston", "controllers.axis"}

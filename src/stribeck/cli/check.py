@@ -4,91 +4,171 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from json import dumps
-from math import inf, nan
+from math import inf, isfinite, nan
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from stribeck import laws
-from stribeck.cli import show
-from stribeck.cli.text import say, width
-from stribeck.constants import DECIDED, require_positive
-from stribeck.constants import show as shown
+import typer
+
+from stribeck.cli.shared import Json, Trust, Undetermined, app, place
 from stribeck.errors import InputError, left_out, note
-from stribeck.laws.base import PARAMETERS, Law
-from stribeck.properties import NAMES, Verdict, Verdicts
-from stribeck.properties import check as decide
-from stribeck.properties.plain import Json
-from stribeck.properties.verdicts import ranges_in_words
-from stribeck.scenario import parse_assignments
 
 if TYPE_CHECKING:
-    from stribeck.properties.margins import Margins
+    from stribeck.properties import Verdict, Verdicts
+    from stribeck.properties.ports import MachineVerdicts
 
 _DEFAULT_SET = "canudas1995"
-# What an older check leaves: scenarios as write_scenarios begins them, and pictures of them, which say by name what they are.
-_COUNTEREXAMPLES = {
-    "*.toml": r"# \S+ is not \w+: ", **{f"*not_{name}.{kind}": "" for name in NAMES for kind in ("svg", "png", "pdf")},
-}  # fmt: skip
+# What an older check leaves: scenarios as _write_scenarios begins them, and pictures of them, which say by name what they are.
+_COUNTEREXAMPLES = {"*.toml": r"# \S+ is not \w+: "} | {f"*not_*.{kind}": "" for kind in ("svg", "png", "pdf")}
 _BESIDE = 23  # columns, where the words of a verdict begin
 
 
+@app.command(epilog="Example: stribeck check lugre_sobczyk --parameters canudas1995 --set k_v=1e7")
 def check(
-    name: str | None, parameters: str | None, assignments: list[str], v_max: float | None, json: bool,
-    every: bool = False, margins: bool = False, verify: bool = False, out: Path | None = None,
-    certificate: Path | None = None, level: str | None = None,
+    what: Annotated[
+        str,
+        typer.Argument(metavar="LAW|FILE.toml", help="A law (FILE.py:NAME too), or a machine: each of its contacts."),
+    ],
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="The machine's parameters.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Another constant, such as k_v=1e7.")
+    ] = None,
+    v_max: Annotated[
+        float | None, typer.Option("--v-max", metavar="V", help="Passivity is asked for |v| <= V, m/s.")
+    ] = None,
+    level: Annotated[
+        str | None,
+        typer.Option(metavar="LOW:HIGH", help="F_c and F_s vary in any way between LOW and HIGH times theirs."),
+    ] = None,
+    force: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=MAX", help="Of a machine: the force of this link stays within +-MAX."),
+    ] = None,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
+    ] = False,
+    certificate: Annotated[
+        Path | None, typer.Option(metavar="FILE", parser=place, help="Write the proofs here, for others to check.")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", parser=place, help="Folder for a page, and for counterexamples as scenarios to run."),
+    ] = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
-    """Check the law named, or every law, and print the verdicts; 0 whatever they are."""
+    """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
+    from stribeck.constants import require_positive
+
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
+    asked = _Asked(v_max, verify, out, certificate, json)
+    if what.lower().endswith(".toml"):
+        if problems := [f"{n}: must be left out for a machine, whose file says it"
+                        for n, x in (("--parameters", parameters), ("--level", level)) if x]:  # fmt: skip
+            raise InputError(problems)
+        return _machine(Path(what), set_ or [], force or [], trust, asked)
+    if force:
+        raise InputError(
+            f"--force: {force[0]!r}: needs a machine's FILE.toml: it bounds a link, a load or a motor there"
+        )
+    return _law(what, parameters, set_ or [], level, asked)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What is asked of a law and of a machine alike."""
+
+    v_max: float | None
+    verify: bool
+    out: Path | None
+    certificate: Path | None
+    json: bool
+
+    def refuse(self, *reads: Path) -> None:
+        """Refuse places that cannot be written, before anything runs."""
+        from stribeck.cli import show
+
+        if self.out is not None:
+            show.check_folder(self.out)
+        if self.certificate is not None:
+            show.check_file("--certificate", self.certificate, *reads)
+
+
+def _law(name: str, parameters: str | None, assignments: list[str], level: str | None, asked: _Asked) -> int:
+    from stribeck import laws
+    from stribeck.cli import show
+    from stribeck.laws.base import PARAMETERS
+    from stribeck.properties import check as decide
+    from stribeck.scenario import parse_assignments
+
     bounds = level_of(level)
-    if bounds is not None and (every or margins):
-        raise InputError("--level: must stand without --all and --margins, which are for constants that do not vary")
-    if every == (name is not None):
-        raise InputError("LAW: must be given, or --all for every law, and not both")
-    if every and (margins or out is not None or certificate is not None):
-        raise InputError("--all: must stand without --margins, --out and --certificate, which are for one law")
-    refuse_v_max(v_max)
     given = parse_assignments(assignments)
-    if parameters is None and not set(given) & set(PARAMETERS) and (every or _needs_parameters(name)):
+    if parameters is None and not set(given) & set(PARAMETERS) and _needs_parameters(name):
         parameters = _DEFAULT_SET
         note(f"no parameters given: checked with the set {parameters}")
-    if every:
-        return _all(parameters, given, v_max, json, verify)
-    assert name is not None
     law = laws.law(name, parameters, **given)
     if problem := laws.trouble(law):
         raise InputError(f"{name!r}: {problem}")
-    if out is not None:
-        show.check_folder(out)
-    if certificate is not None:
-        show.check_file("--certificate", certificate, Path(name.rpartition(":")[0]), Path(parameters or ""))
-    verdicts = decide(law, v_max, level=bounds)
-    if verify:
+    asked.refuse(Path(name.rpartition(":")[0]), Path(parameters or ""))
+    verdicts = decide(law, asked.v_max, level=bounds)
+    if asked.verify:
         verdicts.verify()
-    data = verdicts.to_json()
-    found = _margins(verdicts) if margins and law.has_z else None
-    if found is not None:
-        data["margins"] = asdict(found)
-    written = FilesWritten()
-    if out is not None:
-        with written.whole(out) as place:
-            written.files = write_scenarios(verdicts, place)
+    written = _Written()
+    if asked.out is not None:
+        with written.whole(asked.out) as folder:
+            written.files = _write_scenarios(verdicts, folder)
             with left_out("the page"):
                 from stribeck.report import check as report
 
-                written.pages = report.write_check(verdicts, place, found, show.command_line())
-    if certificate is not None:
-        written.certify(certificate, verdicts.certificates())
-    if json:
-        show.print_json(data | written.to_json())
+                written.pages = report.write_check(verdicts, folder, show.command_line())
+    if asked.certificate is not None:
+        written.certify(asked.certificate, verdicts.certificates())
+    if asked.json:
+        show.print_json(verdicts.to_json() | written.to_json())
     else:
-        _print(verdicts, found)
+        _print(verdicts)
+        written.tell()
+    return 0
+
+
+def _machine(file: Path, assignments: list[str], forces: list[str], trust: bool, asked: _Asked) -> int:
+    from stribeck.cli import show
+    from stribeck.properties import check as decide
+
+    stated = _forces(forces)
+    scenario = show.load(file, assignments, trust)
+    asked.refuse(file)
+    found = decide(scenario, asked.v_max, forces=stated)
+    if asked.verify:
+        found.verify()
+    written = _Written()
+    if asked.out is not None:
+        with written.whole(asked.out) as folder:
+            written.files = [
+                path for name, v in found.contacts.items() for path in _write_scenarios(v, folder, f"{name}_")
+            ]
+            with left_out("the page"):
+                from stribeck.report import check as report
+
+                written.pages = report.write_machine_check(found, scenario, folder, show.command_line())
+    if asked.certificate is not None:
+        written.certify(asked.certificate, found.certificates())
+    if asked.json:
+        show.print_json(found.to_json() | {"forces": stated} | written.to_json())
+    else:
+        _print_machine(found)
         written.tell()
     return 0
 
 
 @dataclass
-class FilesWritten:
+class _Written:
     """What a check wrote: scenarios and proofs, and the page with its pictures, last the page; None where not asked for."""
 
     files: list[str] | None = None
@@ -99,8 +179,8 @@ class FilesWritten:
         """A folder for what is written, which moves into ``out`` together, the page last."""
         from stribeck.files import together
 
-        with together(out, last="report.html", older=_COUNTEREXAMPLES) as place:
-            yield place
+        with together(out, last="report.html", older=_COUNTEREXAMPLES) as folder:
+            yield folder
         self.files = [str(out / Path(file).name) for file in self.files or ()]
         self.pages = None if self.pages is None else [out / page.name for page in self.pages]
 
@@ -122,19 +202,6 @@ class FilesWritten:
             print(f"  wrote {file}")
 
 
-def refuse_v_max(v_max: float | None) -> None:
-    """Raise unless it is a speed or none."""
-    if v_max is not None:
-        require_positive("v_max", v_max, "m/s")
-
-
-def refuse_force(force: list[str]) -> None:
-    """--force is about a machine's links."""
-    raise InputError(
-        f"--force: {shown(force[0])}: needs --scenario: it bounds the force of a link, a load or a motor there"
-    )
-
-
 def level_of(text: str | None) -> tuple[float, float] | None:
     """LOW:HIGH as numbers."""
     if text is None:
@@ -149,50 +216,29 @@ def level_of(text: str | None) -> tuple[float, float] | None:
     return found
 
 
-def _needs_parameters(name: str | None) -> bool:
-    found = laws.find(name) if name is not None else None
-    return found is not None and any(found.constants()[n].required for n in found.uses)
+def _forces(texts: list[str]) -> dict[str, float]:
+    """NAME=MAX as numbers."""
+    found: dict[str, float] = {}
+    for text in texts:
+        name, sign, size = text.partition("=")
+        try:
+            value = float(size)
+        except ValueError:
+            value = nan
+        if not (name and sign and isfinite(value) and value >= 0):
+            raise InputError(f"--force: {text!r}: must be NAME=MAX, a link, load or motor and a finite number >= 0")
+        found[name] = value
+    return found
 
 
-def _all(
-    parameters: str | None, given: Mapping[str, float | str], v_max: float | None, json: bool, verify: bool
-) -> int:
-    from stribeck.properties.matrix import every_law
+def _needs_parameters(name: str) -> bool:
+    from stribeck import laws
 
-    sets = (laws.parameters_for(cls, parameters) for cls in laws.builtin().values()) if parameters else ()
-    values = {n: x for each in sets for n, x in each.items()}
-    known = {n for cls in laws.builtin().values() for n in cls.constants()}
-    if unknown := [n for n in given if n not in known]:
-        raise InputError([f"--set: {n}: no law has such a constant" for n in unknown])
-    found = every_law({**values, **given})
-    if not found:
-        raise InputError("--all: no law has all that it needs; give --parameters, or all of sigma_0 ... v_s with --set")
-    checked: list[Verdicts] = []
-    with show.progress("checking every law") as tell:
-        for i, law in enumerate(found):
-            checked.append(decide(law, v_max))
-            if verify:
-                checked[-1].verify()
-            if tell is not None:
-                tell((i + 1) / len(found))
-    if json:
-        show.print_json({"parameters": parameters, "v_max": v_max, "laws": [v.to_json() for v in checked]})
-    else:
-        _print_matrix(checked, parameters)
-        if verify:
-            odd = [f"{v.law.name}: {n}" for v in checked for n, p in v.properties.items() if p.verified is False]
-            fine = "all proofs confirmed by the independent checker, all counterexamples replayed"
-            print(f"NOT CONFIRMED: {', '.join(odd)}" if odd else fine)
-    return 0
+    found = laws.find(name)
+    return any(found.constants()[n].required for n in found.uses)
 
 
-def _margins(verdicts: Verdicts) -> Margins:
-    from stribeck.properties.margins import margins
-
-    return margins(verdicts.law, verdicts.v_max, verdicts["bounded"].holds is not False)
-
-
-def write_scenarios(verdicts: Verdicts, out: Path, prefix: str = "") -> list[str]:
+def _write_scenarios(verdicts: Verdicts, out: Path, prefix: str = "") -> list[str]:
     """A scenario for each counterexample that one can show."""
     from tomli_w import dumps as toml
 
@@ -202,10 +248,8 @@ def write_scenarios(verdicts: Verdicts, out: Path, prefix: str = "") -> list[str
     for name, verdict in verdicts.properties.items():
         if verdict.holds is False and verdict.scenario is not None:
             path = out / f"{prefix}{name}.toml"
-            write_text(
-                path,
-                f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{toml(verdict.scenario)}",
-            )
+            head = f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}"
+            write_text(path, head + toml(verdict.scenario))
             files.append(str(path))
     return files
 
@@ -215,57 +259,41 @@ def _stated(verdict: Verdict) -> str:
     return "".join(f"# at the end: {name} = {value!r}\n" for name, value in stated.items())
 
 
-def _constants(law: Law) -> str:
-    values = {n: f"{x:g}" for n, x in law.p.numbers.items()} | law.choices
-    return ", ".join(f"{n} = {x}" for n, x in values.items())
-
-
-def print_verdicts(verdicts: Verdicts, of: str = "") -> None:
+def _print(verdicts: Verdicts, of: str = "") -> None:
     """A law's constants, its verdicts and their evidence."""
-    say(f"{of}{verdicts.law.name} with {_constants(verdicts.law)}", 4)
-    if verdicts.level:
-        say(f"for every history of {ranges_in_words(verdicts.level)}", 4, "  ")
+    from stribeck.cli.text import say
+    from stribeck.constants import DECIDED
+
+    heading, *more = verdicts.headings()
+    say(of + heading, 4)
+    for line in more:
+        say(line, 4, "  ")
     for name, verdict in verdicts.properties.items():
         again = {True: ", verified", False: ", NOT CONFIRMED", None: ""}[verdict.verified]
-        reason = verdict.evidence.get("reason") if verdict.holds is None else verdict.method
-        say(f"{reason}{again}", _BESIDE, f"  {name:11}{DECIDED[verdict.holds]:10}")
+        say(f"{verdict.reason}{again}", _BESIDE, f"  {name:11}{DECIDED[verdict.holds]:10}")
         for line in _lines(verdict.evidence):
             say(line, _BESIDE + 2, " " * _BESIDE)
 
 
-def _print(verdicts: Verdicts, margins: Margins | None) -> None:
-    print_verdicts(verdicts)
-    if margins is None:
-        return
-    for name, margin in margins.constants.items():
-        ends = [f"{word} {x:.9g}" for word, x in (("from", margin.low), ("up to", margin.high)) if x is not None]
-        word = "passive" if margins.passive else "not passive"
-        say(f"{name} = {margin.value:g}: {word} {' '.join(ends) or 'whatever it is'}", 15, "  margin     ")
-    if margins.largest_v_d:
-        print(f"  remedy     passive with v_d up to {margins.largest_v_d:.6g} m/s (as sampled)")
+def _print_machine(found: MachineVerdicts) -> None:
+    from stribeck.cli.text import say
+    from stribeck.constants import SHOWN
+
+    for name, verdicts in found.contacts.items():
+        _print(verdicts, f"{name}: ")
+    say(f"passive at its ports: {SHOWN[found.passive]}: {found.why}", 4, f"{found.name}: ")
+    for path, what in found.ports.items():
+        say(f"{path}: {what}", 13, "  port       ")
 
 
-def _lines(evidence: Mapping[str, Json]) -> list[str]:
-    """The evidence in short: numbers and words; of lists their entries, of long ones their length."""
+def _lines(evidence: Mapping[str, object]) -> list[str]:
+    """The evidence in short: numbers and words; of lists their entries."""
     lines = []
     plain = {n: x for n, x in evidence.items() if isinstance(x, int | float | str) and n != "reason"}
     if plain:
         lines.append(", ".join(f"{n} {x:.9g}" if isinstance(x, float) else f"{n} {x}" for n, x in plain.items()))
     for name in ("programme", "levels"):
-        rows = evidence.get(name, ())
-        lines += [", ".join(f"{n} {x:.6g}" for n, x in row.items()) for row in rows]
+        rows = evidence.get(name)
+        if isinstance(rows, list):
+            lines += [", ".join(f"{n} {x:.6g}" for n, x in row.items()) for row in rows]
     return lines
-
-
-def _print_matrix(checked: list[Verdicts], parameters: str | None) -> None:
-    say(f"parameters {parameters or 'as given'}; own constants: " + _own(checked), 4)
-    wide = max(len(v.law.name) for v in checked)
-    cell = min(12, (width() - 2 - wide) // len(NAMES))
-    print(f"{'':{wide}}  " + "".join(f"{name:{cell}}" for name in NAMES))
-    for v in checked:
-        print(f"{v.law.name:{wide}}  " + "".join(f"{DECIDED[v[name].holds]:{cell}}" for name in NAMES))
-
-
-def _own(checked: list[Verdicts]) -> str:
-    own = {n: x for v in checked for n, x in v.law.p.numbers.items() if n in v.law.own_constants()}
-    return ", ".join(f"{n} = {x:g}" for n, x in own.items())

@@ -11,7 +11,8 @@ from stribeck.constants import DECIDED
 from stribeck.laws.base import Law
 from stribeck.paper.common import BRISTLES, Done
 from stribeck.paper.statements import passivity_cycle
-from stribeck.properties import NAMES, Verdicts, check, storage_interval
+from stribeck.properties import NAMES, Verdicts, check
+from stribeck.properties.storage import storage_interval
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
 

@@ -4,52 +4,91 @@ from __future__ import annotations
 
 import importlib
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
+from pathlib import Path
 from time import process_time
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from stribeck.constants import require_positive
-from stribeck.errors import needed
+from stribeck.errors import InputError, needed
 from stribeck.laws.base import Law
 from stribeck.properties.checked import Checked
-from stribeck.properties.storage import storage_interval
 from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, undecided
 
-__all__ = ["NAMES", "Verdict", "Verdicts", "check", "storage_interval"]
+if TYPE_CHECKING:
+    from stribeck.properties.ports import MachineVerdicts
+    from stribeck.scenario import Scenario
+    from stribeck.scenario.objects import Machine
+
+__all__ = ["NAMES", "Verdict", "Verdicts", "check"]
 
 WORK = 2400.0  # regions looked at for all five properties; it does not depend on the machine's speed
 
 _log = logging.getLogger(__name__)
 
 
+@overload
 def check(
-    law: Law, v_max: float | None = None, work: float = WORK, level: tuple[float, float] | None = None
-) -> Verdicts:
-    """Whether a law with its constants has each of the five properties.
+    what: Law, v_max: float | None = None, *, level: tuple[float, float] | None = None, work: float = WORK
+) -> Verdicts: ...
+
+
+@overload
+def check(
+    what: Machine | Scenario | str | Path | Mapping[str, object], v_max: float | None = None, *,
+    forces: Mapping[str, float] | None = None, t_end: float | None = None, work: float = WORK,
+) -> MachineVerdicts: ...  # fmt: skip
+
+
+def check(
+    what: Law | Machine | Scenario | str | Path | Mapping[str, object], v_max: float | None = None, *,
+    level: tuple[float, float] | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
+    work: float = WORK,
+) -> Verdicts | MachineVerdicts:  # fmt: skip
+    """Whether a law with its constants has each of the five properties, or each contact of a machine has them.
 
     Args:
-        law: the law.
+        what: a law; or a machine, a scenario, its file or its tables. Then each contact is checked for every history of its
+            constants that the file allows: signals over the whole run, positions and speeds without limit.
         v_max: passivity is asked for \\|v\\| <= v_max, m/s; for every v unless given.
+        level: of a law, (LOW, HIGH): F_c and F_s vary together, in any way, between LOW and HIGH times their values (by load,
+            position, temperature); a verdict holds for every such history.
+        forces: of a machine, by name of a link, load or motor: its force stays within +- so much, N or N m. The caller
+            vouches for it.
+        t_end: of a machine, the end of the run, s, over which signals are bounded; the scenario's unless given.
         work: how many regions of (v, z) may be looked at; what is not decided by then is null.
-        level: (LOW, HIGH): F_c and F_s vary together, in any way, between LOW and HIGH times their values (by load, position,
-            temperature); a verdict holds for every such history.
 
     Returns:
         The verdicts: each true with a proof, false with a counterexample, or null with the reason. docs/check.md.
 
     Raises:
-        InputError: ``v_max`` is no finite number > 0, ``level`` is no range, or the law does not allow such
-            constants.
+        InputError: ``v_max`` is no finite number > 0, ``level`` is no range, the law does not allow such constants, or the
+            scenario is not valid.
         MissingExtra: python-flint is not installed.
     """
     if v_max is not None:
         require_positive("v_max", v_max, "m/s")
+    if not isinstance(what, Law):
+        from stribeck.properties.ports import check_machine
+
+        if level is not None:
+            raise InputError("level: must be left out for a machine: its file says what varies")
+        return check_machine(what, v_max, forces, t_end, work)
+    alien = {"forces": forces, "t_end": t_end}
+    if problems := [f"{name}: must be left out for a law: it is about a machine" for name, x in alien.items() if x]:
+        raise InputError(problems)
     if level is not None:
         from stribeck.properties.level import check_level
 
-        return check_level(law, level, v_max, work)
+        return check_level(what, level, v_max, work)
+    return check_law(what, v_max, work)
+
+
+def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
+    """The verdicts on a law whose constants do not vary."""
     started = process_time()
     if not law.has_z:
         reason = f"law '{law.name}' has no internal state z, which the properties are about"

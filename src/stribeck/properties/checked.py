@@ -72,7 +72,3 @@ class Checked:
             return drift.decide(self.model, self.claims("drift_free"))
         except Unreadable as error:
             return undecided(str(error))
-
-    def passive_with_own_energy(self) -> bool | None:
-        """True where the elastic energy is shown to be a storage function; a quick test, for listings."""
-        return passive.own_energy(self.model, self.claims("passive"), self._bounded[1]) or None

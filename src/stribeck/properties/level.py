@@ -56,7 +56,7 @@ _TRIED = 4  # cycles, of those found
 _DROPS = (1e-2, 1e-4, 1e-6, 1e-9, 1e-12)
 
 
-@dataclass
+@dataclass(repr=False)
 class LevelVerdicts(Verdicts):
     """The verdicts on a law whose constants vary: each holds for every history within the ranges.
 

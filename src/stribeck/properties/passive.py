@@ -145,16 +145,6 @@ def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certif
     return undecided(reason, sampled="a storage function exists as far as sampled", **bounds)
 
 
-def own_energy(model: Model, claims: ClaimProver, bounded: Certificate | None) -> bool:
-    """Whether the elastic energy is shown to serve as storage, with no limit on the speed."""
-    reach = model.bound[1] if bounded is not None else None
-    return damped.prove(model, claims) is not None or any(
-        claims.rising(slope, (NULL, reach)) is not None
-        and claims.power(slope, (NULL, model.v_max), (NULL, reach), (*SIGNS, 0)) is not None
-        for slope in elastic_forces(model)
-    )
-
-
 def _with_cells(
     model: Model,
     claims: ClaimProver,

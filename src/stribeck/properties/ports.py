@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from time import process_time
 
-from stribeck.constants import Constant, require_positive, show
+from stribeck.constants import SHOWN, Constant, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import Pendulum
 from stribeck.plants import Mass
-from stribeck.properties import WORK, check
+from stribeck.properties import check_law
 from stribeck.properties.claims import NULL
 from stribeck.properties.level import check_varied
 from stribeck.properties.model import SIGNS, Model
@@ -37,7 +37,7 @@ _SUM = (
 )
 
 
-@dataclass
+@dataclass(repr=False)
 class MachineVerdicts:
     """What a check of a machine found.
 
@@ -67,6 +67,10 @@ class MachineVerdicts:
     def __getitem__(self, name: str) -> Verdicts:
         return self.contacts[name]
 
+    def __repr__(self) -> str:
+        contacts = [f"{name}: {verdicts!r}" for name, verdicts in self.contacts.items()]
+        return "\n".join([*contacts, f"{self.name}: passive at its ports: {SHOWN[self.passive]}: {self.why}"])
+
     def verify(self) -> bool:
         """Check every proof and replay every counterexample; True where all agree."""
         found = [verdicts.verify() for verdicts in self.contacts.values()]  # every one, also after one that fails
@@ -90,30 +94,22 @@ class MachineVerdicts:
 
 def check_machine(
     scenario: Scenario | Machine | str | Path | Mapping[str, object],
-    v_max: float | None = None,
-    forces: Mapping[str, float] | None = None,
-    t_end: float | None = None,
-    work: float = WORK,
+    v_max: float | None,
+    forces: Mapping[str, float] | None,
+    t_end: float | None,
+    work: float,
 ) -> MachineVerdicts:
     """Each contact of a machine, for every history of its constants that the file allows, and what follows for the whole.
 
     The constants' ranges are bounds over the whole run of the factors' signals, over all positions of the factors' waves,
     and over whatever the loads do; the force of a link or of a motor has no bound unless ``forces`` states one.
 
-    Args:
-        scenario: a :class:`Scenario`, its file or its tables, or a :class:`Machine` (with ``t_end``); a law on a single
-            body is a machine of one contact.
-        v_max: passivity is asked for \\|w\\| <= v_max at the contacts.
-        forces: by name of a link, load or motor: its force stays within +- so much, N or N m. The caller vouches for it.
-        t_end: the end of the run, s, over which signals are bounded; the scenario's unless given.
-        work: as for :func:`stribeck.check`, for each contact.
+    The arguments are those of :func:`stribeck.check`; a law on a single body is a machine of one contact.
 
     Raises:
-        InputError: no valid scenario, no such force, or ``v_max`` is no finite number > 0.
+        InputError: no valid scenario, or no such force.
     """
     started = process_time()
-    if v_max is not None:
-        require_positive("v_max", v_max, "m/s")
     made = scenario_of(scenario, t_end, None)
     stated = dict(forces or {})
     _refuse(made, stated)
@@ -150,7 +146,7 @@ def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
         found = check_varied(varied, v_max, work)
         found.properties["passive"] = static_passive(varied)
         return found
-    return check_varied(varied, v_max, work) if varied.ranges else check(law, v_max, work)
+    return check_varied(varied, v_max, work) if varied.ranges else check_law(law, v_max, work)
 
 
 def static_passive(varied: Varied) -> Verdict:

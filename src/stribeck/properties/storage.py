@@ -14,8 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.constants import require_positive
-from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
 _SLOWEST, _FASTEST = 1e-7, 1e16  # sampled, as multiples of the smallest and the largest speed of the law's own
@@ -200,18 +198,6 @@ def reach_of(law: Law, bounded: bool | None) -> float | None:
     return None if bounded is False else float(law.z_bound(law.p))
 
 
-def require_storage(law: Law, v_max: float | None) -> None:
-    """Whether storage can be asked for.
-
-    Raises:
-        InputError: a law without z, or v_max is no positive number.
-    """
-    if not law.has_z:
-        raise InputError(f"law: {law.name!r}: must be a law with z: what is stored is a function of z")
-    if v_max is not None:
-        require_positive("v_max", v_max, "m/s")
-
-
 def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tuple[Array, Array]:
     """L(z) and U(z) in N (J/m): a storage function exists where L <= S' <= U for all z that v can drive both ways.
 
@@ -222,11 +208,7 @@ def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tupl
 
     Returns:
         Two arrays like z, by sampling of v; -inf and inf where no speed drives z that way.
-
-    Raises:
-        InputError: a law without z, or v_max is no positive number.
     """
-    require_storage(law, v_max)
     z = np.asarray(z, float)
     low, high = Storage(law, v_max, reach=float(law.z_bound(law.p))).interval(z.ravel())
     return low.reshape(z.shape), high.reshape(z.shape)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from textwrap import fill
 from typing import TYPE_CHECKING
 
+from stribeck.constants import DECIDED
 from stribeck.laws.base import Law
 from stribeck.properties.certificate import FORMAT, Certificate
 from stribeck.properties.plain import Json
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 NAMES = ("unique", "bounded", "smooth", "passive", "drift_free")
 
 
-@dataclass
+@dataclass(repr=False)
 class Verdict:
     """Whether a property holds.
 
@@ -39,6 +41,14 @@ class Verdict:
     verified: bool | None = None
     certificate: dict[str, Json] | None = field(default=None, repr=False)
     stated: Mapping[str, float] = field(default_factory=dict, repr=False)
+
+    @property
+    def reason(self) -> str:
+        """How it was decided, or why it was not."""
+        return str(self.evidence.get("reason", self.method)) if self.holds is None else self.method
+
+    def __repr__(self) -> str:
+        return f"{DECIDED[self.holds]}: {self.reason}"
 
     def to_json(self) -> dict[str, Json]:
         """The verdict as JSON."""
@@ -98,7 +108,7 @@ def proved(model: Model, certificate: Certificate, method: str, evidence: Mappin
     return Verdict(True, method, found, certificate=certificate.to_json(model))
 
 
-@dataclass
+@dataclass(repr=False)
 class Verdicts:
     """The verdicts on a law with its constants; ``properties`` holds a :class:`Verdict` by name."""
 
@@ -114,6 +124,19 @@ class Verdicts:
     def level(self) -> dict[str, list[float | None]]:
         """The constants that vary and the ends between which they do (None: without end); none in a plain check."""
         return {}
+
+    def headings(self) -> list[str]:
+        """The law with its constants; and what varies, where something does."""
+        values = {n: f"{x:g}" for n, x in self.law.p.numbers.items()} | self.law.choices
+        found = [f"{self.law.name} with " + ", ".join(f"{n} = {x}" for n, x in values.items())]
+        return [*found, f"for every history of {ranges_in_words(self.level)}"] if self.level else found
+
+    def __repr__(self) -> str:
+        rows = [
+            fill(f"  {name:11}{DECIDED[v.holds]:10}{v.reason}", 100, subsequent_indent=" " * 23)
+            for name, v in self.properties.items()
+        ]
+        return "\n".join([*self.headings(), *rows])
 
     def verify(self) -> bool:
         """Check every proof's certificate and replay every counterexample; True where all agree."""

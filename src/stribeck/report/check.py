@@ -1,4 +1,4 @@
-"""The page of ``stribeck check --out``: verdicts, what shows them, and the counterexamples replayed."""
+"""The pages of ``stribeck check --out``: verdicts on a law or a machine's contacts, and the counterexamples replayed."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from stribeck.constants import DECIDED
+from stribeck.constants import DECIDED, SHOWN
 from stribeck.errors import StribeckError
 from stribeck.laws.base import Law
 from stribeck.properties import Verdict, Verdicts
-from stribeck.properties.margins import Margins
+from stribeck.properties.ports import MachineVerdicts
 from stribeck.properties.verdicts import ranges_in_words
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure
@@ -30,14 +30,14 @@ _MEANING = {
 }
 
 
-def write_check(verdicts: Verdicts, folder: Path, margins: Margins | None = None, command: str = "") -> list[Path]:
+def write_check(verdicts: Verdicts, folder: Path, command: str = "") -> list[Path]:
     """Write report.html, the friction curve and the replays into the folder; the paths."""
     law = verdicts.law
     curve = _curve(law)
     replays = [
         figure for name, verdict in verdicts.properties.items() if (figure := replay_figure(name, verdict)) is not None
     ]
-    found = [verdicts_chapter(verdicts), *_margins(margins), evidence(verdicts)]
+    found = [verdicts_chapter(verdicts), evidence(verdicts)]
     found.append(Chapter("curve", "Friction at held speeds", figures=[curve]))
     found += [*replays_chapter(replays, "replays", "The counterexamples"), chapters.of_law(law)]
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if law.rotary else 'm/s'}" if verdicts.v_max else ""
@@ -51,13 +51,43 @@ def write_check(verdicts: Verdicts, folder: Path, margins: Margins | None = None
     return [*paths, chapters.write_page(folder, f"What {law.name} guarantees", introduction, found, command)]
 
 
+def write_machine_check(found: MachineVerdicts, scenario: Scenario, folder: Path, command: str = "") -> list[Path]:
+    """Write report.html and the replays into the folder; the paths."""
+    made, figures = [_whole(found)], []
+    for name, verdicts in found.contacts.items():
+        made.append(verdicts_chapter(verdicts, f"contact-{name}", f"Contact {name}: {verdicts.law.name}"))
+        made.append(evidence(verdicts, f"evidence-{name}", f"Evidence for {name}"))
+        own = [f for n, v in verdicts.properties.items() if (f := replay_figure(n, v, name)) is not None]
+        made += replays_chapter(own, f"replays-{name}", f"Counterexamples of {name}")
+        figures += own
+    made += chapters.of_laws(scenario)
+    paths = [path for figure in figures for path in write_figure(figure, folder)]
+    introduction = [f"Passive at its ports: {SHOWN[found.passive]}: {found.why}."]
+    return [*paths, chapters.write_page(folder, f"What {found.name} guarantees", introduction, made, command)]
+
+
+def _whole(found: MachineVerdicts) -> Chapter:
+    rows = [
+        [name, v.law.name, ranges_in_words(found.ranges[name]) or "nothing", DECIDED[v["passive"].holds]]
+        for name, v in found.contacts.items()
+    ]
+    tables = [Table(["contact", "law", "what varies", "passive"], rows, prose=True)]
+    if found.ports:
+        tables.append(Table(["port", "what acts there"], [list(row) for row in found.ports.items()], prose=True))
+    text = [
+        "A machine of passive contacts, links and pendulums is passive from its ports to the velocities there: no motion "
+        "draws more energy from it than was put in. What varies is bounded by the file: signals over the whole run, positions "
+        "and speeds without limit."
+    ]
+    return Chapter("machine", "The machine", text, tables)
+
+
 def verdicts_chapter(verdicts: Verdicts, key: str = "verdicts", title: str = "Verdicts") -> Chapter:
     """A table of the five properties, how each was decided, and for which histories it holds."""
     rows = []
     for name, v in verdicts.properties.items():
         again = {True: "confirmed", False: "NOT CONFIRMED", None: "-"}[v.verified]
-        how = str(v.evidence.get("reason", v.method)) if v.holds is None else v.method
-        rows.append([name.replace("_", "-"), _MEANING[name], DECIDED[v.holds], how, again])
+        rows.append([name.replace("_", "-"), _MEANING[name], DECIDED[v.holds], v.reason, again])
     head = ["property", "meaning", "holds", "how it was decided", "second run"]
     text = ["yes is proved; for no there is a counterexample. The constants are taken as exact."]
     if verdicts.level:
@@ -69,18 +99,6 @@ def replays_chapter(figures: Sequence[FigureSvg], key: str, title: str) -> list[
     """A chapter of counterexamples, where there are any."""
     text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
     return [Chapter(key, title, text, figures=figures)] if figures else []
-
-
-def _margins(margins: Margins | None) -> list[Chapter]:
-    if margins is None:
-        return []
-    word = "passive" if margins.passive else "not passive"
-    ends = [
-        [name, f"{m.value:g}", *("any" if end is None else f"{end:.6g}" for end in (m.low, m.high))]
-        for name, m in margins.constants.items()
-    ]
-    text = [f"How far one constant can move, all others held, while the law stays {word}."]
-    return [Chapter("margins", "Margins of passivity", text, [Table(["constant", "value", "from", "up to"], ends)])]
 
 
 def evidence(verdicts: Verdicts, key: str = "evidence", title: str = "Evidence") -> Chapter:

@@ -7,12 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, Out, Trust, Undetermined, app, place
-
-Certificate = Annotated[
-    Path | None,
-    typer.Option("--certificate", metavar="FILE", parser=place, help="Write the proofs here, for others to check."),
-]
+from stribeck.cli.shared import Json, Out, Trust, Undetermined, app
 
 
 @app.command(epilog="Example: stribeck advise lugre_sobczyk --parameters canudas1995 --creep 1e-6")
@@ -59,64 +54,3 @@ def advise(
         "v_max": v_max, "mass": mass, "level": level,
     }  # fmt: skip
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
-
-
-@app.command(epilog="Example: stribeck check lugre_sobczyk --parameters canudas1995 --set k_v=1e7")
-def check(
-    law: Annotated[str | None, typer.Argument(metavar="LAW", help="A law; FILE.py:NAME is one too.")] = None,
-    parameters: Annotated[
-        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="The machine's parameters.")
-    ] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Another constant, such as k_v=1e7.")
-    ] = None,
-    v_max: Annotated[
-        float | None, typer.Option("--v-max", metavar="V", help="Passivity is asked for |v| <= V, m/s.")
-    ] = None,
-    every: Annotated[bool, typer.Option("--all", help="Every law with the parameters.")] = False,
-    margins: Annotated[
-        bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
-    ] = False,
-    verify: Annotated[
-        bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
-    ] = False,
-    certificate: Certificate = None,
-    level: Annotated[
-        str | None,
-        typer.Option(
-            "--level", metavar="LOW:HIGH", help="F_c and F_s vary in any way between LOW and HIGH times theirs."
-        ),
-    ] = None,
-    scenario: Annotated[
-        Path | None,
-        typer.Option(
-            "--scenario", metavar="FILE", help="Each contact of this machine, and what follows for the whole."
-        ),
-    ] = None,
-    force: Annotated[
-        list[str] | None,
-        typer.Option("--force", metavar="NAME=MAX", help="With --scenario: the force of this link stays within +-MAX."),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", metavar="DIR", parser=place, help="Folder for a page, and for counterexamples as scenarios to run."
-        ),
-    ] = None,
-    trust: Trust = False,
-    json: Json = False,
-    _undetermined: Undetermined = False,
-) -> int:
-    """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
-    if scenario is not None:
-        from stribeck.cli import check_machine
-
-        alien = {"LAW": law, "--parameters": parameters, "--all": every, "--margins": margins, "--level": level}
-        return check_machine.check(
-            scenario, set_ or [], v_max, force or [], json, trust, verify, out, certificate, alien
-        )
-    from stribeck.cli import check as command
-
-    if force:
-        command.refuse_force(force)
-    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate, level)
