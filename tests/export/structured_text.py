@@ -56,6 +56,9 @@ def _statements(statements, x, blocks):
             for i in range(first, last + (1 if step > 0 else -1), step):
                 x[str(each.control.name)] = i
                 _statements(each.statements.statements, x, blocks)
+        elif kind == "WhileStatement":
+            while evaluate(each.expression, x, blocks):
+                _statements(each.statements.statements, x, blocks)
         else:
             raise AssertionError(kind)
 

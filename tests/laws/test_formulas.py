@@ -7,8 +7,9 @@ from math import atan, copysign, exp, nan, pi, sin, sqrt, tanh
 import numpy as np
 import pytest
 
-from stribeck import InputError, NotDifferentiable, law, parameters
+from stribeck import InputError, NotDifferentiable, law
 from stribeck.laws import builtin
+from stribeck.parameter_sets import parameters
 
 P = parameters()["canudas1995"].values
 S0, S1, S2, FC, FS, VS = (P[n] for n in ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s"))

@@ -12,9 +12,10 @@ from types import SimpleNamespace
 
 from stribeck.drives.base import Column
 from stribeck.expressions.emit import C, Writer
-from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
+from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
+from stribeck.laws.evaluation import steady_force
 from stribeck.laws.values import Constants
 from stribeck.machine.parts import ContactPart, symbols_of
 from stribeck.machine.system import MachineSystem
@@ -24,26 +25,11 @@ from stribeck.simulation.native import share_of
 CLAIMS = tuple(field.name for field in fields(Claims))
 _NAN = float("nan")
 
-# The same search as laws/numeric.py's first_root: double until the rate turns, then halve.
 _STEADY = """\
 /* Friction when each speed is held for long. */
 EXPORT void stribeck_steady(const double *p, int64_t n, const double *v, double *F)
 {
-    for (int64_t i = 0; i < n; i++) {
-        const double side = v[i] > 0 ? 1 : -1;
-        double z = -law_rate(p, v[i], 0) / law_rate_z(p, v[i], 0);
-        if (!LINEAR) {
-            double low = 0, high = law_length(p);
-            for (int k = 0; k < 200 && law_rate(p, v[i], side * high) * side > 0; k++) high *= 2;
-            for (int k = 0; k < 120; k++) {
-                const double middle = 0.5 * (low + high);
-                if (!(low < middle && middle < high)) break;
-                if (law_rate(p, v[i], side * middle) * side > 0) low = middle; else high = middle;
-            }
-            z = side * high;
-        }
-        F[i] = law_force(p, v[i], HAS_Z ? z : 0, 0);
-    }
+    for (int64_t i = 0; i < n; i++) F[i] = law_steady(p, v[i], v[i] > 0 ? 1 : -1);
 }"""
 
 _TABLE = """\
@@ -68,26 +54,19 @@ def appendix(scenario: Scenario) -> str:
     inputs = {f"{group}.{name}": f"p[{i}]" for i, (group, name) in enumerate(system.parameters)}
     piece = {f"segment.{n}": f"s[{i}]" for i, n in enumerate(("start", "value", "slope"))}
     states = {state.name: f"x[{i}]" for i, state in enumerate(system.states)}
-    local = {"v": "v", "z": "z", "dz_dt": "dz_dt"}
-    v, z, rate = symbol("v"), symbol("z"), symbol("dz_dt")
+    v, side = symbol("v"), symbol("side")
+    moving = {"v": "v", "side": "side"}
     whole = replace(system, energy=True)  # the page shows the energy stored, whether the file asks for it or not
     found = whole.outputs
-    dz_dt = wrap(law.dz_dt(q, v, z)) if law.has_z else wrap(0)
-    by_z = derivative(dz_dt, z)
     p = "const double *p"
-    one = f"{p}, double v, double z"
     now = f"{p}, const double *s, double t, const double *x, double *out"
     outputs = {f"out[{i}]": wrap(found[column.name]) for i, column in enumerate(columns(system))}
     return "\n\n".join(
         [
             "/* ---- What the page shows beside the states. */",
-            f"#define COLUMNS {len(columns(system))}\n#define HAS_Z {int(law.has_z)}\n"
-            f"#define LINEAR {int('z' not in symbols([by_z]))}",
+            f"#define COLUMNS {len(columns(system))}",
             _function("columns", now, outputs, {**inputs, **piece, **states, "t": "t"}),
-            _value("law_rate", one, dz_dt, {**inputs, **local}),
-            _value("law_rate_z", one, by_z, {**inputs, **local}),
-            _value("law_force", f"{one}, double dz_dt", wrap(law.friction(q, v, z, rate)), {**inputs, **local}),
-            _value("law_length", p, _length(scenario, q), inputs),
+            _value("law_steady", f"{p}, double v, double side", steady_force(law, q, v, side), inputs | moving),
             _TABLE,
             _STEADY,
             _function("setup", f"{p}, double rtol, double *out", _setup(scenario), {**inputs, "rtol": "rtol"}, True),
@@ -160,13 +139,6 @@ def _setup(scenario: Scenario) -> dict[str, Expr]:
     return {f"out[{i}]": wrap(x) for i, x in enumerate(values)}
 
 
-def _length(scenario: Scenario, q: Constants) -> Expr:
-    try:
-        return wrap(scenario.law.scales(q).length)
-    except TypeError:
-        return wrap(scenario.law.scales(scenario.law.p).length)
-
-
 def _claims(law: type[Law], q: Constants) -> dict[str, Expr]:
     """Each claim at the present numbers: 1, 0, or not a number where the property does not apply."""
     found = {}
@@ -202,6 +174,6 @@ def _function(name: str, arguments: str, outputs: dict[str, Expr], inputs: dict[
 def _write(
     name: str, arguments: str, outputs: Sequence[tuple[str, Expr]], inputs: dict[str, str], kind: str, end: str
 ) -> str:
-    lines = Writer(C, inputs, taken={"p", "v", "z", "s", "x", "t", "out", "value", "dz_dt", "rtol"}).write(outputs)
+    lines = Writer(C, inputs, taken={"p", "v", "s", "x", "t", "out", "value", "side", "rtol"}).write(outputs)
     unused = "".join(f"    (void){part.replace('*', ' ').split()[-1]};\n" for part in arguments.split(","))
     return f"{kind} {name}({arguments})\n{{\n{unused}{''.join(f'    {line}' + chr(10) for line in lines)}{end}}}"

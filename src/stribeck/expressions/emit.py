@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from stribeck.expressions import ops
-from stribeck.expressions.graph import Expr, ordered
+from stribeck.expressions.graph import BOUND, ROOT_REACH, ROOT_STEPS, ZERO, Expr, constant, ordered
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 
@@ -30,6 +30,8 @@ class Dialect:
     statement_end: str
     where_precedence: int = TERNARY
     value: str = "{0}"  # a number that stands alone, not beside an operator
+    variable: str = ""  # declares what is assigned more than once
+    loop: tuple[str, str] = ("while ({reach} > 1) {{", "}")  # ends after ROOT_STEPS square roots of ROOT_REACH
 
 
 # What no variable, member or constant can be called in C: its words, what its headers define, and two macros of compilers.
@@ -53,10 +55,22 @@ C = Dialect(
     statement_end=";",
     where_precedence=ATOM,
     value="splat({0})",
+    variable="real ",
+    loop=(f"for (int {{count}} = 0; {{count}} < {ROOT_STEPS}; {{count}}++) {{{{", "}"),
 )
 PYTHON = Dialect(
-    declare="", functions={}, both="", either="", where="where({0}, {1}, {2})", statement_end="", where_precedence=ATOM
-)
+    declare="", functions={}, both="", either="", where="where({0}, {1}, {2})", statement_end="", where_precedence=ATOM,
+    loop=("while {reach} > 1:", ""),
+)  # fmt: skip
+
+
+def within_loops(nodes: Sequence[Expr]) -> set[Expr]:
+    """Of nodes in order, those that change while a root is looked for."""
+    found = {BOUND}
+    for node in nodes:
+        if node.op != "root" and any(arg in found for arg in node.args):
+            found.add(node)
+    return found
 
 
 def _literal(x: float) -> str:
@@ -87,9 +101,12 @@ class Writer:
         nodes = ordered(expr for _, expr in outputs)
         uses = Counter(arg for node in nodes for arg in node.args)
         uses.update(expr for _, expr in outputs)
+        within = within_loops(nodes)
         for target, expr in outputs:
             for node in ordered([expr]):
-                if node not in self._text:
+                if node.op == "root" and node not in self._text:
+                    self._text[node] = self._loop(node, uses, within)
+                elif node not in self._text and node not in within:
                     self._text[node] = self._statement(node, uses[node])
             self.lines.append(f"{target} = {self._value(expr, TERNARY)}{self.dialect.statement_end}")
         return self.lines
@@ -106,6 +123,31 @@ class Writer:
         name = self._name(called)
         self.lines.append(f"{self.dialect.declare}{name} = {text}{self.dialect.statement_end}")
         return name, ATOM
+
+    def _loop(self, node: Expr, uses: Counter[Expr], within: set[Expr]) -> tuple[str, int]:
+        """The search for a root: z and the reach of the bracket above it, halved in the logarithm."""
+        falls, start = node.args
+        z, reach, tried = (self._name(name) for name in (self.names.get(node) or "z", "reach", "tried"))
+        d, end = self.dialect, self.dialect.statement_end
+        lowest = self._format(constant(1 / ROOT_REACH))[0]
+        self.lines.append(f"{d.variable}{z} = {self._arg(start, MUL)} * {lowest}{end}")
+        self.lines.append(f"{d.variable}{reach} = {d.value.format(self._format(constant(ROOT_REACH))[0])}{end}")
+        self.lines.append(d.loop[0].format(reach=reach, count=f"{reach}_i"))
+        outside, first = dict(self._text), len(self.lines)
+        self.lines.append(f"{d.declare}{tried} = {z} * {reach}{end}")
+        self._text[BOUND], self._size[BOUND] = (tried, ATOM), 0
+        for inner in ordered([falls]):
+            if inner in within and inner is not BOUND:
+                self._text[inner] = self._statement(inner, uses[inner])
+        zero = self._format(ZERO)[0]
+        chosen = d.where.format(f"{self._arg(falls, ADD)} > {zero}", tried, z)
+        self.lines.append(f"{z} = {chosen}{end}")
+        self.lines.append(f"{reach} = {d.functions.get('sqrt', 'sqrt')}({reach}){end}")
+        self.lines[first:] = [f"    {line}" for line in self.lines[first:]]
+        self.lines += [d.loop[1]] if d.loop[1] else []
+        self._text = outside
+        self._size[node] = 0
+        return z, ATOM
 
     def _name(self, label: str | None) -> str:
         base = label or "t"

@@ -306,6 +306,32 @@ def partials(node: Expr) -> list[Expr]:
     return [wrap(x) for x in _PARTIALS[node.op](node, *node.args)] if node.op in _PARTIALS else []
 
 
+# The variable that a root is looked for in, and how often its bracket is halved: from a factor of 2^128 between its ends
+# to the spacing of floats, 2^-52.
+BOUND, ROOT_STEPS, ROOT_REACH = symbol("root z"), 60, 2.0**64
+
+
+def root(falls: Expr, start: Expr) -> Expr:
+    """The first z > 0 at which an expression of :data:`BOUND` falls through 0, within a factor 2^64 of ``start``: the
+    bracket is halved in the logarithm, so that the root is exact to rounding whatever its magnitude."""
+    return _node("root", falls, start)
+
+
+def slope_at(node: Expr) -> Expr:
+    """The slope, at a root, of what passes through 0 there."""
+    (slope,) = substitute([derivative(node.args[0], BOUND)], {BOUND: node})
+    return slope
+
+
+def _root_derivative(node: Expr, falls: Expr) -> Expr:
+    """The derivative of a root, by that of what passes through 0 (implicit function theorem); 0 where that is flat."""
+    if is_zero(falls):
+        return ZERO
+    (change,) = substitute([falls], {BOUND: node})
+    slope = slope_at(node)
+    return _Graph.where(slope < 0, -change / slope, ZERO)
+
+
 def derivative(of: Expr, by: Expr, known: dict[Expr, Expr] | None = None) -> Expr:
     """The derivative of a node by a symbol; ``known`` keeps results between calls with the same ``by``."""
     known = {} if known is None else known
@@ -316,6 +342,8 @@ def derivative(of: Expr, by: Expr, known: dict[Expr, Expr] | None = None) -> Exp
             known[node] = ONE
         elif node.op == "where":
             known[node] = _Graph.where(node.args[0], known[node.args[1]], known[node.args[2]])
+        elif node.op == "root":
+            known[node] = _root_derivative(node, known[node.args[0]])
         elif node.op in _PARTIALS and not all(is_zero(known[a]) for a in node.args):
             total = ZERO
             for partial, arg in zip(partials(node), node.args, strict=True):
@@ -361,7 +389,7 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
     }  # fmt: skip
     if node.op in build:
         return build[node.op](*args)
-    if node.op in ("lt", "le", "both", "either"):
+    if node.op in ("lt", "le", "both", "either", "root"):
         return _node(node.op, *args)
     return _function(node.op, *args)
 

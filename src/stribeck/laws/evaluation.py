@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
@@ -12,21 +13,45 @@ from numpy.typing import ArrayLike
 from stribeck.arrays import Array
 from stribeck.errors import NotDifferentiable
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import derivative, symbol, symbols, wrap
+from stribeck.expressions.graph import BOUND, Expr, derivative, root, substitute, symbol, symbols, wrap
 from stribeck.expressions.ops import Value
 from stribeck.laws.form import Form
-from stribeck.laws.numeric import first_root, shaped
 from stribeck.laws.values import Constants, Scales
 
-_SLOWEST = 1e-100
+SLOWEST = 1e-100  # m/s or rad/s: products of slower speeds would vanish
+
+
+def shaped(value: Value, v: Value, z: Value) -> Array:
+    """A value that may not depend on one of v and z, with the shape of both."""
+    shape = np.broadcast_shapes(np.shape(v), np.shape(z))
+    return np.asarray(value if np.shape(value) == shape else np.full(shape, value))[()]
+
+
+def steady_deflection(law: type[Evaluation], p: SimpleNamespace, v: Expr, side: Value = 1.0) -> Expr:
+    """The deflection z at which dz/dt = 0 while v is held: the closed form where dz/dt is linear in z, else the first
+    root that a bristle meets on its way from z = 0. ``side`` is the sign of v."""
+    rate = wrap(law.dz_dt(p, v, BOUND))
+    slope = derivative(rate, BOUND)
+    if BOUND.value not in symbols([slope]):
+        (at_0,) = substitute([rate], {BOUND: wrap(0.0)})
+        return -at_0 / slope
+    return wrap(side * root(wrap(side * law.dz_dt(p, v, side * BOUND)), wrap(law.scales(p).length)))
+
+
+def steady_force(law: type[Evaluation], p: SimpleNamespace, v: Expr, side: Value = 1.0) -> Expr:
+    """The friction force while v is held, as an expression: arrays, compiled machines and exports evaluate this one."""
+    z = steady_deflection(law, p, v, side) if law.has_z else wrap(0.0)
+    return wrap(law.friction(p, v, z, wrap(0.0)))
 
 
 @dataclass(frozen=True)
-class _Derivatives:
-    """What the graph of a law's equations gives: a function (constants, v, z) -> F and the derivatives of dz/dt and F
-    by v and by z; and whether dz/dt is linear in z."""
+class _Graph:
+    """What the graph of a law's equations gives, as functions of its constants and more: ``function`` of v and z gives F
+    and the derivatives of dz/dt and F by v and by z, ``steady`` of v and its sign the steady deflection and force;
+    ``linear``: whether dz/dt is linear in z."""
 
     function: Callable[..., tuple[Value, ...]]
+    steady: Callable[..., tuple[Value, ...]]
     names: tuple[str, ...]
     linear: bool
 
@@ -48,7 +73,7 @@ class Evaluation:
     symbolic: Callable[..., Constants]
     guarantees: Callable[[], dict[str, bool | None]]
     p: Constants
-    _derivatives: ClassVar[dict[tuple[object, ...], _Derivatives]] = {}
+    _graphs: ClassVar[dict[tuple[object, ...], _Graph]] = {}
 
     @property
     def jumps_at_rest(self) -> bool:
@@ -69,6 +94,11 @@ class Evaluation:
         except NotDifferentiable:
             return False
         return True
+
+    @property
+    def linear(self) -> bool:
+        """True where dz/dt is linear in z."""
+        return self._graph().linear
 
     # -- evaluation: NumPy -----------------------------------------------------------------------------------------
 
@@ -128,43 +158,43 @@ class Evaluation:
     def steady_deflection(self, v: ArrayLike) -> Array:
         """The deflection z in m at which dz/dt = 0 when v (m/s) is held; 0 at v = 0.
 
-        The root that a bristle starting from z = 0 reaches: the closed form where dz/dt is linear in z, bisection else.
-        Slower speeds than 1e-100 m/s are taken as that: products of them would vanish.
+        The root that a bristle starting from z = 0 reaches. Slower speeds than 1e-100 m/s are taken as that: products
+        of them would vanish.
         """
-        v = np.asarray(v, float)
-        if not self.has_z:
-            return np.zeros_like(v)[()]
-        v = np.where(abs(v) < _SLOWEST, _SLOWEST * np.sign(v), v)
-        with np.errstate(all="ignore"):
-            if self._graph().linear:
-                z = np.asarray(-self.rate(v, 0.0) / self.jacobian(v, 0.0)[1])
-            else:
-                z = first_root(lambda z: self.rate(v, z) * np.sign(v), np.sign(v), self.scales(self.p).length)
-        return np.where(v == 0, 0.0, z)[()]
+        return self._steady(v)[0]
 
     def steady_force(self, v: ArrayLike) -> Array:
         """The friction force in N when v (m/s) is held for long.
 
         At v = 0 a body can be held by a range of forces; 0, the middle, is returned.
         """
-        v = np.asarray(v, float)
-        with np.errstate(all="ignore"):
-            force = self.force_with(v[()], self.steady_deflection(v), 0.0 * v[()])
-        return np.where(v == 0, 0.0, force)[()]
+        return self._steady(v)[1]
+
+    def _steady(self, v: ArrayLike) -> tuple[Array, Array]:
+        """The steady deflection and force; 0 at rest."""
+        v = np.asarray(v, float)[()]
+        moving = np.where(abs(v) < SLOWEST, SLOWEST * np.where(v < 0, -1.0, 1.0), v)[()] if self.has_z else v
+        graph = self._graph()
+        found = self._in_floats(lambda p: graph.steady(*(p.numbers[n] for n in graph.names), moving, np.sign(moving)))
+        z, force = (np.where(v == 0, 0.0, np.broadcast_to(x, np.shape(v)))[()] for x in found)
+        return z, force
 
     # -- derivatives, from the graph of the equations --------------------------------------------------------------
 
-    def _graph(self) -> _Derivatives:
+    def _graph(self) -> _Graph:
         key = (type(self), self.form)
-        if key not in Evaluation._derivatives:
+        if key not in Evaluation._graphs:
             p, v, z = self.symbolic(symbol, self.form), symbol("v"), symbol("z")
             rate = wrap(self.dz_dt(p, v, z)) if self.has_z else wrap(0)
             force = wrap(self.friction(p, v, z, rate))
             outputs = [force, *(derivative(of, by) for of in (rate, force) for by in (v, z))]
             names = tuple(p.numbers)
             function = python_function([*names, "v", "z"], outputs)
-            Evaluation._derivatives[key] = _Derivatives(function, names, linear="z" not in symbols([outputs[2]]))
-        return Evaluation._derivatives[key]
+            side = symbol("side")
+            z = steady_deflection(type(self), p, v, side) if self.has_z else wrap(0.0)
+            steady = python_function([*names, "v", "side"], [z, steady_force(type(self), p, v, side)])
+            Evaluation._graphs[key] = _Graph(function, steady, names, linear="z" not in symbols([outputs[2]]))
+        return Evaluation._graphs[key]
 
     def _evaluate(self, v: Array, z: Array) -> list[Array]:
         """F and the derivatives of dz/dt and F by v and z."""

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from stribeck.expressions.graph import Expr, derivative, is_zero, substitute, symbol, symbols, wrap
+from stribeck.expressions.graph import Expr, derivative, is_zero, substitute, symbol, wrap
 from stribeck.expressions.names import Names
-from stribeck.expressions.ops import Value, clip, where
-from stribeck.laws.base import Law
+from stribeck.expressions.ops import Value, where
+from stribeck.laws.evaluation import SLOWEST, steady_force
 from stribeck.laws.values import Constants
 from stribeck.machine.loads import sum_of_waves
 from stribeck.machine.parts import CompensationPart, ContactPart, Factor, joined, symbols_of
 from stribeck.signals.pieces import Reference
-
-_SLOWEST = 1e-100  # m/s or rad/s
-_NEWTON_STEPS = 16
 
 
 def contact_parameters(contact: ContactPart, d: Expr, forces: dict[str, Expr], t: Expr, called: Names) -> Constants:
@@ -60,28 +57,6 @@ def _factor(factor: Factor, d: Expr, t: Expr) -> Expr:
     return wrap(1 + sum_of_waves(p, d))
 
 
-def steady_force(law: type[Law], p: SimpleNamespace, v: Expr, called: Names) -> Expr:
-    """The friction force at a speed v > 0 that is held, as an expression: the closed form where dz/dt is linear in z,
-    else Newton's method from the largest deflection."""
-    if not law.has_z:
-        return wrap(law.friction(p, v, wrap(0.0), wrap(0.0)))
-    z = symbol("steady z")
-    rate = wrap(law.dz_dt(p, v, z))
-    slope = derivative(rate, z)
-    if str(z.value) not in symbols([slope]):
-        (at_0,) = substitute([rate], {z: wrap(0.0)}, called)
-        deflection = -at_0 / slope
-    else:
-        top = wrap(law.z_bound(p))
-        deflection = top
-        for _ in range(_NEWTON_STEPS):
-            f, df = substitute([rate, slope], {z: deflection}, called)
-            # where the rate is flat no step leads further
-            step = where(df < 0, f / where(df < 0, df, -1.0), 0.0)
-            deflection = wrap(clip(deflection - step, 0.0, top))
-    return wrap(law.friction(p, v, deflection, wrap(0.0)))
-
-
 def compensation(
     c: CompensationPart, r: Reference, v: Expr, z: Expr, called: Names, exact: bool, lead: Expr | None = None
 ) -> tuple[Expr, Expr | None]:
@@ -94,13 +69,11 @@ def compensation(
     p = c.symbolic(called)
     if c.speed == "reference":
         speed = wrap(abs(r.rate))
-        moving = wrap(where(speed > _SLOWEST, speed, _SLOWEST))  # at rest the limit: |v|/|v| is no number there
-        force = r.direction * steady_force(c.law, p, moving, called)
+        moving = wrap(where(speed > SLOWEST, speed, SLOWEST))  # at rest the limit: |v|/|v| is no number there
+        force = r.direction * steady_force(c.law, p, moving)
         if lead is not None:
             rising = symbol("rising")
-            (slope,) = substitute(
-                [derivative(steady_force(c.law, p, rising, called), rising)], {rising: moving}, called
-            )
+            (slope,) = substitute([derivative(steady_force(c.law, p, rising), rising)], {rising: moving}, called)
             force = force + lead * slope * r.second
         return (wrap(where(speed <= 0, 0.0, force)) if exact and not is_zero(speed) else wrap(force)), None
     rate = wrap(c.law.dz_dt(p, v, z)) if c.law.has_z else None

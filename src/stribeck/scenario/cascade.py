@@ -220,7 +220,7 @@ def not_linear(law: Law | None) -> str | None:
     """Why an observer is not of the kind that the Lyapunov function is for, or None."""
     if law is None:
         return "there is no observer"
-    linear = law.has_z and law._graph().linear
+    linear = law.has_z and law.linear
     if not (linear and type(law).friction is BristleLaw.friction):
         return f"of law '{law.name}' dz/dt must be linear in z, and F = sigma_0 z + sigma_1 dz/dt + sigma_2 v"
     return None

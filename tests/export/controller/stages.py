@@ -7,11 +7,16 @@ MOVE = {"kind": "point_to_point", "t": [0.05, 0.2, 0.35], "value": [0.0, 0.02, 0
 SAMPLING = {"period": 1e-3, "delay": 5e-4, "resolution": 1e-6}
 WAVE = {"kind": "sine", "amplitude": 0.004, "frequency": 4.0}
 RUB = law(sigma_0=1e5, sigma_1=300.0, sigma_2=20.0, F_c=6.0, F_s=9.0, v_s=5e-3, k_v=1e5)
+ELASTIC = {
+    "name": "elastoplastic_majorant", "k_v": 5e3, "z_ba": 4e-5,
+    "parameters": {"sigma_0": 1e5, "sigma_1": 300.0, "sigma_2": 20.0, "F_c": 6.0, "F_s": 9.0, "v_s": 5e-3},
+}  # fmt: skip
 CASCADE = {"kind": "cascade", "K_p": 30.0, "K_v": 150.0, "T_i": 0.05, "limit": 14.0, "feedforward": {"inertia": 2.0}}
 CASES = {
     "measured": {**CASCADE, "compensation": {"contact": "guide", "speed": "measured", "share": 0.8}},
     "led": {**CASCADE, "compensation": {"contact": "guide", "speed": "measured", "share": 0.8, "lead": 1e-3}},
     "reference": {**CASCADE, "compensation": {"contact": "guide", "speed": "reference"}, "signal": WAVE},
+    "elastic": {**CASCADE, "compensation": {"speed": "reference", "law": ELASTIC}, "signal": WAVE},
     "dithered": {**CASCADE, "dither": {"amplitude": 5.0, "frequency": 73.0}},
     "square": {
         "kind": "pid",

@@ -83,7 +83,7 @@ def test_one_wrong_constant_is_seen(tmp_path):
 
 
 @pytest.mark.parametrize("part", ["controller", "compensator"])
-@pytest.mark.parametrize("case", ["measured", "reference", "filtered", "dithered", "square"])
+@pytest.mark.parametrize("case", ["measured", "reference", "elastic", "filtered", "dithered", "square"])
 def test_self_test(case, part, tmp_path):
     """Without a warning, in double and in single precision; no allocation."""
     need("gcc")
@@ -107,11 +107,12 @@ def test_self_test(case, part, tmp_path):
     assert not re.search(r"takes at most .*\b1 (\w+s\b|calls)", text)
 
 
-def test_structured_text_computes_the_same(tmp_path):
+@pytest.mark.parametrize("case", ["measured", "elastic"])
+def test_structured_text_computes_the_same(case, tmp_path):
     pytest.importorskip("blark", reason="blark, which parses Structured Text, is not installed")
     from tests.export import structured_text
 
-    scenario = stage("measured")
+    scenario = stage(case)
     (file,) = stribeck.export(scenario, "st", tmp_path / "axis.st", part="controller")
     blocks = structured_text.parse(file.read_text())
     x = structured_text.declared(blocks["stage_axis"])

@@ -15,6 +15,7 @@ from stribeck.expressions.graph import Expr, derivative, ordered, substitute, sy
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
+from stribeck.laws.evaluation import steady_force
 from stribeck.laws.values import Constants
 from stribeck.plants.mass import Mass
 
@@ -26,11 +27,12 @@ DIALECT = Dialect(
     either="||",
     where="{0} ? {1} : {2}",
     statement_end=";",
+    variable="real ",
 )
 
 # Of C and of the templates' macros: neither a variable nor a member can be called so.
 WORDS = C_WORDS | {"EPSILON", "SLOWEST"}
-_LOCALS = "p v z s l dt a b x y u w real R FN sign_of rate force dv_dt"
+_LOCALS = "p v z s l dt a b x y u w side real R FN sign_of rate force dv_dt"
 ARGUMENTS = frozenset({"K", "error"})  # of the equations below: no constant can be called so
 _TAKEN = WORDS | C_FUNCTIONS | frozenset(_LOCALS.split())
 
@@ -75,6 +77,7 @@ class LawCode:
             found["pull"] = wrap(correction(p, symbol("K"), symbol("error")))
         # a law linear in z: dz/dt = a z + b at held v
         found["a"], found["b"] = found["rate_z"], substitute([found["rate"]], {z: wrap(0.0)}, self.names)[0]
+        found["steady_force"] = steady_force(type(law), p, v, symbol("side"))
         if self.bounded:
             found["bound"] = wrap(law.z_bound(p))
         return found

@@ -14,7 +14,7 @@ from stribeck.export.c.ccode import LawCode
 from stribeck.export.request import Request
 from stribeck.expressions import ops
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import Expr, ordered, partials, wrap
+from stribeck.expressions.graph import BOUND, Expr, ordered, partials, slope_at, substitute, wrap
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
@@ -139,6 +139,8 @@ def output_spread(outputs: list[Expr]) -> list[Expr]:
         total = wrap(0.0)
         for slope, of in zip(partials(node), node.args, strict=False):
             total = total + abs(slope) * known[of]
+        if node.op == "root":
+            total = substitute([known[node.args[0]]], {BOUND: node})[0] / abs(slope_at(node))
         known[node] = total if node.args else abs(node)
     return [known[node] for node in outputs]
 

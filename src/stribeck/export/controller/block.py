@@ -14,7 +14,8 @@ from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, c_condition
 from stribeck.export.request import ascii_only, identifier, made_by, valued
-from stribeck.expressions.graph import Expr, ordered, symbol, symbols, wrap
+from stribeck.expressions.emit import within_loops
+from stribeck.expressions.graph import ROOT_STEPS, Expr, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import sign
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
@@ -219,7 +220,9 @@ class Block:
 
     def operations(self) -> str:
         """How much one sample takes at most, counted in the equations."""
-        ops = [node.op for node in ordered(self._by_input.values())]
+        nodes = ordered(self._by_input.values())
+        within = within_loops(nodes)
+        ops = [node.op for node in nodes for _ in range(ROOT_STEPS if node in within else 1)]
         count = Counter(_COUNTED[op] for op in ops if op in _COUNTED)
         calls = Counter(op for op in ops if op in _CALLED)
         told = [f"{n} {word}{'s' if n > 1 else ''}" for word, n in count.items()]

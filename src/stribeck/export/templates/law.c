@@ -31,6 +31,12 @@ static real force_of(const parameters *p, real v, real z, real rate)
 {{ eq.body([("return", "force_at_rate")], ["p", "v", "z", "rate"]) }}
 }
 {% if law.has_z %}
+
+/* F while v is held, whose sign is side. */
+static real steady_force_of(const parameters *p, real v, real side)
+{
+{{ eq.body([("return", "steady_force")], ["p", "v", "side"]) }}
+}
 {% if eq.linear %}
 
 /* dz/dt = a z + b at this velocity. */
@@ -228,21 +234,7 @@ int {{ P }}_steady_force(const parameters *p, real v, real *force)
     return give(force_of(p, v, R(0), R(0)), force);
 {% else %}
     const real w = FN(fabs)(v) < SLOWEST ? (v < 0 ? -SLOWEST : SLOWEST) : v; /* slower: products would vanish */
-{% if eq.linear %}
-    real a, b;
-    hold(p, w, &a, &b);
-    return give(force_of(p, v, -b / a, R(0)), force);
-{% else %}
-    const real side = R(w > 0 ? 1 : -1);
-    real low = 0, high = FN(fabs)(w), middle = high;
-    for (int i = 0; i < 2000 && side * rate_of(p, w, side * high) > 0; ++i) high *= 2;
-    for (int i = 0; i < 2000; ++i) {
-        middle = low + (high - low) / 2;
-        if (middle <= low || middle >= high) break;
-        if (side * rate_of(p, w, side * middle) > 0) low = middle; else high = middle;
-    }
-    return give(force_of(p, v, side * middle, R(0)), force);
-{% endif %}
+    return give(steady_force_of(p, w, R(w > 0 ? 1 : -1)), force);
 {% endif %}
 }
 

@@ -46,6 +46,7 @@ _DIALECT = Dialect(
     where="SEL({0}, {2}, {1})",
     statement_end=";",
     where_precedence=0,
+    loop=("WHILE {reach} > 1.0 DO", "END_WHILE;"),
 )  # fmt: skip
 
 
