@@ -63,7 +63,7 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
         (("check", "lugre_majorant", "--parameters", "canudas1995", "--set", "k_v=1e6"), "check"),
         (("design", examples.path("servo"), "--set", "solve.t_end=0.1"), "check"),
         (("fit", "log.csv", "--law", "lugre", "--time", "t", "--position", "y", "--force", "F"), "fit"),
-        (("rig", "--stroke", "0.1", "--speed", "0.1", "--force", "1", "--simulate", "--out", "rig"), "fit"),
+        (("fit", "--plan", "stroke=0.1,speed=0.1,force=1", "--simulate", "--out", "rig"), "fit"),
         (("export", "lugre", "--parameters", "canudas1995", "--target", "c", "--out", "c"), "export"),
         (("paper", "--out", "paper"), "paper"),
         (("sweep", examples.path("break_away"), "--vary", "law.k_v=1e6:1e7:2", "--out", "s"), "parquet"),

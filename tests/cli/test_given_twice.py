@@ -49,7 +49,7 @@ def place(tmp_path, monkeypatch, scenario):
         ("sweep rig.toml --vary plant.mass=1:2:2 --vary plant.mass=1:3:2 --out o", "--vary plant.mass"),
         ("design machine.toml --vary bodies.a.mass=1:2 --vary bodies.a.mass=2:3", "--vary bodies.a.mass"),
         ("run rig.toml --law lugre --law dahl:sigma_0=1,sigma_0=2", "--law: 'dahl:sigma_0=1,sigma_0=2': sigma_0"),
-        ("rig --stroke 1 --speed 1 --force 9 --simulate --set F_s=2 --set F_s=3 --out o", "--set F_s"),
+        ("fit --plan stroke=1,speed=1,force=9 --simulate --set F_s=2 --set F_s=3 --out o", "--set F_s"),
         ("fit log.csv --law coulomb_viscous --set F_c=1 --set law.parameters.F_c=2", "--set F_c"),
         ("fit log.csv --unit y=mm --unit y=m", "--unit y"),
         ("fit log.csv --drive pid:K_p=1,K_p=2", "--drive: 'pid:K_p=1,K_p=2': K_p"),
@@ -73,7 +73,7 @@ def test_one_name_twice_is_refused(stribeck, place, words, text):
         "export lugre --parameters canudas1995 --target c --out", "design machine.toml --out",
         "check lugre --parameters canudas1995 --certificate", "check lugre --parameters canudas1995 --out",
         "advise lugre --parameters canudas1995 --out", "import mujoco machine.toml --out", "fit log.csv --out",
-        "library mx106 --out", "rig --stroke 1 --speed 1 --force 1 --out",
+        "library mx106 --out", "fit --plan stroke=1,speed=1,force=1 --out",
     ],
 )  # fmt: skip
 def test_an_empty_path_is_refused(stribeck, place, words):

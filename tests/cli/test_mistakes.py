@@ -73,9 +73,9 @@ def test_a_controller_that_nothing_asks_for(words, stribeck, tmp_path):
 
 @pytest.mark.parametrize("words", [("--law", "dahl"), ("--seed", "3"), ("--law", "lugr")])
 def test_options_of_a_synthetic_rig_that_is_not_asked_for(words, stribeck):
-    found = stribeck("rig", "--stroke", 0.05, "--speed", 0.1, "--force", 50, *words)
+    found = stribeck("fit", "--plan", "stroke=0.05,speed=0.1,force=50", *words)
     assert (found.status, found.out) == (2, "")
-    assert found.err == f"{words[0]}: {words[1]}: goes with --simulate, which is not given\n"
+    assert found.err == f"{words[0]}: goes with --simulate, which is not given\n"
 
 
 def test_recordings_whose_time_stands_still(stribeck, scenario, tmp_path):

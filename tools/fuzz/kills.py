@@ -22,7 +22,7 @@ from stribeck import examples
 
 # Each command (its first word): its words for the older result, what is added for the newer one, and the file that says that
 # the result is whole.
-_SUMMARY, _RIG = "summary.json", ("--stroke", "0.05", "--speed", "0.1", "--force", "50", "--simulate")
+_SUMMARY, _PLAN = "summary.json", ("--plan", "stroke=0.05,speed=0.1,force=50", "--simulate")
 _LOG = ("--time", "t", "--position", "y", "--force", "F")
 COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "run": (("stick_slip.toml",), ("--set", "solve.t_end=40.0"), _SUMMARY),
@@ -31,7 +31,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "advise": (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"), ("--share", "0.5"), _SUMMARY),
     "fit": (("log.csv", *_LOG, "--law", "coulomb_viscous"), ("--trim", "3"), "parameters.toml"),
     "predict": (("log.csv", *_LOG, "--fit", "model"), (), None),
-    "rig": (_RIG, ("--seed", "3"), "programme.csv"),
+    "fit plan": (_PLAN, ("--seed", "3"), "programme.csv"),
     "design": (("machine.toml",), ("--set", "controllers.axis.K_p=600"), _SUMMARY),
     "export": (("lugre", "--target", "fmu", "--parameters", "canudas1995"), ("--fmi", "2"), None),
     "explore": (("stick_slip.toml",), ("--set", "solve.t_end=3.0"), None),

@@ -22,7 +22,6 @@ _EXTRA = {
     "fit": "fit",
     "predict": "fit",
     "validate": "fit",
-    "rig": "fit",
     "export": "export",
     "check": "check",
     "design": "check",
@@ -31,7 +30,7 @@ _EXTRA = {
 }
 _BEYOND = {"fit": ("logs",), "explore": ("fit", "logs")}  # extras that hold what the command's own does not
 # Commands that may solve large linear systems.
-_LINEAR_ALGEBRA = ("fit", "predict", "validate", "rig", "design", "paper")
+_LINEAR_ALGEBRA = ("fit", "predict", "validate", "design", "paper")
 _YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
 _PLAIN = "stribeck"  # how what cannot be encoded is written
 _GRACE = 5.0  # s, to clear away what has been begun

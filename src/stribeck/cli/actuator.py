@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stribeck.cli import show
+from stribeck.cli.shared import given_options
 from stribeck.cli.text import say
 from stribeck.errors import InputError, refuse_twice
 from stribeck.identify.actuator import MachineFit, fit_machine
@@ -27,12 +28,7 @@ def check_options(context: typer.Context) -> None:
     Raises:
         InputError: a line for each.
     """
-    given = [x for x in context.command.params if x.param_type_name == "option" and x.name not in _OPTIONS]
-    wrong = [
-        x.opts[0]
-        for x in given
-        if x.name and (source := context.get_parameter_source(x.name)) and source.name == "COMMANDLINE"
-    ]
+    wrong = [words for name, words in given_options(context).items() if name not in _OPTIONS]
     if wrong:
         raise InputError(
             [f"{name}: is for a log: with --logs, LOGS.toml says what is measured and sought" for name in wrong]

@@ -56,6 +56,13 @@ On = Annotated[
 ]
 
 
+def given_options(context: typer.Context) -> dict[str, str]:
+    """The options on the command line: each parameter's name and how the option is written."""
+    options = {p.name: p.opts[0] for p in context.command.params if p.param_type_name == "option" and p.name}
+    sources = {name: context.get_parameter_source(name) for name in options}
+    return {name: options[name] for name, source in sources.items() if source and source.name == "COMMANDLINE"}
+
+
 def _allow(allowed: bool) -> None:
     from stribeck.parameter_sets import allow_undetermined
 

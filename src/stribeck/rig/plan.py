@@ -31,9 +31,11 @@ class Limits:
     def __post_init__(self) -> None:
         given = {"stroke": self.stroke, "speed": self.speed, "force": self.force}
         given |= {} if self.deflection is None else {"deflection": self.deflection}
-        wrong = [f"{arg(name)}: {show(x)}: {text}" for name, x in given.items() if (text := _problem(x))]
+        wrong = [f"{arg(f'plan.{name}')}: {show(x)}: {text}" for name, x in given.items() if (text := _problem(x))]
         if not wrong and self.deflection is not None and self.deflection > 0.1 * self.stroke:
-            wrong = [f"{arg('deflection')}: {self.deflection}: must be at most a tenth of the stroke ({self.stroke})"]
+            wrong = [
+                f"{arg('plan.deflection')}: {self.deflection}: must be at most a tenth of the stroke ({self.stroke})"
+            ]
         if wrong:
             raise InputError(wrong)
 

@@ -135,7 +135,7 @@ def simulated(limits: Limits, law: str, given: Mapping[str, float], seed: int) -
     length = made.scales(made.p).length
     if limits.deflection is None and not SMALLEST <= length <= 0.1 * limits.stroke:
         text = f"the law's friction breaks away at {length:.3g} m, which must be from {SMALLEST:g} to a tenth of the stroke"
-        raise InputError(f"{arg('stroke')}: {limits.stroke:g}: {text}")
+        raise InputError(f"{arg('plan.stroke')}: {limits.stroke:g}: {text}")
     sensors = Sensors(position_resolution=1e-3 * length, force_noise=_NOISE * made.scales(made.p).force)
     tests = programme(Limits(limits.stroke, limits.speed, limits.force, limits.deflection or length))
     return experiment(made, motion(tests, STEP / _FINER), sensors, seed=seed, every=_FINER)
@@ -151,14 +151,14 @@ def _suiting(limits: Limits) -> dict[str, float]:
 
 
 def write_simulated(made: Experiment, folder: Path) -> list[str]:
-    """Write synthetic_log.csv (time, position, force) and synthetic_truth.toml, which ``--parameters`` reads; their names."""
+    """Write synthetic_log.csv (time, position, force) and synthetic_truth.toml, a parameter set; their names."""
     log, name = made.log, type(made.law).name
     names = [*SYNTHETIC]
     _write_columns(folder / names[0], {"time": log.time, "position": log.position, "force": log.force})
     truth = made.law.p.numbers
     lines = [
         f'title = "{LABEL}: the truth behind synthetic_log.csv"',
-        f'source = "stribeck rig --simulate, law {name}, seed {made.seed}"',
+        f'source = "stribeck fit --plan --simulate, law {name}, seed {made.seed}"',
         "[parameters]",
         *(f"{n} = {v!r}" for n, v in truth.items()),
     ]

@@ -8,10 +8,12 @@ from typing import Annotated
 import typer
 
 from stribeck.cli.shared import Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.errors import InputError
 
 # Columns of a record.
 Data = Annotated[
-    list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
+    list[Path] | None,
+    typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs."),
 ]
 Time = Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")]
 Position = Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")]
@@ -83,11 +85,26 @@ Transfer = Annotated[
     Path | None, typer.Option("--transfer", metavar="LOGS.toml", help="Recordings of another unit or day (--logs).")
 ]
 
+Plan = Annotated[
+    str | None,
+    typer.Option(
+        "--plan",
+        metavar="stroke=M,speed=M/S,force=N[,deflection=M]",
+        help="Print what to measure on a rig with these limits. deflection: way to break-away, F_c/sigma_0, if known.",
+    ),
+]
+Simulate = Annotated[
+    bool,
+    typer.Option(
+        "--simulate", help="With --plan and --out: write a synthetic log of it too (of --law, --set, --seed)."
+    ),
+]
+
 
 @app.command(epilog="Example: stribeck fit log.csv --time t --position y --force F --out fit")
 def fit(
     context: typer.Context,
-    data: Data,
+    data: Data = None,
     law: Laws = None,
     time: Time = None,
     position: Position = None,
@@ -118,12 +135,24 @@ def fit(
     logs: Logs = None,
     unknown: Sought = None,
     transfer: Transfer = None,
+    plan: Plan = None,
+    simulate: Simulate = False,
     on: On = None,
     out: Out = None,
     json: Json = False,
 ) -> int:
     """Parameters of a law from a measured log, or of a machine from its recordings (--logs), with intervals and a verdict
     on what the data cannot tell."""
+    if plan is not None:
+        from stribeck.cli import plan as planning
+
+        return planning.plan(
+            context, plan, simulate=simulate, laws=law or [], assignments=set_ or [], seed=seed, out=out, json=json
+        )
+    if simulate:
+        raise InputError("--simulate: goes with --plan, which is not given")
+    if not data:
+        raise InputError("DATA: missing: a log to fit, or --plan to learn what to measure")
     if logs is not None or transfer is not None or unknown:
         from stribeck.cli import actuator
 
@@ -202,34 +231,3 @@ def validate(
     columns = {"time": time, "position": position, "velocity": velocity, "force": force, "command": command}
     of_log = words.columns(columns, unit or [], force_gain)
     return work.validate(scenario, log, of_log, set_ or [], out, json, trust)
-
-
-@app.command(epilog="Example: stribeck rig --stroke 0.05 --speed 0.1 --force 50 --out plan")
-def rig(
-    stroke: Annotated[float, typer.Option("--stroke", metavar="M", help="The rig's travel, m.")],
-    speed: Annotated[float, typer.Option("--speed", metavar="M/S", help="Its highest speed, m/s.")],
-    force: Annotated[float, typer.Option("--force", metavar="N", help="Its largest force, N.")],
-    deflection: Annotated[
-        float | None,
-        typer.Option("--deflection", metavar="M", help="Way to break-away, F_c/sigma_0, where it is roughly known."),
-    ] = None,
-    simulate: Annotated[
-        bool, typer.Option("--simulate", help="Write a SYNTHETIC log of the programme too: simulated, not measured.")
-    ] = False,
-    law: Annotated[
-        str | None, typer.Option("--law", metavar="NAME", help="The synthetic rig's friction; lugre unless given.")
-    ] = None,
-    parameters: Annotated[
-        str | None, typer.Option("--parameters", metavar="SET", help="Its constants: a set or a file.")
-    ] = None,
-    set_: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="One of its constants.")] = None,
-    seed: Annotated[int, typer.Option("--seed", help="Of its noise.")] = 0,
-    out: Out = None,
-    json: Json = False,
-    _undetermined: Undetermined = False,
-) -> int:
-    """Print what to measure to fit a law: speeds, amplitudes, force rates for the limits of a rig."""
-    from stribeck.cli import rig as command
-
-    limits = (stroke, speed, force, deflection)
-    return command.rig(limits, simulate, law, parameters, set_ or [], seed, out, json)

@@ -1,14 +1,15 @@
-"""``stribeck rig``."""
+"""``stribeck fit --plan``."""
 
 import csv
 import io
 import json
+import re
 import tomllib
 
 import numpy as np
 import pytest
 
-LIMITS = ("--stroke", 0.05, "--speed", 0.1, "--force", 50)
+LIMITS = "stroke=0.05,speed=0.1,force=50"
 
 
 def rows(text):
@@ -16,8 +17,8 @@ def rows(text):
 
 
 def test_the_programme_stays_within_the_limits(stribeck):
-    for more in ((), ("--deflection", 1e-5)):
-        outcome = stribeck("rig", *LIMITS, *more)
+    for more in ("", ",deflection=1e-5"):
+        outcome = stribeck("fit", "--plan", LIMITS + more)
         assert outcome.status == 0
         tests = rows(outcome.out)
         assert {t["kind"] for t in tests} == {"presliding loop", "constant speed", "force ramp", "acceleration"}
@@ -32,7 +33,7 @@ def test_the_programme_stays_within_the_limits(stribeck):
 
 
 def test_it_leaves_table_motion_and_plot(stribeck, tmp_path):
-    outcome = stribeck("rig", *LIMITS, "--deflection", 1e-5, "--out", tmp_path / "rig", "--json")
+    outcome = stribeck("fit", "--plan", f"{LIMITS},deflection=1e-5", "--out", tmp_path / "rig", "--json")
     report = json.loads(outcome.out)
     assert {p.rsplit("/")[-1] for p in report["files"]} == {"programme.csv", "motion.csv", "programme.svg"}
     assert report["synthetic"] is None
@@ -47,7 +48,8 @@ def test_it_leaves_table_motion_and_plot(stribeck, tmp_path):
 
 def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
     out = tmp_path / "rig"
-    made = stribeck("rig", *LIMITS, "--deflection", 1e-5, "--simulate", "--law", "dahl", "--seed", 3, "--out", out)
+    words = ("--simulate", "--law", "dahl", "--seed", 3, "--out", out)
+    made = stribeck("fit", "--plan", f"{LIMITS},deflection=1e-5", *words)
     assert made.status == 0
     truth = tomllib.loads((out / "synthetic_truth.toml").read_text())
     assert "SYNTHETIC" in truth["title"]
@@ -61,20 +63,25 @@ def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("--stroke", -1, "--speed", 0.1, "--force", 1), "--stroke: -1.0: must be a finite number > 0"),
-        (("--stroke", 1, "--speed", "nan", "--force", 1), "--speed: nan: must be a finite number > 0"),
-        ((*LIMITS, "--deflection", 1), "--deflection: 1.0: must be at most a tenth of the stroke (0.05)"),
-        ((*LIMITS, "--simulate"), "--simulate: needs --out DIR, where the synthetic log goes"),
-        ((*LIMITS, "--set", "F_c=1"), "--simulate: the programme depends on the rig's limits only"),
-        ((*LIMITS, "--simulate", "--set", "F_c=x", "--out", "NEW"), "--set F_c: 'x': must be a number"),
-        ((*LIMITS, "--simulate", "--set", "F_c=99", "--out", "NEW"), "must be at least F_c"),
-        ((*LIMITS, "--simulate", "--seed", -1, "--out", "NEW"), "--seed: -1: must be a whole number >= 0"),
-        ((*LIMITS, "--simulate", "--law", "nope", "--out", "NEW"), "'nope': no such law"),
+        (("stroke=-1,speed=0.1,force=1",), "--plan stroke: -1.0: must be a finite number > 0"),
+        (("stroke=1,speed=nan,force=1",), "--plan speed: nan: must be a finite number > 0"),
+        (("stroke=1,speed=x,force=1",), "--plan speed: 'x': must be a number"),
+        (("stroke=1,speed=1,speed=2,force=1",), "--plan speed: given twice"),
+        (("stroke=1,speed=1",), "--plan force: missing"),
+        (("stroke=1,way=1",), "--plan: 'way=1': must be one of stroke, speed, force, deflection"),
+        ((f"{LIMITS},deflection=1",), "--plan deflection: 1.0: must be at most a tenth of the stroke (0.05)"),
+        ((LIMITS, "--simulate"), "--simulate: needs --out DIR, where the synthetic log goes"),
+        ((LIMITS, "--set", "F_c=1"), "--set: goes with --simulate, which is not given"),
+        ((LIMITS, "--mass", "1"), "--mass: must be left out with --plan"),
+        ((LIMITS, "--simulate", "--law", "dahl", "--law", "lugre", "--out", "NEW"), "--law: given twice"),
+        ((LIMITS, "--simulate", "--set", "F_c=x", "--out", "NEW"), "--set F_c: 'x': must be a number"),
+        ((LIMITS, "--simulate", "--set", "F_c=99", "--out", "NEW"), "must be at least F_c"),
+        ((LIMITS, "--simulate", "--law", "nope", "--out", "NEW"), "'nope': no such law"),
     ],
 )
 def test_bad_input_is_one_line_and_writes_nothing(stribeck, tmp_path, words, line):
     new = tmp_path / "new"
-    outcome = stribeck("rig", *(new if word == "NEW" else word for word in words))
+    outcome = stribeck("fit", "--plan", *(new if word == "NEW" else word for word in words))
     assert outcome.status == 2
     assert outcome.out == ""
     assert line in outcome.err
@@ -82,22 +89,21 @@ def test_bad_input_is_one_line_and_writes_nothing(stribeck, tmp_path, words, lin
     assert not new.exists()
 
 
-@pytest.mark.parametrize("option", ["--stroke", "--speed", "--force"])
+@pytest.mark.parametrize("key", ["stroke", "speed", "force"])
 @pytest.mark.parametrize("number", ["5e-324", "1e308", "0", "nan"])
-def test_limits_that_no_rig_has(stribeck, tmp_path, option, number):
-    words = [str(w) for w in LIMITS]
-    words[words.index(option) + 1] = number
-    outcome = stribeck("rig", *words, "--simulate", "--out", tmp_path / "rig")
+def test_limits_that_no_rig_has(stribeck, tmp_path, key, number):
+    limits = re.sub(rf"{key}=[^,]*", f"{key}={number}", LIMITS)
+    outcome = stribeck("fit", "--plan", limits, "--simulate", "--out", tmp_path / "rig")
     assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err.startswith(option)
+    assert outcome.err.startswith(f"--plan {key}: ")
     assert not (tmp_path / "rig").exists()
 
 
 def test_a_law_that_the_synthetic_rig_cannot_show(stribeck, tmp_path):
-    words = ("rig", *LIMITS, "--simulate", "--out", tmp_path / "rig", "--set")
+    words = ("fit", "--plan", LIMITS, "--simulate", "--out", tmp_path / "rig", "--set")
     outcome = stribeck(*words, "sigma_0=1e-3")
     assert outcome.status == 2
-    assert "--stroke: 0.05: the law's friction breaks away at 1.4e+04 m" in outcome.err
+    assert "--plan stroke: 0.05: the law's friction breaks away at 1.4e+04 m" in outcome.err
     outcome = stribeck(*words, "v_s=1e-300")
     assert outcome.status == 1
     assert "the synthetic rig failed: after t = " in outcome.err

@@ -1,0 +1,80 @@
+"""``stribeck fit --plan``: what to measure before a fit."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict, fields
+from pathlib import Path
+
+import typer
+
+from stribeck.cli import show
+from stribeck.cli.shared import given_options
+from stribeck.errors import InputError
+from stribeck.files import together
+from stribeck.rig import report
+from stribeck.rig.plan import Limits, programme
+from stribeck.rig.synthetic import LABEL
+from stribeck.scenario import parse_assignment, parse_assignments
+
+_WITH_PLAN = ("plan", "simulate", "law", "set_", "seed", "out", "json")
+_SIMULATED = ("law", "set_", "seed")  # describe the synthetic rig alone
+
+
+def plan(
+    context: typer.Context, text: str, *, simulate: bool, laws: list[str], assignments: list[str], seed: int,
+    out: Path | None, json: bool,
+) -> int:  # fmt: skip
+    """Print the experiments that would determine a law on a rig with these limits; simulate a log of them on request."""
+    given = given_options(context)
+    if wrong := [words for name, words in given.items() if name not in _WITH_PLAN]:
+        raise InputError([f"{words}: must be left out with --plan, which fits nothing" for words in wrong])
+    if not simulate and (alone := [words for name, words in given.items() if name in _SIMULATED]):
+        raise InputError([f"{words}: goes with --simulate, which is not given" for words in alone])
+    if simulate and out is None:
+        raise InputError("--simulate: needs --out DIR, where the synthetic log goes")
+    if len(laws) > 1:
+        raise InputError("--law: given twice: a synthetic rig has one law")
+    limits, law = _limits(text), laws[0] if laws else "lugre"
+    constants = report.numbers(list(parse_assignments(assignments).items()))
+    experiment = report.simulated(limits, law, constants, seed) if simulate else None
+    tests, files = programme(limits), list[str]()
+    if out is not None:
+        show.check_folder(out)
+        with together(out, last="programme.csv", older=report.SYNTHETIC) as place:
+            written = report.write_rig(limits, place)
+            written += report.write_simulated(experiment, place) if experiment is not None else []
+        files = [str(out / name) for name in written]
+    if json:
+        truth = None if experiment is None else {"law": law, "constants": experiment.law.values, "label": LABEL}
+        show.print_json({"tests": [asdict(t) for t in tests], "synthetic": truth, "files": files})
+    else:
+        print(report.csv(report.HEAD, report.table(tests)), end="")
+    for file in files:
+        print(f"wrote {file}", file=sys.stderr)
+    return 0
+
+
+def _limits(text: str) -> Limits:
+    """``stroke=M,speed=M/S,force=N`` as limits.
+
+    Raises:
+        InputError: a key is unknown, missing or given twice, or a value is no number.
+    """
+    known = [field.name for field in fields(Limits)]
+    found: dict[str, float] = {}
+    problems = []
+    for part in text.split(","):
+        key, value = parse_assignment(part) if "=" in part else (part.strip(), None)
+        if key not in known or value is None:
+            problems.append(f"--plan: {part!r}: must be one of {', '.join(known)}, followed by = and a number")
+        elif key in found:
+            problems.append(f"--plan {key}: given twice")
+        elif isinstance(value, bool) or not isinstance(value, int | float):
+            problems.append(f"--plan {key}: {value!r}: must be a number")
+        else:
+            found[key] = float(value)
+    problems += [f"--plan {key}: missing" for key in ("stroke", "speed", "force") if key not in found and not problems]
+    if problems:
+        raise InputError(problems)
+    return Limits(**found)
