@@ -36,8 +36,8 @@ def verify(
         if law is not None:  # first, as it is quick
             _compare(law, certificate)
         case = confirm(certificate)
-        if property is not None and certificate.get("property") != property:
-            raise Refused(f"it is about {certificate.get('property')!r}, not {property!r}")
+        if property is not None and case.property != property:
+            raise Refused(f"it is about {case.property!r}, not {property!r}")
         if property == "passive":
             reaches(case, v_max)
     except Refused as reason:

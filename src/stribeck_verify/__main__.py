@@ -9,8 +9,8 @@ import json
 import sys
 from pathlib import Path
 
-from stribeck_verify import verify
-from stribeck_verify.expressions import Json
+from stribeck_verify import fields, verify
+from stribeck_verify.expressions import Json, Refused
 
 
 def main(arguments: list[str]) -> int:
@@ -19,26 +19,62 @@ def main(arguments: list[str]) -> int:
         print(__doc__, file=sys.stderr)
         return 2
     try:
-        data = json.loads(Path(arguments[0]).read_text())
-        certificates: dict[str, Json] = data["certificates"]
-        items = list(certificates.items())
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        print(f"{arguments[0]}: holds no certificates: {type(error).__name__}: {error}", file=sys.stderr)
+        groups = _read(json.loads(Path(arguments[0]).read_text(encoding="utf-8"), parse_constant=_no_number))
+    except (OSError, ValueError, RecursionError, Refused) as error:
+        words = fields.escaped(f"{arguments[0]}: holds no certificates: {type(error).__name__}: {error}")
+        print(words, file=sys.stderr)
         return 2
-    print(f"law {data.get('law')}")
-    refused = 0
-    for i, (name, certificate) in enumerate(items):
-        if i == 0 and isinstance(certificate, dict):
-            for what in ("definitions", "dz_dt", "force", "Z"):
-                print(f"  {what}: {json.dumps(certificate.get(what))}")
+    refused = [_checked(where, law, certificates) for where, law, certificates in groups]
+    return 1 if any(refused) or not any(certificates for *_, certificates in groups) else 0
+
+
+def _no_number(word: str) -> Json:
+    raise Refused(f"{word} is no number of JSON")
+
+
+def _read(data: Json) -> list[tuple[str, str, dict[str, Json]]]:
+    """The certificates in a file: of one law, or of each contact of a machine (its name, the law, the certificates)."""
+    if not isinstance(data, dict):
+        raise Refused("a file of certificates must be a table")
+    if "contacts" not in data:
+        return [("", *_group(data))]
+    contacts = fields.table(data, "contacts")
+    return [(f"{name}: ", *_group(fields.table(contacts, name))) for name in contacts]
+
+
+def _group(data: dict[str, Json]) -> tuple[str, dict[str, Json]]:
+    fields.whole(data, "format", 1, 1)
+    if "certificates" not in data:
+        raise Refused("certificates: missing")
+    return fields.text(data, "law"), fields.table(data, "certificates")
+
+
+def _checked(where: str, law: str, certificates: dict[str, Json]) -> bool:
+    """Print what is found of a law's certificates; whether one is refused."""
+    print(fields.escaped(f"{where}law {law}"))
+    first = next(iter(certificates.values()), None)
+    if isinstance(first, dict):
+        for what in ("definitions", "dz_dt", "force", "Z"):
+            print(f"  {what}: {_expression(first.get(what))}")
+    refused = False
+    for name, certificate in certificates.items():
         problems = verify(certificate)
-        if not problems and certificate["property"] != name:
-            problems = [f"it is about {certificate['property']!r}"]
-        refused += bool(problems)
-        limit = certificate.get("v_max", "inf") if isinstance(certificate, dict) else "inf"
-        words = "confirmed" if limit == "inf" else f"confirmed for speeds up to {limit} m/s"
-        print(f"{name}: {'; '.join(problems) if problems else words}")
-    return 1 if refused or not items else 0
+        for what, stated in (("property", name), ("law", law)):
+            if not problems and certificate[what] != stated:
+                problems = [f"it is about {certificate[what]!r}"]
+        refused = refused or bool(problems)
+        limit = None if problems else fields.limit(certificate, "v_max")
+        words = "confirmed" if limit is None else f"confirmed for speeds up to {limit} m/s"
+        print(fields.escaped(f"{where}{name}: {'; '.join(problems) if problems else words}"))
+    return refused
+
+
+def _expression(data: Json) -> str:
+    """As JSON, which is ASCII and one line."""
+    try:
+        return json.dumps(data)
+    except RecursionError:
+        return "nested too deeply"
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from flint import fmpq
 
-from stribeck_verify import intervals
+from stribeck_verify import fields, intervals
 from stribeck_verify.expressions import (
     ONE,
     PI,
@@ -31,6 +31,7 @@ from stribeck_verify.intervals import Range
 from stribeck_verify.leaf import Leaf, Region
 
 V, Z_NAME, RATE = name("v"), name("z"), name("dz_dt")
+_HIGHEST = 64  # power of u or w
 RELATIONS = (">=0", ">0", "!=0", "=0")
 
 
@@ -73,7 +74,7 @@ class Claim:
 
 
 def read_range(data: Json) -> Range:
-    """A range [lo, hi] of numbers >= 0, hi a number or ``inf``."""
+    """A range [lo, hi] of numbers >= 0, hi a number or ``inf``, as text."""
     if not isinstance(data, list) or len(data) != 2:
         raise Refused(f"no range: {data!r}")
     lo, hi = rational(data[0]), None if data[1] == "inf" else rational(data[1])
@@ -84,29 +85,21 @@ def read_range(data: Json) -> Range:
 
 def read_claim(data: Json) -> Claim:
     """A claim from its text."""
-    if not isinstance(data, dict) or "about" not in data:
-        raise Refused("a claim says nothing")
-    s, t = data.get("v"), data.get("z")
-    if s not in (1, -1, 0) or t not in (1, -1, 0) or isinstance(s, bool) or isinstance(t, bool):
-        raise Refused(f"claim {data['about']}: v and z must be 1, -1 or 0")
+    if not isinstance(data, dict):
+        raise Refused(f"a claim must be a table: {data!r}")
+    about, s, t = fields.text(data, "about"), fields.whole(data, "v", -1, 1), fields.whole(data, "z", -1, 1)
     # a range that is left out is everything
     u, w = (read_range(data.get(n, ["0", "inf"])) for n in ("u", "w"))
-    return Claim(str(data["about"]), s, t, u if s != 0 else None, w if t != 0 else None, data)
+    return Claim(about, s, t, u if s != 0 else None, w if t != 0 else None, data)
 
 
 def _limit(claim: Claim) -> Node:
     """a + b u^k, with a, b >= 0 and k >= 1."""
-    a, b, k = rational(claim.data["a"]), rational(claim.data["b"]), _whole(claim.data["k"], 1)
+    a, b, k = rational(claim.data["a"]), rational(claim.data["b"]), fields.whole(claim.data, "k", 1, _HIGHEST)
     if a < 0 or b < 0:
         raise Refused(f"claim {claim.about}: a and b must not be negative")
     u = U if claim.s != 0 else ZERO
     return make("add", number(a), make("mul", number(b), _to_the(u, k)))
-
-
-def _whole(k: Json, least: int) -> int:
-    if not isinstance(k, int) or isinstance(k, bool) or not least <= k <= 64:
-        raise Refused(f"{k!r} must be a whole number from {least} to 64")
-    return k
 
 
 def _to_the(x: Node, k: int) -> Node:
@@ -130,7 +123,7 @@ def subject(claim: Claim, law: Law) -> Node:
         slope = replace(read_slope(data["slope"]), {Z_NAME: z})
         return slope if t > 0 else make("neg", slope)
     if claim.about == "lipschitz" and t != 0:
-        size, m = rational(data["l"]), _whole(data["m"], 0)
+        size, m = rational(data["l"]), fields.whole(data, "m", 0, _HIGHEST)
         if size <= 0:
             raise Refused("claim lipschitz: l must be > 0")
         far = make("add", ONE, _to_the(make("div", W, number(size)), m))  # 1 + (w/l)^m, 2 where m = 0
@@ -167,9 +160,9 @@ def _most(data: Mapping[str, Json], u: Node) -> Node:
 
 
 def _sign(data: Mapping[str, Json]) -> int:
-    if data.get("sign") not in (1, -1):
-        raise Refused("sign must be 1 or -1")
-    return int(data["sign"])
+    if (sign := fields.whole(data, "sign", -1, 1)) == 0:
+        raise Refused("sign: 0: must be 1 or -1")
+    return sign
 
 
 def read_slope(data: Json) -> Node:
@@ -186,9 +179,7 @@ def prove(claim: Claim, law: Law, closed: bool = False) -> None:
     Raises:
         Refused: a leaf does not hold, or the tree does not fit.
     """
-    relation = claim.data.get("relation")
-    if relation not in RELATIONS:
-        raise Refused(f"claim {claim.about}: no relation {relation!r}")
+    relation = fields.text(claim.data, "relation", RELATIONS)
     top = subject(claim, law)
     region = Region(claim.region, claim.region, not closed)
     stack: list[tuple[Json, Region]] = [(claim.data["tree"], region)]

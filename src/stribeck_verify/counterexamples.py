@@ -103,28 +103,31 @@ def _departs(law: Mapping[str, Json], evidence: Mapping[str, Json], rate: Functi
 
 
 def _differs(law: Mapping[str, Json], evidence: Mapping[str, Json], of: Function) -> bool | None:
-    """The value, or the derivative, beside the place is what is stated: nearer to its own side's than to the other's."""
+    """The value, or the derivative, on each side of the place is what is stated: nearer to its own side's than the other's."""
     place = [arb(evidence["v"]), arb(evidence["z"])]
     scales = law["scales"]["speed"], law["scales"]["length"]
     beside = [abs(x) * _NEAR if x != 0 else arb(size) * _TINY for x, size in zip(place, scales, strict=True)]
+    by = {"by v": 0, "by z": 1}.get(str(evidence["derivative"])[-4:])
+
+    def at(moved: int, distance: Ball) -> Ball:
+        """The value, or its difference quotient, at a distance from the place."""
+        point = list(place)
+        point[moved] = point[moved] + distance
+        if by is None:
+            return of(*point)
+        step = (beside[by] if place[by] == 0 or by == moved else abs(place[by]) * _NEAR) * _SHARE
+        ends = []
+        for way in (-1, 1):
+            end = list(point)
+            end[by] = end[by] + way * step
+            ends.append(of(*end))
+        return (ends[1] - ends[0]) / (2 * step)
+
     below, above = (arb(evidence[n]) for n in ("from_below", "from_above"))
     gap = abs(above - below) / 4
-    by = {"by v": 0, "by z": 1}.get(str(evidence["derivative"])[-4:])
     for moved in (0, 1):
-        found = []
-        for side in (-1, 1):
-            at = list(place)
-            at[moved] = at[moved] + side * beside[moved]
-            if by is None:
-                found.append(of(*at))
-                continue
-            step = (beside[by] if place[by] == 0 or by == moved else abs(place[by]) * _NEAR) * _SHARE
-            ends = []
-            for way in (-1, 1):
-                end = list(at)
-                end[by] = end[by] + way * step
-                ends.append(of(*end))
-            found.append((ends[1] - ends[0]) / (2 * step))
+        # along the line through two points, to the place itself: what changes on the way may be more than the gap
+        found = [2 * at(moved, side * beside[moved]) - at(moved, 2 * side * beside[moved]) for side in (-1, 1)]
         for first, second in ((below, above), (above, below)):
             if bool(abs(found[0] - first) < gap) and bool(abs(found[1] - second) < gap):
                 return True

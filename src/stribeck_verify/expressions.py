@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Hashable, Mapping
 from typing import Any
 
@@ -23,10 +24,12 @@ class Node:
     value: Json
 
 
+_RATIONAL = re.compile(r"(-?[0-9]+)(?:/([0-9]+))?")
 _nodes: dict[Hashable, Node] = {}
 UNARY = ("neg", "abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh")
 BINARY = ("add", "sub", "mul", "div", "pow")
 CONDITIONS = ("lt", "le", "both", "either")
+_BEGIN_NUMBERS = tuple("-0123456789")
 _ARITY = {**dict.fromkeys(UNARY, 1), **dict.fromkeys((*BINARY, *CONDITIONS), 2), "where": 3}
 
 
@@ -56,16 +59,18 @@ U, W, PI = name("u"), name("w"), name("pi")
 
 
 def rational(text: Json) -> fmpq:
-    """The rational number that a text states.
+    """The rational number that a text states: digits, after a minus or none, and a divisor or none.
 
     Raises:
         Refused: the text is no rational number.
     """
+    found = _RATIONAL.fullmatch(text) if isinstance(text, str) else None
     try:
-        above, _, below = str(text).partition("/")
-        return fmpq(int(above), int(below) if below else 1)
-    except (ValueError, ZeroDivisionError):
-        raise Refused(f"{text!r} is no rational number") from None
+        if found is not None:
+            return fmpq(int(found[1]), int(found[2] or 1))
+    except (ValueError, ZeroDivisionError):  # more digits than Python reads; a divisor of 0
+        pass
+    raise Refused(f"{text!r} is no rational number")
 
 
 def read(data: Json, known: Mapping[str, Node], seen: dict[int, Node] | None = None) -> Node:
@@ -74,7 +79,7 @@ def read(data: Json, known: Mapping[str, Node], seen: dict[int, Node] | None = N
     if isinstance(data, list) and id(data) in seen:
         return seen[id(data)]
     if isinstance(data, str):
-        if data[:1].isdigit() or data[:1] == "-":
+        if data[:1] in _BEGIN_NUMBERS:
             return number(rational(data))
         if data not in known:
             raise Refused(f"unknown name {data!r}")

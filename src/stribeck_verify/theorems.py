@@ -9,7 +9,7 @@ from itertools import pairwise, product
 from flint import fmpq
 
 from stribeck_verify import claims as of
-from stribeck_verify import intervals
+from stribeck_verify import fields, intervals
 from stribeck_verify.claims import Claim, Law
 from stribeck_verify.expressions import (
     PI,
@@ -33,6 +33,11 @@ from stribeck_verify.leaf import Leaf, Region
 from stribeck_verify.meeting import Cases, Place, agree_on_axis, depends, meets
 
 FORMAT = 1
+PROPERTIES = ("unique", "bounded", "smooth", "passive", "drift_free")
+KEYS = frozenset((
+    "format", "law", "property", "v_max", "constants", "definitions", "dz_dt", "force", "Z", "theorem", "data", "claims",
+    "hypotheses", "level",
+))  # fmt: skip
 UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError)
 SIGNS = (1, -1, 0)
 ENDLESS: Range = (fmpq(0), None)
@@ -41,13 +46,16 @@ _DEEPEST = 4  # certificates within certificates
 
 @dataclass
 class Case:
-    """A certificate whose equations and claims have been read."""
+    """A certificate whose fields have been read: its equations, claims, and what its theorem takes."""
 
-    data: Mapping[str, Json]
+    property: str
+    theorem: str
     law: Law
     Z: fmpq
+    v_max: fmpq | None
     claims: list[Claim]
-    known: dict[str, Node]
+    facts: Mapping[str, Json]
+    hypotheses: Mapping[str, Json]
     depth: int
 
     def proved(self, about: str, relation: str, closed: bool = False) -> list[Claim]:
@@ -65,31 +73,55 @@ class Case:
 
     def hypothesis(self, name: str) -> Case | None:
         """The certificate of another property of the same law, confirmed; None where there is none."""
-        inner = (self.data.get("hypotheses") or {}).get(name)
-        if inner is None:
+        if name not in self.hypotheses:
             return None
-        case = confirm(inner, self.depth + 1)
-        same = case.law == self.law and case.Z == self.Z and inner.get("property") == name
-        if not same:
+        case = confirm(self.hypotheses[name], self.depth + 1)
+        if not (case.law == self.law and case.Z == self.Z and case.property == name):
             raise Refused(f"the hypothesis {name} is about another law")
         return case
 
 
-def read_case(data: Mapping[str, Json], depth: int = 0) -> Case:
-    """A certificate's equations and claims."""
-    if data.get("format") != FORMAT:
-        raise Refused(f"format {data.get('format')!r} is not {FORMAT}")
+def read_case(data: Json, depth: int = 0) -> Case:
+    """A certificate's fields, each by its type.
+
+    Raises:
+        Refused: one is missing, of another type or unknown.
+    """
+    if not isinstance(data, dict):
+        raise Refused(f"a certificate must be a table: {data!r}")
     if depth > _DEEPEST:
         raise Refused("too many certificates within each other")
+    if unknown := [key for key in data if key not in KEYS]:
+        raise Refused(f"no certificate has {unknown[0]!r}")
+    fields.whole(data, "format", FORMAT, FORMAT)
+    fields.text(data, "law")
+    for value in fields.table(data, "constants").values():
+        rational(value)
+    level = fields.table(data, "level")
+    for constant in level:
+        for end in fields.items(level, constant):
+            rational("0" if end == "inf" else end)
+    law = _read_law(data)
+    claims = [of.read_claim(c) for c in fields.items(data, "claims")]
+    return Case(
+        fields.text(data, "property", PROPERTIES), fields.text(data, "theorem"), law, rational(data.get("Z")),
+        fields.limit(data, "v_max"), claims, fields.table(data, "data"), fields.table(data, "hypotheses"), depth,
+    )  # fmt: skip
+
+
+def _read_law(data: Mapping[str, Json]) -> Law:
     known = {n: name(n) for n in ("v", "z", "dz_dt", "u", "w")} | {"pi": PI}
-    for word, expression in data.get("definitions", []):
-        if word in known or not isinstance(word, str) or word[:1].isdigit() or word[:1] == "-":
+    for pair in fields.items(data, "definitions"):
+        if not isinstance(pair, list) or len(pair) != 2 or not isinstance(pair[0], str):
+            raise Refused(f"definitions: {pair!r}: must be a name and an expression")
+        word, expression = pair
+        if word in known or not word.isidentifier():
             raise Refused(f"{word!r} cannot be defined")
         known[word] = read(expression, known)
-    law = Law(read(data["dz_dt"], known), read(data["force"], known))
+    law = Law(read(data.get("dz_dt"), known), read(data.get("force"), known))
     if names(law.dz_dt) - {"v", "z", "pi"} or names(law.force) - {"v", "z", "dz_dt", "pi"}:
         raise Refused("the equations may depend on v and z only, the force on dz/dt too")
-    return Case(data, law, rational(data["Z"]), [of.read_claim(c) for c in data.get("claims", [])], known, depth)
+    return law
 
 
 def confirm(data: Json, depth: int = 0) -> Case:
@@ -100,9 +132,9 @@ def confirm(data: Json, depth: int = 0) -> Case:
     """
     try:
         case = read_case(data, depth)
-        theorem = THEOREMS.get((str(data.get("property")), str(data.get("theorem"))))
+        theorem = THEOREMS.get((case.property, case.theorem))
         if theorem is None:
-            raise Refused(f"no theorem {data.get('theorem')!r} for {data.get('property')!r}")
+            raise Refused(f"no theorem {case.theorem!r} for {case.property!r}")
         theorem(case)
     except UNREADABLE as error:
         raise Refused(f"the certificate cannot be read: {type(error).__name__}: {error}") from None
@@ -140,10 +172,9 @@ def edge(case: Case) -> None:
     for s in SIGNS:
         for t in (1, -1):
             need(found, s, t, ENDLESS, (case.Z, case.Z))
-    inner = (case.data.get("hypotheses") or {}).get("unique")
-    if inner is None:
+    if "unique" not in case.hypotheses:
         raise Refused("the theorem 'edge' needs that solutions are unique")
-    unique = read_case(inner, case.depth + 1)
+    unique = read_case(case.hypotheses["unique"], case.depth + 1)
     if unique.law != case.law:
         raise Refused("the hypothesis unique is about another law")
     _locally_unique(unique, (fmpq(0), 2 * case.Z))
@@ -159,7 +190,7 @@ def _at_least_positive(x: fmpq) -> None:
 
 def lipschitz(case: Case) -> None:
     """dz/dt is continuous in z with bounded slopes, and no solution escapes."""
-    within = (case.data.get("data") or {}).get("within")
+    within = case.facts.get("within")
     if within not in (None, "Z") and rational(within) < case.Z:
         raise Refused(f"solutions are unique within {within!r} only")
     slopes = _locally_unique(case, (fmpq(0), None if within is None else case.Z))
@@ -201,8 +232,8 @@ def _continuous_in_z(case: Case, reach: Range) -> None:
 
 def _places(case: Case, s: int, t: int) -> Iterator[Place]:
     for c in case.claims:
-        if c.about in ("switching", "seam") and (c.s, c.t) == (s, t):
-            for what, to in c.data.get("there", []):
+        if c.about == "switching" and (c.s, c.t) == (s, t):
+            for what, to in fields.items(c.data, "there"):
                 yield Place(*(read(x, {"u": U, "w": W, "pi": PI}) for x in (what, to)))
 
 
@@ -263,10 +294,7 @@ def _singular_nowhere(top: Node, shown: list[tuple[Node, bool]]) -> None:
 
 def storage(case: Case) -> None:
     """The power F v is at least the slope of a storage function times dz/dt, for all v and z."""
-    v_max = case.data.get("v_max", "inf")
-    u: Range = (fmpq(0), None if v_max == "inf" else rational(v_max))
-    if u[1] is not None:
-        _at_least_positive(u[1])
+    u: Range = (fmpq(0), case.v_max)
     bounded = case.hypothesis("bounded")
     w: Range = (fmpq(0), None if bounded is None else case.Z)
     power = case.proved("power", ">=0")
@@ -298,13 +326,13 @@ def damped(case: Case) -> None:
     With a = s exp(-(v/d)^2): a q <= (k/N) s (d/sqrt(2 e) + m_0) <= 4 k, as x exp(-x^2) <= 1/sqrt(2 e). So F v - k z f
     = k q z^2 - a q z v + (a + c) v^2 >= 0 for every z: its discriminant is q (a^2 q - 4 k (a + c)) v^2.
     """
-    data = case.data["data"]
+    data = case.facts
     k, s, d, c, least, above = (rational(data[n]) for n in ("k", "s", "d", "c", "N", "above"))
     for x in (k, d, least):
         _at_least_positive(x)
     if min(s, c, above) < 0:
         raise Refused("the theorem 'damped' needs s, c, above >= 0")
-    _decays_fast(s, d, c, least, above, [rational(x) for x in data.get("knots", ())])
+    _decays_fast(s, d, c, least, above, [rational(x) for x in fields.items(data, "knots")])
     identity = Normal()
     for side, t in product(SIGNS, SIGNS):
         place = of.signed(side, U), of.signed(t, W), case.law.rate(side, t)
@@ -345,9 +373,8 @@ def _damped_load(numbers: Sequence[Node], v: Node, z: Node, f: Node) -> Node:
 
 def reaches(case: Case, v_max: float | None) -> None:
     """The certificate must be about every speed up to ``v_max`` (None: about every speed)."""
-    stated = case.data.get("v_max", "inf")
-    if stated != "inf" and (v_max is None or rational(stated) < fmpq(*v_max.as_integer_ratio())):
-        raise Refused(f"it is about speeds up to {stated} m/s only")
+    if case.v_max is not None and (v_max is None or case.v_max < fmpq(*v_max.as_integer_ratio())):
+        raise Refused(f"it is about speeds up to {case.v_max} m/s only")
 
 
 def _served(claims: list[Claim], t: int, u: Range) -> list[Range]:
@@ -381,7 +408,7 @@ def _has_integral(slope: Node, t: int, w: Range, claims: list[Claim]) -> None:
 
 def elastic(case: Case) -> None:
     """dz/dt = v for |z| <= z_0."""
-    z_0 = rational(case.data["data"]["z_0"])
+    z_0 = rational(case.facts["z_0"])
     _at_least_positive(z_0)
     found = case.proved("elastic", "=0")
     for s, t in product(SIGNS, SIGNS):
@@ -393,7 +420,6 @@ THEOREMS: dict[tuple[str, str], Callable[[Case], None]] = {
     ("bounded", "edge"): edge,
     ("unique", "lipschitz"): lipschitz,
     ("smooth", "switching"): smooth,
-    ("smooth", "seams"): smooth,  # its name in certificates of earlier versions
     ("passive", "storage"): storage,
     ("passive", "damped"): damped,
     ("drift_free", "elastic"): elastic,

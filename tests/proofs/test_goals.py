@@ -36,6 +36,9 @@ x, y, v, z = (symbol(n) for n in "xyvz")
         (ops.atan(abs(x)), "atan (Rabs x)"),
         (0.1 * x, f"{TENTH} * x"),
         (x - 2.0, "x - 2"),
+        (constant((-ops.pi) ** 2.0), "((- PI) ^ 2)"),  # Rpower is of numbers above 0
+        (constant((-ops.pi) ** -3.0), "(/ ((- PI) ^ 3))"),
+        (constant(ops.pi**0.5), "(Rpower PI (1 / 2))"),
         (x * constant(-0.5), "x * ((- 1) / 2)"),
         (ops.where(x < y, x, 1.0), "if Rlt_dec x y then x\n  else 1"),
         (ops.where(x <= y + 1, x, 1.0) * 2, "(if Rle_dec x (y + 1) then x\n  else 1) * 2"),

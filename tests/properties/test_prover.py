@@ -15,6 +15,8 @@ from stribeck.laws.terms import g
 from stribeck.properties import WORK, check
 from stribeck.properties.checked import Checked
 from stribeck.properties.prover.bernstein import POSITIVE, UNIT, signs
+from stribeck.properties.prover.leaf import Leaf, Rules
+from stribeck.properties.prover.region import Axis, Region
 from stribeck.properties.prover.ring import Ring
 from stribeck.properties.prover.search import Budget, Prover
 
@@ -139,3 +141,11 @@ def test_the_verdict_does_not_depend_on_time():
     law = stribeck.law("lugre_majorant", TABLE_1, k_v=1e7)
     assert check(law).to_json() == check(law).to_json()
     assert all(v.holds in (None, False) for v in check(law, work=0.0).properties.values())
+
+
+def test_a_function_of_a_function_whose_value_has_a_divisor():
+    """exp(y) >= 1 + y for y = -atan(u), which far out is (1 - c)/u - pi/2: its numerator has a divisor of its own."""
+    region = Region((Axis("u", Fraction(1), None),), (Axis("u", Fraction(1), None),))
+    for expr, holds in ((exp(-atan(U)) - 1 + atan(U), True), (exp(-atan(U)) - 1 + atan(U) / 2, False)):
+        leaf = Leaf(Ring({}), region, Rules(exp="tangent", wave="far"), {})
+        assert leaf.signs(leaf.convert(expr))[0] is holds

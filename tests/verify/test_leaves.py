@@ -57,19 +57,20 @@ def end(rng: random.Random) -> fmpq:
     return fmpq(rng.choice([0, 0, 1, 1, 2, 3, 5]), rng.choice([1, 1, 2, 7]))
 
 
-def region(rng: random.Random) -> Region:
+def region(rng: random.Random, open_: bool = True) -> Region:
     axes = {}
     for axis in ("u", "w"):
         lo = end(rng)
         axes[axis] = (lo, None if rng.random() < 0.3 else lo + end(rng) + fmpq(1, 3))
     given = dict(axes)
-    if rng.random() < 0.3:
+    if open_ and rng.random() < 0.3:
         kept, ratio = rng.choice([("w", "p"), ("u", "q")])
         axes = {kept: given[kept], ratio: (fmpq(0), None)}
-    return Region(axes, given, True)
+    return Region(axes, given, open_)
 
 
-def points(rng: random.Random, box: dict[str, Any], n: int) -> Any:
+def points(rng: random.Random, box: dict[str, Any], n: int, least: float = 1e-30) -> Any:
+    """Points of a box; u, w >= least."""
     for _ in range(n):
         at = {}
         for axis, (lo, hi) in box.items():
@@ -79,7 +80,7 @@ def points(rng: random.Random, box: dict[str, Any], n: int) -> Any:
             else:
                 width = mpmath.mpf(int((hi - lo).p)) / int((hi - lo).q)
                 at[axis] = low + width * rng.choice([1, rng.random(), rng.random() ** 8, 1 - rng.random() ** 8])
-            at[axis] = max(at[axis], mpmath.mpf(10) ** -30)  # u, w > 0
+            at[axis] = max(low if rng.random() < 0.1 else at[axis], mpmath.mpf(least))
         yield at
 
 
@@ -128,13 +129,14 @@ def atoms_for(rng: random.Random, x: Node) -> list[Any]:
     return made
 
 
+@pytest.mark.parametrize("open_", [True, False], ids=["u, w > 0", "u, w >= 0"])
 @pytest.mark.parametrize("seed", range(5))
-def test_what_a_leaf_accepts_is_true(seed):
+def test_what_a_leaf_accepts_is_true(seed, open_):
     rng, accepted = random.Random(100 + seed), 0
     with mpmath.workdps(40):
         for _ in range(150):
             x = read(expression(rng, 3), NAMES)
-            where = region(rng)
+            where = region(rng, open_)
             relation = rng.choice([">=0", ">0", "!=0", "=0"])
             try:
                 if not Leaf(where, atoms_for(rng, x)).holds(x, relation):
@@ -143,8 +145,8 @@ def test_what_a_leaf_accepts_is_true(seed):
                 continue
             accepted += 1
             signs = set()
-            for at in points(rng, where.given, 12):
-                y = value(x, at)
+            for at in points(rng, where.given, 12, 1e-30 if open_ else 0.0):
+                y = value(x, at)  # an error where it has no value
                 signs.add(mpmath.sign(y))
                 small = mpmath.mpf(10) ** -25 * (1 + abs(y))
                 true = {">=0": y >= -small, ">0": y > -small, "!=0": len(signs) == 1, "=0": abs(y) <= small}[relation]
@@ -227,3 +229,15 @@ def test_derivatives_are_those_of_differences():
                 assert abs(own - slope) <= 1e-12 * (1 + abs(slope))
     assert compared > 70
     assert replace(U, {U: W}) is W
+
+
+@pytest.mark.parametrize(
+    "expression", [["div", ["mul", "u", "u"], "u"], ["div", "u", ["sub", "1", "u"]], ["div", "1", "u"]]
+)
+def test_a_divisor_that_may_be_0_is_refused(expression):
+    """u u/u is no number at u = 0, which belongs to a closed region."""
+    axes = {"u": (fmpq(0), fmpq(1))}
+    with pytest.raises(Refused, match="a divisor may be 0"):
+        Leaf(Region(axes, axes, False), []).holds(read(expression, NAMES), ">=0")
+    if expression[-1] == "u":
+        assert Leaf(Region(axes, axes, True), []).holds(read(expression, NAMES), ">=0")

@@ -45,7 +45,10 @@ def _tree(tree: Value) -> str:
         return f"({f' {_SIGNS[op]} '.join(args)})"
     if op == "neg":
         return f"(- {args[0]})"
-    if op == "pow" and args[0][:3] != "(- ":  # of a number above 0: nothing else is a float
+    if op == "pow" and (whole := abs(float(tree[2]))).is_integer():
+        power = f"({args[0]} ^ {whole:.0f})"
+        return power if float(tree[2]) >= 0 else f"(/ {power})"
+    if op == "pow":  # of a number above 0: nothing else is a float
         return f"(Rpower {args[0]} {args[1]})"
     return f"({_FUNCTIONS[op]} {' '.join(args)})"
 
