@@ -43,7 +43,7 @@ def place(tmp_path, monkeypatch, scenario):
         ("check rig.toml --set plant.mass=2 --set plant.mass=2", "--set plant.mass"),
         ("check lugre --parameters canudas1995 --set F_s=2 --set F_s=3", "--set F_s"),
         ("advise lugre_sobczyk --parameters canudas1995 --set F_s=2 --set F_s=3", "--set F_s"),
-        ("export lugre --parameters canudas1995 --target st --set F_s=2 --set F_s=3 --out o.st", "--set F_s"),
+        ("export lugre --parameters canudas1995 --target table --set F_s=2 --set F_s=3 --out o.csv", "--set F_s"),
         ("export machine.toml --target c --set bodies.a.mass=2 --set bodies.a.mass=3 --out o", "--set bodies.a.mass"),
         ("explore rig.toml --set plant.mass=2 --set plant.mass=3", "--set plant.mass"),
         ("sweep rig.toml --vary plant.mass=1:2:2 --vary plant.mass=1:3:2 --out o", "--vary plant.mass"),

@@ -8,7 +8,6 @@ import stribeck as library
 from stribeck import InputError, StribeckNote, examples
 from stribeck.cli.options import option, said
 from stribeck.errors import Line, arg, note
-from stribeck.export import export
 
 
 @pytest.mark.parametrize(
@@ -69,17 +68,13 @@ def test_no_library_module_speaks_of_options():
 FORMS = ("law.name=lugre_majorant", "drive.observer.name=lugre_majorant", "drive.observer.smooth_abs=sqrt")
 
 
-def test_design_and_export_tell_forms_of_a_law_apart(stribeck, tmp_path):
+def test_design_tells_forms_of_a_law_apart(stribeck):
     changes = [word for change in FORMS for word in ("--set", change)]
     short = ("--set", "solve.t_end=0.2", "--v-max", "0.01")
     found = json.loads(stribeck("design", examples.path("servo"), *changes, *short, "--json").out)
     assert any(text.startswith("plant and observer differ") for text in found["not_covered"])
     alike = json.loads(stribeck("design", examples.path("servo"), *changes[:-2], *short, "--json").out)
     assert not any(text.startswith("plant and observer differ") for text in alike["not_covered"])
-    scenario = library.Scenario.load(examples.path("servo"), dict(change.split("=") for change in FORMS))
-    other = library.law("lugre_majorant", scenario.settings.observer.machine, k_v=1e6)
-    with pytest.raises(InputError, match=r"^law: 'lugre_majorant': must be left out"):
-        export(other, "c", tmp_path / "out", part="cascade", scenario=scenario)
 
 
 def test_laws_are_compared_without_a_warning_of_a_steepness_that_the_other_law_has_not(stribeck, scenario):

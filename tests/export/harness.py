@@ -41,12 +41,11 @@ int main(void)
         case 'r': status = @_rate(&p, x[1], x[0], &F); break;
         case 's': status = @_steady_force(&p, x[1], &F); break;
         case 't': status = @_step(&p, &s, x[1], x[2], &F); break;
-        case 'C': {
+        case 'c': {
             const @_compensator c = { x[3], x[2] };
             status = @_compensate(&p, &c, &s, x[1], &F);
             break;
         }
-        case 'c': status = @_compensation(&p, &s, x[1], x[3], x[2], &F); break;
 #ifdef SMOOTH
         case 'd': status = @_force_rate(&p, x[1], x[0], x[2], &F); break;
 #endif

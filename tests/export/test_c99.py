@@ -281,19 +281,14 @@ def test_compensation(folder):
     F = run("t", 1e-6, 1e-3, 1e-3)[1]
     assert run("c", 1e-6, 1e-3, 1e-3, 0.8)[1] == pytest.approx(0.8 * F, rel=1e-15)
     assert run("c", 1e-6, 1e-3, 1e-3, -0.1)[0] == 4
-    grid = np.meshgrid([1e-6, -2e-5], [1e-3, -4.0, 0.0], [1e-6, 1e-3, 1.0], [0.0, 0.5, 1.0])
-    assert (run("C", *grid) == run("c", *grid)).all()
-    assert run("C", 1e-6, 1e-3, 1e-3, 0.8)[1] == run("c", 1e-6, 1e-3, 1e-3, 0.8)[1]
-    for op in "cC":
-        assert run(op, 1e-6, 1e-3, 0.0, 0.8)[0] == 2
+    assert run("c", 1e-6, 1e-3, 0.0, 0.8)[0] == 2
 
 
 @pytest.mark.parametrize("name", ["lugre", "elastoplastic_majorant"])
-@pytest.mark.parametrize("op", ["c", "C"])
-def test_a_compensation_that_fails_changes_nothing(name, op, folder):
+def test_a_compensation_that_fails_changes_nothing(name, folder):
     """The force is finite, gain times the force is not: z must stay where it was."""
     run = program(name, folder)
-    status, F, z = run(op, 1e-6, 10.0, 1e-3, 1.7e308)
+    status, F, z = run("c", 1e-6, 10.0, 1e-3, 1.7e308)
     assert (status, F, z) == (1, 0.0, 1e-6)
 
 

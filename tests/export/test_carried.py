@@ -128,7 +128,7 @@ def exported(data, target, part, folder):
 def test_a_law_alone_is_refused_where_the_contact_has_more(tmp_path, capsys):
     """Nearly all friction of this servo grows with the load: F_c alone is 1e-5 N m."""
     file = tmp_path / "mx106.toml"
-    assert _status(["parameters", "mx106", "--out", str(file), "--json"]) == 0
+    assert _status(["library", "mx106", "--out", str(file), "--json"]) == 0
     capsys.readouterr()
     for target in [name for name, each in TARGETS.items() if "law" in each.parts]:
         words = ["export", str(file), "--contact", "friction", "--target", target, "--out", str(tmp_path / "out")]
@@ -187,12 +187,8 @@ def test_a_machine_carries_every_key(target, tmp_path):
 
 @pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "controller" in each.parts])
 def test_a_controller_carries_every_key_or_names_it(target, tmp_path):
-    data = EVERY
-    if target == "mit":  # which has no integral, and no dF/dt
-        for key in ("T_i", "compensation.lead"):
-            data = without(data, "controllers", "axis", *key.split("."))
-    lost = not_carried(target, "controller", tmp_path, "controllers.axis.", data)
-    if target not in ("c", "mujoco_plugin"):  # whose reference is an input
+    lost = not_carried(target, "controller", tmp_path, "controllers.axis.")
+    if target == "fmu":  # whose reference is an input
         lost = [name for name in lost if not name.startswith("controllers.axis.signal.")]
     assert lost == []
 
@@ -203,9 +199,7 @@ def test_a_compensator_carries_every_key_or_names_it(target, tmp_path):
     assert not_carried(target, "compensator", tmp_path, "controllers.axis.compensation.", data) == []
 
 
-@pytest.mark.parametrize(("target", "part"), [("mit", "controller"), ("table", "compensator")])
-def test_what_a_target_cannot_have_is_refused_by_name(target, part, tmp_path):
-    data = without(EVERY, "controllers", "axis", "T_i")
-    files, said = exported(data, target, part, tmp_path / "out")
+def test_what_a_table_cannot_have_is_refused_by_name(tmp_path):
+    files, said = exported(EVERY, "table", "compensator", tmp_path / "out")
     assert not files
     assert said.startswith("controllers.axis.compensation.lead: would be lost")

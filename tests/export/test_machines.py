@@ -1,9 +1,7 @@
 """Whole machines in C and as FMUs against the simulation; laws of their contacts."""
 
-import importlib.util
 import json
 import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -207,7 +205,7 @@ def test_c_of_a_pressure_cascade(sampled, servo, tmp_path):
         assert [float(x) for x in told.split()] == pytest.approx([sampled_share(x) * x for x in rtol], rel=1e-14)
 
 
-def test_fmu_and_python_of_a_pressure_cascade(servo, tmp_path):
+def test_fmu_of_a_pressure_cascade(servo, tmp_path):
     """What a sampled controller remembers is shown between its samples, whoever integrates."""
     need("gcc")
     fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
@@ -220,47 +218,6 @@ def test_fmu_and_python_of_a_pressure_cascade(servo, tmp_path):
     exchange = {"fmi_type": "ModelExchange", "solver": "CVode", "relative_tolerance": 1e-11, "record_events": False}
     found = fmpy.simulate_fmu(str(path), **times, **exchange)
     close({n: found[n] for n in names}, exact)
-    (path,) = stribeck.export(servo, "python", tmp_path / "rig.py")
-    spec = importlib.util.spec_from_file_location("servo_exported", path)
-    rig = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(rig)
-    close(rig.simulate(t_end=0.06), simulate(servo.replace({"solve.t_end": 0.06})))
-
-
-def test_the_pressure_cascade_of_a_machine_alone(tmp_path):
-    """The controller for firmware is that of the same servo as a file of schema 1."""
-    for name, data in {"one": SERVO, "many": as_machine(SERVO)}.items():
-        stribeck.export(Scenario(data), "c", tmp_path / name, part="cascade")
-    for file in (tmp_path / "one").iterdir():
-        assert (tmp_path / "many" / file.name).read_text() == file.read_text()
-    two = as_machine(SERVO)
-    with pytest.raises(stribeck.InputError, match=r"'axi': no such pressure cascade \(did you mean 'axis'\?\)"):
-        stribeck.export(Scenario(two), "c", tmp_path / "x", part="cascade", controller="axi")
-    with pytest.raises(stribeck.InputError, match="of a pressure cascade it is part 'cascade'"):
-        stribeck.export(Scenario(two), "c", tmp_path / "x", part="controller")
-    with pytest.raises(stribeck.InputError, match="part 'cascade' needs a controller of kind 'pressure_cascade'"):
-        stribeck.export(Scenario(EVERY), "c", tmp_path / "x", part="cascade")
-
-
-def test_python(scenario, tmp_path, capsys):
-    """One file that needs NumPy and SciPy only: as a module with another constant, and as a program."""
-    short = scenario.replace({"solve.t_end": 0.06})
-    exact, other = simulate(short), simulate(short.replace({"bodies.a.mass": 0.6, "solve.t_end": 0.02}))
-    (path,) = stribeck.export(short, "python", tmp_path / "rig.py")
-    spec = importlib.util.spec_from_file_location("rig_exported", path)
-    rig = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(rig)
-    found = rig.simulate(t_end=0.02, parameters={"bodies.a.mass": 0.6})
-    assert list(found) == list(other.keys())
-    close(found, other)
-    with pytest.raises(KeyError, match="no such constant"):
-        rig.simulate(parameters={"bodies.a.weight": 0.6})
-    done = subprocess.run([sys.executable, "-I", str(path)], capture_output=True, text=True, check=True)
-    close(table(done.stdout), exact)
-    assert done.stderr == ""
-    assert "stribeck" not in path.read_text().replace("stribeck " + stribeck.__version__, "")
-    with pytest.raises(stribeck.InputError, match="target 'python' has none; must be one of machine"):
-        stribeck.export(stribeck.law("dahl", sigma_0=1e5, F_c=1.0), "python", tmp_path / "law.py")
 
 
 def test_of_a_contact(tmp_path, monkeypatch, capsys):
@@ -270,15 +227,15 @@ def test_of_a_contact(tmp_path, monkeypatch, capsys):
     found = json.loads(capsys.readouterr().out)
     assert (found["part"], found["parameters"]["F_s"]) == ("law", 0.012)
     assert "N m s/rad" in (tmp_path / "bearing/lugre_majorant.h").read_text()
-    assert _status(["export", arm, "--target", "st", "--part", "law", "--out", "x.st"]) == 2
+    assert _status(["export", arm, "--target", "table", "--part", "law", "--out", "x.csv"]) == 2
     assert "--contact: missing: must be given (one of bearing, seal)" in capsys.readouterr().err
-    assert not (tmp_path / "x.st").exists()
+    assert not (tmp_path / "x.csv").exists()
 
 
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["{arm}", "--target", "st"], "--part: 'machine': target 'st' has none"),
+        (["{arm}", "--target", "table"], "--part: 'machine': target 'table' has none"),
         (["{arm}", "--target", "c", "--step", "0.1"], "--step: 0.1: must be left out"),
         (["{arm}", "--target", "c", "--self-test"], "--self-test: true: must be left out"),
         (["{arm}", "--target", "c", "--part", "machine", "--contact", "seal"], "--contact: 'seal': must be left out"),

@@ -37,7 +37,7 @@ def commands(place: Path, rng: random.Random) -> list[str]:
         ["run", file, *_SHORT], ["run", file, *_SHORT, "--out", out], ["run", file, *_SHORT, "--json"],
         ["run", file, "--law", "lugre", "--law", "dahl", *_SHORT],
         ["sweep", file, "--vary", "law.parameters.F_s=1.6:2:2", "--summary", *_SHORT, "--out", out],
-        ["export", "lugre", "--parameters", str(place / "set.toml"), "--target", rng.choice(["c", "st", "table"]), "--out", out],
+        ["export", "lugre", "--parameters", str(place / "set.toml"), "--target", rng.choice(["c", "table"]), "--out", out],
         ["check", "dahl", "--parameters", str(place / "set.toml")],
         ["library", str(place / "mine.py") + ":Mine"],
         ["validate", file, "--log", str(place / "log.csv"), "--time", "t", "--position", "y", *_SHORT, "--out", out],

@@ -11,8 +11,6 @@ from stribeck.cli.show import check_file, print_json
 from stribeck.errors import InputError, note
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario, parse_assignments
-from stribeck.scenario.cascade import cascade_of
-from stribeck.scenario.counterpart import as_servo
 
 
 def export(
@@ -44,9 +42,7 @@ def export(
         whole = rig is not None and not rig.rig.single and law is None and contact is None
         part = "machine" if whole else "law"
     chosen: Law | None
-    if part == "cascade":
-        chosen, rig = None, _controlled(law, parameters, assignments, rig, controller)
-    elif part == "machine" or part in exports.SAMPLED:
+    if part == "machine" or part in exports.SAMPLED:
         chosen, rig = None, _whole(part, law, parameters, contact, assignments, rig)
     else:
         chosen = _law(law, parameters, assignments, rig, contact)
@@ -74,18 +70,11 @@ def export(
 
 
 def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
-    """What was exported: the law, or the controller's constants by group."""
+    """What was exported: the law, or the machine with its constants."""
     if law is not None:
         return {"law": law.name, "parameters": law.values, "guarantees": law.guarantees()}
     assert rig is not None
-    if not rig.rig.single:
-        return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.values().items()}}
-    observer = rig.settings.observer
-    values = {key: x for key, x in rig.values().items() if key[0] not in ("law", "plant")}
-    return {
-        "law": observer.name if observer else None,
-        "parameters": {group: {n: x for (g, n), x in values.items() if g == group} for group, _ in values},
-    }
+    return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.values().items()}}
 
 
 def _whole(
@@ -101,21 +90,6 @@ def _whole(
     if wrong := [f"{n}: {x!r}: must be left out: part '{part}' takes all from the file" for n, x in given.items() if x]:
         raise InputError(wrong)
     return rig.with_changes(parse_assignments(assignments)) if rig is not None else None
-
-
-def _controlled(
-    law: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None, controller: str | None
-) -> Scenario | None:
-    """The scenario of a pressure cascade with the changes of --set; everything is taken from it."""
-    if parameters is not None:
-        raise InputError(f"--parameters: {parameters!r}: must be left out: part 'cascade' has the scenario's constants")
-    if rig is None:
-        return None
-    rig = as_servo(rig.with_changes(parse_assignments(assignments)), controller)
-    own = cascade_of(rig)
-    if law is not None and own is not None and law != (name := own.law_name):
-        raise InputError(f"LAW: {law!r}: must be left out, or that of the scenario's [drive.observer], {name!r}")
-    return rig
 
 
 def _law(

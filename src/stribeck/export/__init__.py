@@ -16,8 +16,6 @@ from stribeck.export.request import Request, Target
 from stribeck.files import together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
-from stribeck.scenario.cascade import cascade_of
-from stribeck.scenario.counterpart import as_servo
 
 __all__ = ["PARTS", "TARGETS", "Target", "export"]
 
@@ -25,14 +23,12 @@ PARTS = {
     "law": "the friction law",
     "body": "a body with this friction",
     "observer": "the friction observer",
-    "cascade": "the cascade controller of a pneumatic servo",
     "controller": "a controller of a machine, sampled",
     "compensator": "what a controller of a machine adds against friction",
-    "cogging": "the torque against the cogging of a machine's motor",
     "machine": "a whole machine (schema = 2) with its controllers and its solver",
 }
 
-SAMPLED = ("controller", "compensator", "cogging")
+SAMPLED = ("controller", "compensator")
 
 
 def targets() -> dict[str, Target]:
@@ -80,8 +76,7 @@ def export(
         step: the time step in s that the tool will take.
         self_test: also write a program that checks the rest (target ``c``).
         fmi: 2 or 3, the version of FMI (target ``fmu``).
-        controller: which of the machine's controllers (parts ``controller``, ``compensator`` and ``cascade``); the only one
-            unless given.
+        controller: which of the machine's controllers (parts ``controller`` and ``compensator``); the only one unless given.
         contact: of which of the machine's contacts the law is (parts ``law`` and ``observer``); the only one unless given.
         origin: where the parameters are from, for the header; built-in sets are recognised.
 
@@ -103,14 +98,12 @@ def export(
     chosen = TARGETS[target]
     if text := trouble(out, chosen.folder):
         raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
-    if part == "cascade" and scenario is not None:
-        scenario = as_servo(scenario, controller)
     if part == "machine":
         content, notes = _machine(law, target, scenario, step, self_test, origin, fmi)
     elif part in SAMPLED:
         content, notes = _block(law, chosen, part, scenario, step, self_test, origin, fmi, controller)
     else:
-        request = Request(_law(law, part, scenario, contact), part, scenario, step, self_test, origin, fmi)
+        request = Request(_law(law, scenario, contact), part, scenario, step, self_test, origin, fmi)
         content, notes = _content(chosen, request)
     for text in notes:
         note(text)
@@ -148,8 +141,6 @@ def _block(
     if law is not None:
         raise InputError(f"{arg('law')}: {law.name!r}: must be left out: part '{part}' takes all from the machine")
     module = importlib.import_module(f"stribeck.export.controller.{chosen.name}")
-    if part == "cogging":
-        return module.files(scenario), []
     block = block_of(scenario, part, controller, step, origin)
     given = {"self_test": self_test} if chosen.self_test else {"fmi": fmi} if chosen.name == "fmu" else {}
     notes = module.notes if hasattr(module, "notes") else Block.notes
@@ -171,28 +162,14 @@ def refuse_losses(scenario: Scenario, contact: str | None = None) -> None:
         raise InputError(f"{', '.join(lost)}: {text}")
 
 
-def _law(law: Law | None, part: str, scenario: Scenario | None, contact: str | None) -> Law:
-    """The law given, or the scenario's: for the cascade that of its observer, where it has one."""
+def _law(law: Law | None, scenario: Scenario | None, contact: str | None) -> Law:
+    """The law given, or the scenario's."""
+    if law is not None:
+        return law
     if scenario is None:
-        if law is None:
-            what = f"{arg('scenario')}: missing: part 'cascade' needs one with drive.kind = 'cascade'"
-            raise InputError(
-                what
-                if part == "cascade"
-                else f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it"
-            )
-        return law
-    controller = cascade_of(scenario) if part == "cascade" else None
-    if controller is None and law is not None:
-        return law
-    if controller is None:
-        refuse_losses(scenario, contact)
-        return scenario.rig.laws[law_path(scenario, contact)]
-    own = controller.observer or scenario.law
-    if controller is not None and law is not None and not law.same_as(own):
-        text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"
-        raise InputError(f"{arg('law')}: {law.name!r}: {text}, {own.name!r}")
-    return law or own
+        raise InputError(f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it")
+    refuse_losses(scenario, contact)
+    return scenario.rig.laws[law_path(scenario, contact)]
 
 
 def _write_file(out: Path, content: dict[str, str | bytes]) -> list[Path]:
@@ -234,7 +211,7 @@ def _problems(
         found.append(f"{arg('step')}: {show(step)}: {text}")
     if fmi not in (2, 3):
         found.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
-    if controller is not None and part in PARTS and part not in ("cascade", *SAMPLED):
+    if controller is not None and part in PARTS and part not in SAMPLED:
         text = f"must be left out: part '{part}' has no choice of controllers"
         found.append(f"{arg('controller')}: {show(controller)}: {text}")
     return found

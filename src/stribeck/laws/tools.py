@@ -23,8 +23,8 @@ class ToTools:
 
         Constants are the system's parameters: ``params={"F_s": 2.0}`` replaces one.
 
-        Simulate it with :func:`stribeck.export.control.response`: python-control's own default, RK45 with an absolute
-        tolerance of 1e-6, is wrong for friction.
+        Simulate it with :func:`stribeck.export.python.python_control.response`: python-control's own default, RK45 with
+        an absolute tolerance of 1e-6, is wrong for friction.
 
         Raises:
             InputError: the mass is no finite number > 0.

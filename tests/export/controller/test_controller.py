@@ -107,38 +107,6 @@ def test_self_test(case, part, tmp_path):
     assert not re.search(r"takes at most .*\b1 (\w+s\b|calls)", text)
 
 
-@pytest.mark.parametrize("case", ["measured", "elastic"])
-def test_structured_text_computes_the_same(case, tmp_path):
-    pytest.importorskip("blark", reason="blark, which parses Structured Text, is not installed")
-    from tests.export import structured_text
-
-    scenario = stage(case)
-    (file,) = stribeck.export(scenario, "st", tmp_path / "axis.st", part="controller")
-    blocks = structured_text.parse(file.read_text())
-    x = structured_text.declared(blocks["stage_axis"])
-    assert "limit_value" in x  # LIMIT is a function of the language
-    assert "limit" not in x
-    run = stribeck.simulate(scenario)
-    signal = scenario.rig.signals[scenario.rig.machine.controllers[0].signal]
-    t, h = np.asarray(run.t), 1e-5
-    rate, second = (
-        (signal.at(t + h) - signal.at(t - h)) / (2 * h),
-        (signal.at(t + h) - 2 * signal.at(t) + signal.at(t - h)) / h**2,
-    )
-    worst = 0.0
-    for k, y in enumerate(readings(run)[:-1]):
-        x |= {
-            "r": float(signal.at(t[k : k + 1])[0]),
-            "r_rate": float(rate[k]),
-            "r_second": float(second[k]),
-            "y": float(y),
-        }
-        structured_text.run("stage_axis", blocks, x)
-        assert x["ok"]
-        worst = max(worst, abs(x["u"] - run["axis.u"][k + 1]))
-    assert worst <= 2e-3 * np.abs(run["axis.u"]).max()  # of the differences that stand for the signal's derivatives
-
-
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_fmu(fmi, tmp_path):
     """One communication step is one sample: the first outputs of a replay are those of the block's equations."""

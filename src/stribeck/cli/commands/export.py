@@ -14,8 +14,7 @@ ExportTarget = Annotated[
     typer.Option(
         "--target",
         metavar="NAME",
-        help="c, fmu, isaaclab, mit, mjwarp, modelica, mujoco, mujoco_plugin, newton, odrive, ros2_control, "
-        "simplefoc, st or table.",
+        help="c, fmu, isaaclab, mjwarp, mujoco, mujoco_plugin, newton or table.",
     ),
 ]
 
@@ -25,7 +24,7 @@ ExportOut = Annotated[
         "--out",
         metavar="PATH",
         parser=place,
-        help="Where to: a folder for c, mujoco, mujoco_plugin and ros2_control, else a file.",
+        help="Where to: a folder for c, mujoco and mujoco_plugin, else a file.",
     ),
 ]
 
@@ -34,7 +33,7 @@ ExportPart = Annotated[
     typer.Option(
         "--part",
         metavar="PART",
-        help="law, body, observer, cascade, controller, compensator, cogging or machine (of a machine unless given).",
+        help="law, body, observer, controller, compensator or machine (of a machine unless given).",
     ),
 ]
 
@@ -69,7 +68,7 @@ def export(
     ] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (cascade: drive.K_D=80)."),
+        typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (machine: links.gear.gap=0)."),
     ] = None,
     part: ExportPart = None,
     scenario: ExportScenario = None,
@@ -82,7 +81,7 @@ def export(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
-    """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
+    """Write a law or a compensator for another tool: C, FMU, MuJoCo and its kin, a table."""
     from stribeck.cli import export as command
 
     return command.export(

@@ -6,6 +6,6 @@ TARGET = Target(
     "c",
     "c.c99",
     "C99 for a drive's firmware",
-    ("law", "body", "observer", "cascade", "machine", "controller", "compensator"),
+    ("law", "body", "observer", "machine", "controller", "compensator"),
     self_test=True,
 )

@@ -7,7 +7,6 @@ from importlib.resources import files as resources
 
 from stribeck.control.observer import least_K_D
 from stribeck.errors import InputError, arg
-from stribeck.export.c import cascade
 from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, c_condition, net_force, pair, render
 from stribeck.export.request import Request
 from stribeck.expressions import pretty
@@ -18,8 +17,6 @@ from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
 
 def files(request: Request) -> dict[str, str | bytes]:
     """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
-    if request.part == "cascade":
-        return cascade.files(request)
     values = context(request)
     name = request.name
     content: dict[str, str | bytes] = {**pair(name, "law", values)}
@@ -87,8 +84,6 @@ def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, st
 
 def notes(request: Request) -> list[str]:
     """What is lost at the time step that was given."""
-    if request.part == "cascade":
-        return cascade.notes(request)
     from stribeck.export.c.sampling import unstable
 
     return unstable(request)

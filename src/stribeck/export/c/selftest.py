@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.control.sampled import phi_1
 from stribeck.errors import InputError, arg, needed
-from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, ControllerCode
 from stribeck.export.c.ccode import LawCode
 from stribeck.export.request import Request
 from stribeck.expressions import ops
@@ -83,50 +81,6 @@ def terms(equations: LawCode, names: tuple[str, ...]) -> Value:
     def at(v: float, z: float) -> tuple[float, ...]:
         with np.errstate(all="ignore"):
             return tuple(float(x) for x in function(*values, v, z))
-
-    return at
-
-
-def samples(cascade: ControllerCode) -> list[tuple[str, ...]]:
-    """Rows for the test of a cascade controller: path, measurements, states, dt; then what must come out, each number
-    with its :func:`output_spread`: the outputs, and the states afterwards."""
-    m, law, rng = cascade.settings.model, cascade.settings.observer, np.random.default_rng(1)
-    z = law.scales(law.p).length if law and law.has_z else 0.0
-    gas = (m["atmospheric_pressure"], m["supply_pressure"])
-    ranges = {"y": (0.1 * m["stroke"], 0.9 * m["stroke"]), "v": (-0.5, 0.5), "p_1": gas, "p_2": gas,
-              "acceleration": (-5.0, 5.0), "z_hat": (-z, z), "eta": (-z, z)}  # fmt: skip
-    function, rows = sampled(cascade), []
-    for _ in range(24):
-        x = {c.name: rng.uniform(*ranges.get(c.name, (0.5, 2.0))) for c in (*INPUTS, *(c for c, _ in cascade.states))}
-        near = {"y": x["y"], "v": x["v"], "a": 0.0, "jerk": 0.0}
-        x = {f"path.{c.name}": near[c.name] + 0.01 * rng.standard_normal() for c in PATH} | x
-        x = {name: float(np.float32(value)) for name, value in x.items()}  # the same numbers in single precision
-        dt = float(np.float32(10 ** rng.uniform(-4, -2)))
-        rows.append(_row((*x.values(), dt, *(number for pair in function(x, dt) for number in pair))))
-    return rows
-
-
-def sampled(cascade: ControllerCode) -> Callable[[dict[str, float], float], list[tuple[float, float]]]:
-    """A function of path, measurements and states by name, and dt: value and :func:`output_spread` of each output, then of
-    each state afterwards."""
-    states, values = [column.name for column, _ in cascade.states], cascade.constants
-    names = [column.name for column in OUTPUTS]
-    names += [f"{kind}.{state}" for kind in ("rate", "slope") for state in states]
-    wanted = [cascade.expressions[name] for name in names]
-    constants = {f"{g}.{n}": value for g, group in values.items() for n, (_, value) in group.items()}
-    inputs = [f"path.{column.name}" for column in PATH] + [column.name for column in INPUTS] + states
-    function = python_function([*constants, *inputs], [*wanted, *output_spread(wanted)])
-
-    def at(given: dict[str, float], dt: float) -> list[tuple[float, float]]:
-        found = [float(x) for x in function(*constants.values(), *(given[name] for name in inputs))]
-        value, by = (dict(zip(names, found[i:], strict=False)) for i in (0, len(names)))
-        rows = [(value[column.name], by[column.name]) for column in OUTPUTS]
-        for n in states:
-            rate, slope = f"rate.{n}", f"slope.{n}"
-            moved = dt * phi_1(value[slope] * dt)  # phi_1 falls by less than its value where its argument falls by 1
-            size = abs(given[n]) + moved * (by[rate] + abs(value[rate]) * dt * by[slope])
-            rows.append((given[n] + moved * value[rate], size))
-        return rows
 
     return at
 

@@ -1,1 +1,1 @@
-"""A machine's controller, or what it does against friction, for its target: C99, Structured Text, FMU and what hosts them."""
+"""A machine's controller, or what it does against friction, for its target: C99, FMU, a table, and a plugin of MuJoCo."""

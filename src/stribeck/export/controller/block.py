@@ -301,8 +301,7 @@ def block_of(
     """
     if scenario is None or scenario.rig.single or not scenario.rig.machine.controllers:
         given = "" if scenario is None else f"{scenario.name!r}: "
-        servo = scenario is not None and scenario.rig.machine.drives and "; of a pressure cascade it is part 'cascade'"
-        text = f"part '{part}' needs a machine (schema = 2) with a controller{servo or ''}"
+        text = f"part '{part}' needs a machine (schema = 2) with a controller"
         raise InputError(f"{arg('scenario')}: {given}{text}")
     rig = scenario.rig
     known = [each.name for each in rig.machine.controllers]

@@ -9,10 +9,9 @@ from types import SimpleNamespace
 from typing import Unpack
 
 from stribeck.errors import InputError
-from stribeck.export.c import c99, cascade
+from stribeck.export.c import c99
 from stribeck.export.c.ccode import expression, pair, render
 from stribeck.export.c.sampling import resolution
-from stribeck.export.fmu import cascade as cascade_fmu
 from stribeck.export.fmu.binaries import binaries
 from stribeck.export.fmu.description import (
     Description,
@@ -30,8 +29,6 @@ from stribeck.plants.mass import Mass
 
 def files(request: Request) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
-    if request.part == "cascade":
-        return packed("cascade", "fmu_cascade", *cascade_fmu.described(request))
     return packed("law", "fmu_model", *described(request))
 
 
@@ -161,6 +158,4 @@ def _zipped(content: dict[str, str | bytes]) -> bytes:
 
 def notes(request: Request) -> list[str]:
     """What co-simulation loses at the communication step that was given."""
-    if request.part == "cascade":
-        return cascade.notes(request)
     return resolution(request) if request.part == "law" else []

@@ -1,5 +1,3 @@
-"""Whole machines: part ``machine`` of the targets c and fmu, and the target python."""
+"""Whole machines: part ``machine`` of the targets c and fmu."""
 
-from stribeck.export.request import Target
-
-TARGET = Target("python", "machine.python", "a Python program that SciPy runs", ("machine",), folder=False)
+TARGET = None  # a part of theirs

@@ -269,11 +269,6 @@ int {{ P }}_compensate(const parameters *p, const {{ P }}_compensator *c, {{ P }
     return status;
 }
 
-int {{ P }}_compensation(const parameters *p, {{ P }}_state *s, real v, real gain, real dt, real *force)
-{
-    const {{ P }}_compensator c = { gain, dt };
-    return {{ P }}_compensate(p, &c, s, v, force);
-}
 {% if with_observer %}
 
 int {{ P }}_observer_step(const parameters *p, {{ P }}_state *s, real v, real error, real K, real dt, real *force)

@@ -99,9 +99,6 @@ int {{ P }}_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, 
 int {{ P }}_compensate(const {{ P }}_parameters *p, const {{ P }}_compensator *c, {{ P }}_state *s, {{ P }}_real v,
     {{ P }}_real *force);
 
-/* The same with gain and dt as arguments, as earlier exports had it. Mind their order: v, gain, dt. */
-int {{ P }}_compensation(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real gain, {{ P }}_real dt,
-    {{ P }}_real *force);
 {% if with_observer %}
 
 /* The friction observer, one sample: dz/dt = (the law's) - K sigma_0 error, v and error held over the step.

@@ -1,1 +1,1 @@
-"""Targets that are one text: Structured Text, tables, Modelica, MuJoCo."""
+"""Targets that are one text: tables and MuJoCo."""
