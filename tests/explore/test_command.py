@@ -1,6 +1,7 @@
 """``stribeck explore`` as a user calls it."""
 
 import base64
+import html
 import json
 
 import pytest
@@ -25,12 +26,17 @@ def test_the_page_stands_alone_and_is_small(made, data):
 
 def test_the_command_writes_a_page(stribeck, tmp_path):  # noqa: F811
     out = tmp_path / "mine.html"
+    name = "{{ script }} {{ version }} </script>"  # what fills the page is data, and not a part of its text
     found = stribeck(
-        "explore", examples.path("stick_slip"), "--set", "law.name=lugre_majorant", "--law", "lugre", "--out", out
-    )
+        "explore", examples.path("stick_slip"), "--set", "law.name=lugre_majorant", "--law", "lugre", "--out", out,
+        "--set", f"name={name}",
+    )  # fmt: skip
     assert (found.status, found.err) == (0, "")
     assert "open" in found.out
-    assert "stick_slip" in out.read_text()
+    text = out.read_text()
+    assert f"<h1>{html.escape(name)}</h1>" in text
+    data = json.loads(text.partition('<script type="application/json" id="data">')[2].partition("</script>")[0])
+    assert data["name"] == name
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping
 from html import escape
@@ -138,7 +139,6 @@ def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], lib
         f'<section aria-labelledby="h-{n}"><h2 id="h-{n}">{escape(title)}</h2><div id="{n}" class="chart"></div></section>'
         for n, title in sections
     ]
-    text = _asset("page.html")
     parts = {
         "sections": "\n".join(charts),
         "title": escape(name),
@@ -150,9 +150,8 @@ def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], lib
         "foot": escape(command),
         "version": __version__,
     }
-    for key, part in parts.items():
-        text = text.replace("{{ " + key + " }}", part)
-    return text
+    # one pass: what is filled in is not looked at again, whatever it holds
+    return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], _asset("page.html"))
 
 
 def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, object]) -> dict[str, object]:
