@@ -104,7 +104,7 @@ THINNED = {
     "simulation/test_cuda.py::test_the_text_of_the_kernel_run_by_the_processor": 3,
     "simulation/test_energy.py::test_balance": 7,
     "simulation/test_ensemble.py::test_every_law": 7,
-    "simulation/test_fallback.py::test_same_numbers": 4,
+    "simulation/test_wasm.py::test_every_law_under_every_drive": 7,
     "site/test_site.py::test_a_notebook_runs": 0,
     "site/test_site.py::test_a_script_of_the_gallery": 6,
     "site/test_site.py::test_five_minutes": 2,

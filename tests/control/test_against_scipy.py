@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from stribeck.simulation import fallback
 from stribeck.simulation.solution import Solution
+from tests import radau
 from tests.control import independent
 from tests.control.servos import COLUMNS, last, servo, solved
 from tests.shared import SHARED
@@ -94,7 +94,7 @@ def test_a_sampled_controller_with_noise_counts_and_delay():
 def test_without_a_compiler(sampled):
     changes = {"drive__sample_time": 0.01} if sampled else {}
     scenario = servo(solve__t_end=0.3, **changes)
-    slow, fast = Solution(scenario, fallback.solve(scenario)), simulate(scenario)
+    slow, fast = Solution(scenario, radau.solve(scenario)), simulate(scenario)
     for name in ("y", "v", "p_1", "z", "u", "V"):
         assert np.max(np.abs(slow[name] - fast[name])) <= 2e-5 * fast.peaks[name], name
 

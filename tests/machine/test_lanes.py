@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from stribeck import InputError, Scenario, simulate, simulate_ensemble
-from stribeck.simulation import fallback
 from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations
+from tests import radau
 from tests.machine.machines import assert_balanced, law, machine, push
 from tests.simulation.rig import needs_compiler
 
@@ -85,7 +85,7 @@ def test_values_that_no_machine_may_have():
 @pytest.mark.parametrize("name", SETS)
 def test_without_a_compiler(name):
     short = Scenario(SETS[name][0]).replace({"solve.t_end": 0.2, "solve.rtol": 1e-7})
-    found, expected = Solution(short, fallback.solve(short)), simulate(short)
+    found, expected = Solution(short, radau.solve(short)), simulate(short)
     assert found.status == "done"
     assert_balanced(found, 1e-4)
     for column in found.columns:

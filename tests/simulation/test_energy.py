@@ -5,8 +5,9 @@ import pytest
 from scipy.integrate import cumulative_simpson
 
 from stribeck import Scenario
-from stribeck.simulation import compiler, fallback
+from stribeck.simulation import compiler
 from stribeck.simulation.solution import Solution
+from tests import radau
 from tests.simulation.rig import LAWS, needs_compiler, pid, rig, solved, spring
 
 pytestmark = needs_compiler
@@ -73,8 +74,8 @@ def test_energy_columns_do_not_change_the_motion():
         a["E_in"]
 
 
-def test_balance_of_the_fallback():
+def test_balance_by_another_solver():
     scenario = Scenario(with_energy("lugre_majorant", "force"))
-    s = Solution(scenario, fallback.solve(scenario))
+    s = Solution(scenario, radau.solve(scenario))
     stored = s["E_stored"] - s["E_stored"][0]
     np.testing.assert_allclose(s["E_in"], stored + s["E_dissipated"], rtol=0, atol=1e-7 * s.peaks["E_in"])

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate, simulate_ensemble
-from stribeck.simulation import fallback
-from stribeck.simulation.solution import Solution
 from tests.simulation.rig import needs_compiler, rig
 
 LAWS = '''
@@ -56,11 +54,13 @@ def compiled_run(scenario):
     return solution
 
 
-def fallback_run(scenario):
-    return Solution(scenario, fallback.solve(scenario))
+def wasm_run(scenario):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("STRIBECK_BACKEND", "wasm")
+        return simulate(scenario)
 
 
-both = pytest.mark.parametrize("run", [pytest.param(compiled_run, marks=needs_compiler), fallback_run])
+both = pytest.mark.parametrize("run", [pytest.param(compiled_run, marks=needs_compiler), wasm_run])
 
 
 def failed(run, data, folder=None):
@@ -83,7 +83,7 @@ def user_law(name, tmp_path, **solve):
 @both
 def test_equations_that_end(run, tmp_path):
     solution = failed(run, user_law("Ends", tmp_path), tmp_path)
-    assert "no longer finite" in solution.reason or "Radau failed" in solution.reason
+    assert "no longer finite" in solution.reason
     assert 0.4 < solution.t[-1] < 0.8
     assert solution["z"][-1] == pytest.approx(0.5e-5, rel=0.05)
 
@@ -91,7 +91,7 @@ def test_equations_that_end(run, tmp_path):
 @both
 def test_equations_that_escape(run, tmp_path):
     solution = failed(run, user_law("Escapes", tmp_path), tmp_path)
-    assert "no longer finite" in solution.reason or "Radau failed" in solution.reason
+    assert "no longer finite" in solution.reason
     np.testing.assert_array_equal(solution.t, np.arange(len(solution.t)) * 0.01)
 
 
@@ -127,7 +127,7 @@ def test_a_controller_that_is_unstable(run):
     away = {"kind": "pid", "K_p": -300.0, "K_i": 0.0, "K_d": -10.0}
     data = rig("lugre_majorant", away, {"kind": "step", "value": 1.0, "time": 0.5}, 200.0, rtol=1e-3)
     solution = failed(run, data)
-    assert "no longer finite" in solution.reason or "Radau failed" in solution.reason
+    assert "no longer finite" in solution.reason
     assert 10 < solution.t[-1] < 40  # when squares overflow depends on the order the compiler gives to products
     assert abs(solution["y"][-1]) > 1e100
 

@@ -43,13 +43,13 @@ def source(system: Equations, lanes: bool = False) -> str:
 
     With ``lanes`` it solves several trajectories at once, each in a lane of the widest vectors that it is compiled for.
     """
-    return _Source(system, lanes).text()
+    return SystemCode(system, lanes).text()
 
 
 def with_columns(system: Equations, columns: Callable[[], dict[str, Expr]]) -> str:
     """The C file of the system for a program of its own: nothing is visible from outside, and a further function
     ``columns`` computes what the output shows."""
-    made = _Source(system, False)
+    made = SystemCode(system, False)
     text = made.text()
     outputs = [(f"out[{i}]", node) for i, node in enumerate(columns().values())]
     memory = ", const Memory *m" if made.memory else ""
@@ -62,7 +62,9 @@ def parameter_names(system: Equations) -> list[str]:
     return _unique([system.field(owner, name) for owner, name in system.parameters])
 
 
-class _Source:
+class SystemCode:
+    """A system as C: its equations collected, with the names that the code calls them by."""
+
     def __init__(self, system: Equations, lanes: bool) -> None:
         self.system, self.lanes = system, lanes
         self.names = [state.name for state in system.states]
@@ -87,11 +89,12 @@ class _Source:
     # -- the file ------------------------------------------------------------------------------------------------
 
     def text(self) -> str:
+        """The whole file."""
         self.jacobian: dict[str, Expr] = {}
         self.factors: dict[str, Expr] = {}
-        matrix = self._matrix()
+        rows = self.matrix()
         right = [symbol(f"right.{name}") for name in self.names]
-        solution = eliminate(matrix, self.c_names, right, self._keep_factor)
+        solution = eliminate(rows, self.c_names, right, self.keep_factor)
         parts = [
             self._head(),
             runtime_text("vector.c" if self.lanes else "scalar.c"),
@@ -129,9 +132,8 @@ class _Source:
             ),
             *self._watching(),
             *self._sampling(),
-            runtime_text("method.c"),
-            runtime_text("events.c"),
-            *map(runtime_text, ("lanes.c", "batch.c") if self.lanes else ("run.c",)),
+            *map(runtime_text, ("method.c", "stages.c", "events.c")),
+            *map(runtime_text, ("lanes.c", "batch.c") if self.lanes else ("known.c", "run.c")),
         ]  # fmt: skip
         return "\n\n".join(parts)
 
@@ -190,18 +192,17 @@ class _Source:
             f"    if (which == {i}) sample_{name}(p, c, piece, t, x, noise, m, u);\n" for i, name in enumerate(names)
         )
         times = "".join(
-            f"    timing->{what}[{i}] = {self.parameter_text[f'{sample.timing}.{what}']};\n"
-            for i, sample in enumerate(every) for what in ("period", "delay")
+            f"    timing[{k * len(every) + i}] = {self.parameter_text[f'{sample.timing}.{what}']};\n"
+            for i, sample in enumerate(every) for k, what in enumerate(("period", "delay"))
         )  # fmt: skip
         return [
             *parts,
             f"static void sample(int which, {_COMMON}, {_NOW}, real noise, Memory *m, real *u)\n{{\n{calls}}}",
-            "/* When samples are taken, and how much later their outputs act. */\n"
-            f"typedef struct {{ real period[{len(names)}], delay[{len(names)}]; }} Timing;\n"
-            f"static inline void find_timing(const Parameters *p, Timing *timing)\n{{\n{times}}}",
+            "/* When samples are taken, each controller's period; then how much later their outputs act. */\n"
+            f"static inline void find_timing(const Parameters *p, real *timing)\n{{\n{times}}}",
         ]
 
-    def _matrix(self) -> list[list[Expr]]:
+    def matrix(self) -> list[list[Expr]]:
         """a I - J, with the entries of J that vary as symbols."""
         n, a = len(self.names), symbol("shift")
         known = {*self.parameter_text, *(f"coefficient.{name}" for name in self.coefficients)}
@@ -221,7 +222,8 @@ class _Source:
             matrix.append(row)
         return matrix
 
-    def _keep_factor(self, name: str, entry: Expr) -> Expr:
+    def keep_factor(self, name: str, entry: Expr) -> Expr:
+        """What stands for an entry of the factors: itself if it is cheap, else a symbol of its own."""
         cheap = entry.op in ("constant", "symbol") or (entry.op == "neg" and entry.args[0].op in ("constant", "symbol"))
         if cheap or is_zero(entry):
             return entry
@@ -259,6 +261,8 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
             f"#define WATCHES {len(self.watched)} /* quantities that events are told by */\n"
             f"#define WATCHED {len(moving)}\n"
             f"#define CURVED {sum(self.curved)}\n"
+            "#define MAY_WATCH (WATCHES > 0)\n#define MAY_CURVE (CURVED > 0)\n#define MAY_HOLD (HELD > 0)\n"
+            "#define MAY_SHOW (SHOWN > 0)\n#define MAY_MOVE (MOVED >= 0)\n"
             f"static const int BY_TIME[N] = {{{', '.join(str(int(not is_zero(x))) for x in self.by_time)}}};"
             " /* states whose rates depend on time itself */\n"
             f"#define MOVED {self.names.index('E_in') if self.moved else -1} /* the state of the energy put in, or -1 */"

@@ -132,7 +132,7 @@ class SlidingLoop:
     ``shaken`` controller also by how much the rates differ per unit of its output."""
 
     def __init__(self, scenario: Scenario, shaken: str | None = None) -> None:
-        from stribeck.simulation.fallback import RateFunctions
+        from stribeck.simulation.rates import RateFunctions
 
         data = deepcopy(scenario.data)
         data.get("output", {}).pop("energy", None)

@@ -194,7 +194,7 @@ static inline void end(const Batch *b, Lanes *l)
             l->after_output[lane] = 0;
         }
         for (int m = 0; m < HELD; m++)
-            if (good[lane] && (double)l->sampled[m][lane] * l->timing.period[m][lane] <= t_new[lane])
+            if (good[lane] && (double)l->sampled[m][lane] * l->timing[m][lane] <= t_new[lane])
                 attention |= 1u << lane;
     }
 #endif

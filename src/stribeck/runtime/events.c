@@ -2,7 +2,7 @@
 
 enum { MOST_EVENTS = 16 }; /* of one step */
 
-#if WATCHES > 0
+#if MAY_WATCH
 /* Where in (s0, s1] the quartic with these Bernstein coefficients, of which one change of sign, passes through zero:
    Newton's method, and bisection where that leaves the interval. */
 static double only_root(const double b[5], double s0, double s1)

@@ -45,7 +45,7 @@ typedef struct {
     Coefficients c;
     Segment piece;
 #if HELD > 0
-    Timing timing;
+    real timing[2 * HELD];
     Memory memory;
     int64_t sampled[HELD][LANES], acted[HELD][LANES];
 #endif
@@ -93,7 +93,7 @@ static void find_stop(const Batch *b, Lanes *l, int lane)
     double stop = more ? b->piece_start[q + 1] : b->t_end;
 #if HELD > 0
     for (int m = 0; m < HELD; m++) {
-        const double next = (double)l->acted[m][lane] * l->timing.period[m][lane] + l->timing.delay[m][lane];
+        const double next = (double)l->acted[m][lane] * l->timing[m][lane] + l->timing[HELD + m][lane];
         stop = next < stop ? next : stop;
     }
 #endif
@@ -129,7 +129,7 @@ static void take_samples(const Batch *b, Lanes *l, int lane, double h, double t_
 {
     const int64_t i = of_lane(b, l, lane);
     for (int m = 0; m < HELD; m++)
-        for (double t; (t = (double)l->sampled[m][lane] * l->timing.period[m][lane]) < t_before;) {
+        for (double t; (t = (double)l->sampled[m][lane] * l->timing[m][lane]) < t_before;) {
             real x[N], u;
             double s = h > 0 ? (t - l->t[lane]) / h : 0;
             s = s > 0 ? s : 0;
@@ -159,7 +159,7 @@ static int act(const Batch *b, Lanes *l, int lane)
     int changed = 0;
     for (int m = 0; m < HELD; m++)
         while (l->acted[m][lane] < l->sampled[m][lane]
-               && (double)l->acted[m][lane] * l->timing.period[m][lane] + l->timing.delay[m][lane]
+               && (double)l->acted[m][lane] * l->timing[m][lane] + l->timing[HELD + m][lane]
                       <= l->t[lane] * (1 + SAME_TIME)) {
             const int64_t q = l->acted[m][lane]++;
             const double u = b->queue[(i * HELD + m) * b->queue_room + q % b->queue_room];
@@ -242,7 +242,7 @@ static void refill(const Batch *b, Lanes *l, int lane)
     const double zero[HELD] = {0}, empty[sizeof(Memory) / sizeof(real)] = {0};
     put_lane((real *)&l->piece + PIECE, lane, zero, HELD);
     put_lane(&l->memory, lane, empty, (int)(sizeof(Memory) / sizeof(real)));
-    find_timing(&l->p, &l->timing);
+    find_timing(&l->p, l->timing);
     prepare(&l->p, &l->c);
     for (int m = 0; m < HELD; m++) l->sampled[m][lane] = l->acted[m][lane] = 0;
     if (none) /* its outputs would go where those of the last trajectory wait */

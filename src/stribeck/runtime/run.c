@@ -34,16 +34,12 @@ EXPORT int64_t stribeck_run_size(void) { return (int64_t)sizeof(Run); }
 EXPORT int64_t stribeck_states(void) { return N; }
 EXPORT int64_t stribeck_event_room(void) { return MOST_EVENTS * (WATCHES + 1); } /* of one step: less never ends */
 
-static inline Segment present(const Run *run)
+/* The signals' pieces and the held outputs that act now, in the order of Segment. */
+static inline void present(const Run *run, double *fields)
 {
-    Segment piece;
-    double *fields = (double *)&piece;
     for (int i = 0; i < PIECE; i++) fields[i] = run->piece_rows[run->piece * PIECE + i];
     for (int i = 0; i < HELD; i++) fields[PIECE + i] = run->held[i];
-#if PIECE + HELD == 0
-    fields[0] = 0;
-#endif
-    return piece;
+    if (PIECE + HELD == 0) fields[0] = 0;
 }
 
 static inline void put_row(Run *run, const double *x)
@@ -54,7 +50,7 @@ static inline void put_row(Run *run, const double *x)
     for (int i = 0; i < SHOWN; i++) row[N + HELD + i] = run->memory[i];
 }
 
-#if WATCHES > 0
+#if MAY_WATCH
 static void note(Run *run, int which, int what, double t)
 {
     if (run->events < run->event_room) {
@@ -68,7 +64,8 @@ static void note(Run *run, int which, int what, double t)
 static inline void note_events(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece, double h,
                                double k[STAGES][N], const double *x_new)
 {
-#if WATCHES > 0
+#if MAY_WATCH
+    if (!MAY_CROSS(p, c, piece, run->t, run->x, h, x_new, k, run->thresholds)) return;
     double d[3][N], dw[3][WATCHES], w0[WATCHES], w1[WATCHES];
     for (int i = 0; i < WATCHED; i++) {
         double of_state[3];
@@ -78,10 +75,10 @@ static inline void note_events(Run *run, const Parameters *p, const Coefficients
     watch(p, c, piece, run->t, run->x, w0);
     watch(p, c, piece, run->t + h, x_new, w1);
     for (int m = 0; m < 3; m++) watch_dense(p, c, d[m], dw[m]);
-#if CURVED > 0
+#if MAY_CURVE
     double inside[3][WATCHES], x[N];
     for (int i = 0; i < N; i++) x[i] = run->x[i];
-    for (int q = 0; q < 3; q++) {
+    for (int q = 0; CURVED && q < 3; q++) {
         const double s = 0.25 * (q + 1);
         for (int i = 0; i < WATCHED; i++) {
             const int n = WATCHED_STATES[i];
@@ -95,7 +92,7 @@ static inline void note_events(Run *run, const Parameters *p, const Coefficients
         double b[5], s[MOST_EVENTS];
         int8_t what[MOST_EVENTS];
         bernstein_of_dense(w0[j], w1[j], dw[0][j], dw[1][j], dw[2][j], b);
-#if CURVED > 0
+#if MAY_CURVE
         if (IS_CURVED[j])
             bernstein_of_values((const double[5]){w0[j], inside[0][j], inside[1][j], inside[2][j], w1[j]}, b);
 #endif
@@ -107,12 +104,12 @@ static inline void note_events(Run *run, const Parameters *p, const Coefficients
 #endif
 }
 
-#if HELD > 0
-static inline double next_output(const Run *run, const Timing *timing)
+#if MAY_HOLD
+static inline double next_output(const Run *run, const double *timing)
 {
     double t = INFINITY;
     for (int i = 0; i < HELD; i++) {
-        const double next = (double)run->acted[i] * timing->period[i] + timing->delay[i];
+        const double next = (double)run->acted[i] * timing[i] + timing[HELD + i];
         t = next < t ? next : t;
     }
     return t;
@@ -120,10 +117,10 @@ static inline double next_output(const Run *run, const Timing *timing)
 
 /* The samples before t_before within the step from run->t: their states lie on the dense output. */
 static void take_samples(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece,
-                         const Timing *timing, double h, double t_before, double k[STAGES][N], const double *x_new)
+                         const double *timing, double h, double t_before, double k[STAGES][N], const double *x_new)
 {
     for (int i = 0; i < HELD; i++)
-        for (double t; (t = (double)run->sampled[i] * timing->period[i]) < t_before;) {
+        for (double t; (t = (double)run->sampled[i] * timing[i]) < t_before;) {
             double x[N], d[3], u;
             const double s = h > 0 ? larger((t - run->t) / h, 0.0) : 0;
             for (int n = 0; n < N; n++) {
@@ -141,12 +138,12 @@ static void take_samples(Run *run, const Parameters *p, const Coefficients *c, c
 }
 
 /* The outputs that are due at t begin to act; whether one changed. */
-static int act(Run *run, const Timing *timing, double t)
+static int act(Run *run, const double *timing, double t)
 {
     int changed = 0;
     for (int i = 0; i < HELD; i++)
         while (run->acted[i] < run->sampled[i]
-               && (double)run->acted[i] * timing->period[i] + timing->delay[i] <= t * (1 + SAME_TIME)) {
+               && (double)run->acted[i] * timing[i] + timing[HELD + i] <= t * (1 + SAME_TIME)) {
             const double u = run->queue[i * run->queue_room + run->acted[i]++ % run->queue_room];
             changed |= u != run->held[i];
             run->held[i] = u;
@@ -161,17 +158,17 @@ static void write_rows(Run *run, const Parameters *p, const Coefficients *c, con
 {
     double d[N][3], x[N];
     for (int i = 0; i < N; i++) dense(k, i, d[i]);
-#if SHOWN > 0
-    Timing timing;
-    find_timing(p, &timing);
+#if MAY_SHOW
+    double timing[2 * HELD + 1];
+    find_timing(p, timing);
 #else
     (void)p, (void)c, (void)piece;
 #endif
     for (double t; run->row < run->rows && (t = (double)run->row * run->step) <= t_new && t < t_before;) {
         const double s = (t - run->t) / h;
         for (int i = 0; i < N; i++) x[i] = interpolate(s, run->x[i], x_new[i], d[i][0], d[i][1], d[i][2]);
-#if SHOWN > 0
-        take_samples(run, p, c, piece, &timing, h, smaller(t * (1 + SAME_TIME), t_before), k, x_new);
+#if MAY_SHOW
+        take_samples(run, p, c, piece, timing, h, smaller(t * (1 + SAME_TIME), t_before), k, x_new);
 #endif
         put_row(run, x);
     }
@@ -182,30 +179,30 @@ static void pass(Run *run, const Parameters *p, const Coefficients *c, int first
 {
     const double now = run->t * (1 + SAME_TIME);
     const int64_t before = run->piece;
-    const Segment old = present(run);
+    PRESENT(old)
     while (run->piece + 1 < run->pieces && run->piece_start[run->piece + 1] <= now) {
         const int why = run->piece_restart[++run->piece];
         if (why == JUMP || !run->restart) run->restart = why;
     }
-#if HELD > 0
-    const Segment between = present(run);
-    Timing timing;
-    find_timing(p, &timing);
-    take_samples(run, p, c, &between, &timing, 0, now + (now > 0 ? 0 : 1e-300), NULL, NULL);
-    if (act(run, &timing, run->t) && !run->restart) run->restart = OUTPUT;
+#if MAY_HOLD
+    PRESENT(between)
+    double timing[2 * HELD + 1];
+    find_timing(p, timing);
+    take_samples(run, p, c, between, timing, 0, now + (now > 0 ? 0 : 1e-300), NULL, NULL);
+    if (act(run, timing, run->t) && !run->restart) run->restart = OUTPUT;
 #endif
     if (first) return;
-    const Segment new = present(run);
+    PRESENT(new)
     (void)before, (void)old, (void)new, (void)p, (void)c;
-#if MOVED >= 0
-    if (run->piece != before)
-        run->x[MOVED] += moved_energy(p, c, &new, run->t, run->x) - moved_energy(p, c, &old, run->t, run->x);
+#if MAY_MOVE
+    if (MOVED >= 0 && run->piece != before)
+        run->x[MOVED] += moved_energy(p, c, new, run->t, run->x) - moved_energy(p, c, old, run->t, run->x);
 #endif
-#if WATCHES > 0
-    if (run->restart != JUMP && run->restart != OUTPUT) return;
+#if MAY_WATCH
+    if (!WATCHES || (run->restart != JUMP && run->restart != OUTPUT)) return;
     double w0[WATCHES], w1[WATCHES];
-    watch(p, c, &old, run->t, run->x, w0);
-    watch(p, c, &new, run->t, run->x, w1);
+    watch(p, c, old, run->t, run->x, w0);
+    watch(p, c, new, run->t, run->x, w1);
     for (int j = 0; j < WATCHES; j++) {
         const double threshold = run->thresholds[j];
         if (!(threshold > 0)) continue;
@@ -232,15 +229,13 @@ static inline void restart_step(Run *run, const Parameters *p, const Coefficient
 /* Advance the run until it is done, fails, or has used its attempts. */
 static NOINLINE int advance(Run *run)
 {
-    const Parameters parameters = *(const Parameters *)run->parameters, *p = &parameters;
-    Coefficients coefficients, *c = &coefficients;
+    WORKPLACE(run)
     prepare(p, c);
-#if HELD > 0
-    Timing timing;
-    find_timing(p, &timing);
+#if MAY_HOLD
+    double timing[2 * HELD + 1];
+    find_timing(p, timing);
 #endif
-    Attempt now = {0};
-    double k[STAGES][N], x_new[N];
+    double x_new[N];
     int fresh = 0;        /* f0 and the Jacobian belong to the present state */
     int after_output = 0; /* the present step is the first after an output */
     if (run->row == 0 && run->rows > 0) { /* the first call: the first row is kept whatever comes after */
@@ -252,19 +247,18 @@ static NOINLINE int advance(Run *run)
         if (run->attempts_left-- <= 0) return MORE;
         if (run->events + stribeck_event_room() > run->event_room) return EVENTS_FULL;
         const int64_t n = run->piece;
-        const Segment piece = present(run);
+        PRESENT(piece)
         double t_stop = n + 1 < run->pieces ? smaller(run->piece_start[n + 1], run->t_end) : run->t_end;
-#if HELD > 0
-        t_stop = smaller(t_stop, next_output(run, &timing));
+#if MAY_HOLD
+        t_stop = smaller(t_stop, next_output(run, timing));
 #endif
         if (run->restart) {
             after_output = run->restart == OUTPUT;
-            restart_step(run, p, c, &piece, t_stop - run->t);
+            restart_step(run, p, c, piece, t_stop - run->t);
             run->restart = 0;
         }
         if (!fresh) {
-            rates(p, c, &piece, run->t, run->x, now.f0);
-            jacobian(p, c, &piece, run->t, run->x, &now.jac, now.df_dt);
+            linearise(p, c, piece, run->t, run->x, work);
             run->rates++;
             run->jacobians++;
             fresh = 1;
@@ -272,9 +266,7 @@ static NOINLINE int advance(Run *run)
         double h = smaller(run->h, run->h_limit);
         const int last = run->t + h * 1.000001 >= t_stop;
         if (last) h = t_stop - run->t;
-        begin_attempt(p, c, h, &now);
-        UNROLL for (int s = 0; s < STAGES; s++) stage(s, p, c, &piece, run->t, run->x, &now, k, x_new);
-        const double error = end_attempt(run->atol, run->rtol, run->x, k, x_new);
+        const double error = attempt(p, c, piece, run->t, run->x, h, work, k, x_new, run->atol, run->rtol);
         run->rates += STAGES - 1;
         if (!(error <= 1)) {
             run->rejected++;
@@ -286,10 +278,10 @@ static NOINLINE int advance(Run *run)
         }
         const double t_new = last ? t_stop : run->t + h, t_before = last ? t_stop * (1 - SAME_TIME) : INFINITY;
         if (run->row < run->rows && (double)run->row * run->step <= t_new)
-            write_rows(run, p, c, &piece, h, t_new, t_before, k, x_new);
-        note_events(run, p, c, &piece, h, k, x_new);
-#if HELD > 0
-        take_samples(run, p, c, &piece, &timing, h, last ? t_before : t_new * (1 - SAME_TIME), k, x_new);
+            write_rows(run, p, c, piece, h, t_new, t_before, k, x_new);
+        note_events(run, p, c, piece, h, k, x_new);
+#if MAY_HOLD
+        take_samples(run, p, c, piece, timing, h, last ? t_before : t_new * (1 - SAME_TIME), k, x_new);
 #endif
         run->accepted++;
         if (h > run->h_largest) run->h_largest = h;

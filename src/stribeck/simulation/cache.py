@@ -80,7 +80,9 @@ def distrusted(home: Path) -> str | None:
         return "belongs to another user"
     try:
         if (mode := stat.S_IMODE(state.st_mode)) & 0o077:
-            if all(path.suffix in (".so", ".wasm") or path.name.startswith("build-") for path in home.iterdir()):
+            if all(
+                path.suffix in (".so", ".wasm", ".cwasm") or path.name.startswith("build-") for path in home.iterdir()
+            ):
                 home.chmod(mode & 0o700)
             elif mode & 0o022:
                 return "is open to other users and holds other files"
@@ -175,6 +177,33 @@ def _keep(key: str, built: Path) -> Path:
 
 def _say_not_kept(home: Path, error: OSError) -> None:
     note(f"cache: {home} cannot be written ({error.strerror}); the next process compiles again (set STRIBECK_CACHE)")
+
+
+def read_sealed(name: str) -> bytes | None:
+    """A file of the cache that :func:`write_sealed` wrote: its content, or None where there is none that is whole and ours."""
+    home = folder()
+    if distrusted(home) is not None:
+        return None
+    with contextlib.suppress(OSError):
+        if not foreign(home / name):
+            content = (home / name).read_bytes()
+            if sha256(content[:-32]).digest() == content[-32:]:
+                return content[:-32]
+    return None
+
+
+def write_sealed(name: str, content: bytes) -> None:
+    """Keep a file in the cache, with its digest; where that cannot be done the next process makes it anew."""
+    from tempfile import NamedTemporaryFile
+
+    home = folder()
+    if distrusted(home) is not None:
+        return
+    with contextlib.suppress(OSError):
+        home.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
+            draft.write(content + sha256(content).digest())
+        Path(draft.name).replace(home / name)
 
 
 def _digest(path: Path) -> str:

@@ -47,7 +47,7 @@ class Compiler:
     @property
     def key(self) -> str:
         """All that decides which library a source becomes: the compiler, its flags and this machine's processor."""
-        return "|".join((self.identity, *_FLAGS, *self.options, *self.extra, platform.system(), _processor()))
+        return "|".join((self.identity, *_FLAGS, *self.options, *self.extra, platform.system(), processor()))
 
     def for_lanes(self) -> Compiler:
         """The same compiler with the options that several trajectories at once need."""
@@ -166,7 +166,7 @@ def _from_path(path: str, options: list[str]) -> Compiler:
 
 
 @cache
-def _processor() -> str:
+def processor() -> str:
     """The processor's model and features: a library for one may be an illegal instruction for another."""
     try:
         lines = Path("/proc/cpuinfo").read_text(errors="replace").splitlines()

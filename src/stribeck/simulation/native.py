@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from ctypes import POINTER, c_int, c_int64
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,7 +91,20 @@ def check(library: ctypes.CDLL) -> None:
 
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
-    return _Solving(library, scenario).to_the_end(progress)
+    given, held = solver_input(scenario), len(scenario.system.held)
+    width = len(scenario.system.states) + held + len(scenario.system.shown)
+    event_room = max(EVENT_ROOM, library.stribeck_event_room())
+    views = {"x": given.doubles["x"], "out": np.empty((scenario.rows, width))}
+    views |= {"event_time": np.empty(event_room), "event_what": np.empty(event_room, np.int32)}
+    counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
+    arrays: dict[str, NDArray[Any]]  # as long as the struct points to them
+    arrays = {**given.doubles, **views, **counts, "piece_restart": given.restart}
+    run = Run()
+    for name, array in arrays.items():
+        setattr(run, name, array.ctypes.data)
+    run.event_room = event_room
+    advance = partial(library.stribeck_advance, ctypes.byref(run))
+    return Solving(scenario, given, run, views, advance).to_the_end(progress)
 
 
 @dataclass(frozen=True)
@@ -124,30 +139,27 @@ def solver_input(scenario: Scenario) -> SolverInput:
     return SolverInput(doubles, np.ascontiguousarray(pieces.restart), numbers, room)
 
 
-class _Solving:
-    """A run of the compiled solver: the struct that it shares with Python, and the arrays that this points to."""
+class Solving:
+    """A run of the solver, whichever machine runs it.
 
-    def __init__(self, library: ctypes.CDLL, scenario: Scenario) -> None:
-        self.library, self.scenario = library, scenario
-        system, given = scenario.system, solver_input(scenario)
-        held, self.x = len(system.held), given.doubles["x"]
-        self.out = np.empty((scenario.rows, len(system.states) + held + len(system.shown)))
-        event_room = max(EVENT_ROOM, library.stribeck_event_room())
-        self.event_time, self.event_what = np.empty(event_room), np.empty(event_room, np.int32)
+    Args:
+        scenario: what is solved.
+        given: it as the solver takes it.
+        run: the struct that is shared with the solver; its pointers are set.
+        views: the arrays ``x``, ``out``, ``event_time`` and ``event_what`` that it points to.
+        advance: goes on; returns a status.
+    """
+
+    def __init__(
+        self, scenario: Scenario, given: SolverInput, run: Any, views: Mapping[str, NDArray[Any]], advance: Callable[[], int]
+    ) -> None:  # fmt: skip
+        self.scenario, self.run, self.views, self.advance = scenario, run, views, advance
         self.events: list[tuple[float, int]] = []
-        doubles = {**given.doubles, "out": self.out, "event_time": self.event_time}
-        counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
-        self._alive = doubles, counts, given.restart  # as long as the struct points to them
-        self.run = run = Run()
-        arrays = {**doubles, **counts, "piece_restart": given.restart, "event_what": self.event_what}
-        for name, array in arrays.items():
-            setattr(run, name, array.ctypes.data)
         for name, number in given.numbers.items():
             setattr(run, name, number)
         run.h = run.h_smallest = np.inf
-        run.queue_room, run.noise_room = given.queue_room, doubles["noise"].shape[1]
+        run.queue_room, run.noise_room = given.queue_room, given.doubles["noise"].shape[1]
         run.pieces, run.rows = len(given.restart), scenario.rows
-        run.event_room = event_room
 
     def to_the_end(self, progress: Callable[[float], None] | None) -> Result:
         """From t = 0 to where it ends, slice by slice."""
@@ -155,10 +167,11 @@ class _Solving:
         status, run.restart, run.t_end = _MORE, 1, end
         while status in (_MORE, _EVENTS_FULL) and left > 0:
             run.attempts_left = attempts = min(_SLICE, left)
-            status = self.library.stribeck_advance(ctypes.byref(run))
+            status = self.advance()
             left -= attempts - max(run.attempts_left, 0)
             if count := run.events:
-                self.events += zip(self.event_time[:count].tolist(), self.event_what[:count].tolist(), strict=True)
+                times, what = (self.views[name][:count].tolist() for name in ("event_time", "event_what"))
+                self.events += zip(times, what, strict=True)
                 run.events = 0
             if progress is not None:
                 progress(run.t / end)
@@ -166,9 +179,9 @@ class _Solving:
 
     def _result(self, status: int) -> Result:
         run, scenario = self.run, self.scenario
-        why = ended(scenario, run.t, self.x) if status < 0 else None
+        why = ended(scenario, run.t, self.views["x"]) if status < 0 else None
         return Result(
-            states=self.out[: run.row],
+            states=self.views["out"][: run.row],
             events=self.events,
             reason=why or failure(status, run.t, scenario.solve.max_steps),
             stats={

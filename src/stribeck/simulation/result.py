@@ -15,7 +15,8 @@ from stribeck.scenario import Scenario
 
 class Stats(TypedDict, total=False):
     """What a run took: steps kept and tried again, evaluations of rates and Jacobians, the sizes of steps (s) where the
-    solver says them, which solver, whether its code was built for it, and the seconds of building and solving."""
+    solver says them, which solver, by C or WebAssembly, whether its code was built for it, and the seconds of building and
+    solving."""
 
     accepted: int
     rejected: int
@@ -24,6 +25,7 @@ class Stats(TypedDict, total=False):
     smallest_step: float | None
     largest_step: float | None
     solver: str
+    backend: str
     built: bool
     build_seconds: float
     seconds: float

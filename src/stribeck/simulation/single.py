@@ -1,4 +1,4 @@
-"""One scenario simulated: compiled where there is a C compiler, by SciPy elsewhere."""
+"""One scenario simulated."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from stribeck.codegen import source
-from stribeck.errors import BuildError, note
+from stribeck.errors import note
 from stribeck.scenario import Scenario
-from stribeck.simulation import cache, compiler, native
-from stribeck.simulation.result import Result
+from stribeck.simulation import backend, native
 from stribeck.simulation.solution import Solution
 
 if TYPE_CHECKING:
@@ -50,25 +48,16 @@ def simulate(
 
         scenario = scenario_of(scenario, t_end, step, **solve)
     started = perf_counter()
-    library, built, build_seconds = None, False, 0.0
-    chosen = compiler.find()
-    if chosen is None:
-        note("no C compiler found: solving with SciPy, hundreds of times slower (pip install 'stribeck[compiler]')")
-    else:
-        try:
-            library, built = cache.library(source(scenario.system), chosen, native.check)
-            build_seconds = perf_counter() - started
-        except (BuildError, OSError) as error:
-            note(f"compiling failed ({' '.join(str(error).split())}): solving with SciPy, hundreds of times slower")
-    if library is not None:
-        for text in native.doubts(scenario):
-            note(text)
+    made = backend.solver(scenario)
+    for text in native.doubts(scenario):
+        note(text)
     for text in _remarks(scenario):
         note(text)
-    result = _solve(library, scenario, progress)
-    result.stats.update(
-        {"built": built, "build_seconds": build_seconds, "seconds": perf_counter() - started - build_seconds}
-    )
+    result = made.solve(scenario, progress)
+    reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
+    result.events.extend(scenario.rig.more_events(reached))
+    result.stats.update({"backend": made.backend, "built": made.new, "build_seconds": made.seconds})
+    result.stats["seconds"] = perf_counter() - started - made.seconds
     solution = Solution(scenario, result)
     if solution.reason is None:
         for drive in scenario.system.drives:
@@ -96,17 +85,3 @@ def _remarks(scenario: Scenario) -> list[str]:
                 text = f"F_c grows more than F_s: from |force| = {f:.3g} on friction is less at rest than in motion"
                 found.append(f"{level.path}: {text}")
     return found
-
-
-def _solve(library: object, scenario: Scenario, progress: Callable[[float], None] | None) -> Result:
-    import ctypes
-
-    if isinstance(library, ctypes.CDLL):
-        result = native.solve(library, scenario, progress)
-    else:
-        from stribeck.simulation import fallback
-
-        result = fallback.solve(scenario, progress)
-    reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
-    result.events.extend(scenario.rig.more_events(reached))
-    return result

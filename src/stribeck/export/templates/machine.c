@@ -109,12 +109,13 @@ static void take_constants({{ P }} *m)
     if (!memcmp(m->acting, m->constants, sizeof m->acting)) return;
 #if MOVED >= 0
     if (m->begun) {
-        const Segment piece = present(&m->run);
+        const Run *run = &m->run;
+        PRESENT(piece)
         Coefficients before, after;
         prepare((const Parameters *)m->acting, &before);
         prepare((const Parameters *)m->constants, &after);
-        m->x[MOVED] += moved_energy((const Parameters *)m->constants, &after, &piece, m->run.t, m->x)
-                       - moved_energy((const Parameters *)m->acting, &before, &piece, m->run.t, m->x);
+        m->x[MOVED] += moved_energy((const Parameters *)m->constants, &after, piece, m->run.t, m->x)
+                       - moved_energy((const Parameters *)m->acting, &before, piece, m->run.t, m->x);
     }
 #endif
     memcpy(m->acting, m->constants, sizeof m->acting);
@@ -142,10 +143,10 @@ static double next_of(const {{ P }} *m, const Parameters *p)
     (void)p;
     if (m->run.piece + 1 < m->run.pieces) next = PIECE_START[m->run.piece + 1];
 #if HELD > 0
-    Timing timing;
-    find_timing(p, &timing);
-    next = smaller(next, next_output(&m->run, &timing));
-    for (int i = 0; i < HELD; i++) next = smaller(next, (double)m->sampled[i] * timing.period[i]);
+    double timing[2 * HELD];
+    find_timing(p, timing);
+    next = smaller(next, next_output(&m->run, timing));
+    for (int i = 0; i < HELD; i++) next = smaller(next, (double)m->sampled[i] * timing[i]);
 #endif
     return next;
 }
@@ -178,11 +179,12 @@ void {{ P }}_rates(const {{ P }} *m, double out[{{ P | upper }}_STATES])
 {
     {{ P }} now;
     settle(m, &now);
-    const Segment piece = present(&now.run);
+    const Run *run = &now.run;
+    PRESENT(piece)
     const Parameters *p = (const Parameters *)now.constants;
     Coefficients c;
     prepare(p, &c);
-    rates(p, &c, &piece, now.run.t, now.x, out);
+    rates(p, &c, piece, now.run.t, now.x, out);
 }
 
 void {{ P }}_at({{ P }} *m, double t) { m->run.t = t; }
@@ -194,6 +196,7 @@ void {{ P }}_columns(const {{ P }} *m, double out[{{ P | upper }}_COLUMNS])
 {
     {{ P }} now;
     settle(m, &now);
-    const Segment piece = present(&now.run);
-    columns((const Parameters *)now.constants, &piece, now.run.t, now.x,{{ " (const Memory *)now.memory," if memory }} out);
+    const Run *run = &now.run;
+    PRESENT(piece)
+    columns((const Parameters *)now.constants, piece, now.run.t, now.x,{{ " (const Memory *)now.memory," if memory }} out);
 }

@@ -1,4 +1,4 @@
-"""The same equations solved by SciPy's Radau, where there is no C compiler: as right, and some hundred times slower."""
+"""The same equations solved by SciPy's Radau, with event search and sampling of its own: a reference for tests."""
 
 from __future__ import annotations
 
@@ -9,51 +9,13 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import needed
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import JUMP, SMOOTH
+from stribeck.simulation.rates import RateFunctions
 from stribeck.simulation.result import Result, Stats, ended, held_back
 
 _SAME_TIME = 1e-12  # as in runtime/run.c
-
-
-class RateFunctions:
-    """The system's functions of (t, x) for solve_ivp, within one piece of the signals."""
-
-    def __init__(self, scenario: Scenario) -> None:
-        system, values = scenario.system, scenario.values()
-        self.states = [state.name for state in system.states]
-        inputs = [f"{owner}.{name}" for owner, name in system.parameters]
-        inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + ["t", *self.states]
-        rates, watches, moved = system.rates(), system.watches(), system.moved_energy()
-        jacobian = [derivative(rate, symbol(name)) for rate in rates for name in self.states]
-        self._rates, self._jacobian = python_function(inputs, rates), python_function(inputs, jacobian)
-        self._watch = python_function(inputs, [watch.value for watch in watches])
-        self._moved = python_function(inputs, [wrap(0.0) if moved is None else moved])
-        self._values = [np.float64(values[key]) for key in system.parameters]
-        self.piece: Array = np.zeros(len(system.piece_fields))
-        self.held = np.zeros(len(system.held))
-
-    def _at(self, t: float, x: Array) -> tuple[object, ...]:
-        return (*self._values, *self.piece, *self.held, t, *x)
-
-    def rates(self, t: float, x: Array) -> Array:
-        """The time derivatives of the states."""
-        return np.array(self._rates(*self._at(t, x)), float)
-
-    def jacobian(self, t: float, x: Array) -> Array:
-        """The derivatives of the rates by the states."""
-        return np.array(self._jacobian(*self._at(t, x)), float).reshape(len(x), len(x))
-
-    def watch(self, t: float, x: Array) -> Array:
-        """What events are told by."""
-        return np.array(self._watch(*self._at(t, x)), float)
-
-    def moved(self, t: float, x: Array) -> float:
-        """The energy that changes where a signal jumps."""
-        return float(self._moved(*self._at(t, x))[0])
 
 
 class _Controllers:
@@ -99,7 +61,7 @@ class _Controllers:
             while self.sampled[i] * timing["period"] <= now:
                 k = self.sampled[i]
                 noise = self.noise[i][k] if k < self.noise.shape[1] else 0.0
-                at = self.equations._at(k * timing["period"], x)
+                at = self.equations.at(k * timing["period"], x)
                 u, *self.memory[i] = (float(v) for v in self._functions[i](*at, noise, *self.memory[i]))
                 self.waiting[i].append(u)
                 self.sampled[i] += 1
@@ -178,8 +140,7 @@ class _Run:
 
     def advance(self, begin: float, end: float) -> None:
         """Integrate from ``begin`` to ``end``, within one piece of the signals."""
-        with needed("solving without a C compiler"):
-            from scipy.integrate import Radau
+        from scipy.integrate import Radau
 
         scenario, equations, rows = self.scenario, self.equations, self.rows
         solver: Any = Radau(

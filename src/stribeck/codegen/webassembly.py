@@ -1,0 +1,327 @@
+"""WebAssembly as bytes: functions under construction, and joining them with a module that imports them.
+
+Joining needs no relocations. A module numbers its imports first, then its own functions. If every import k is replaced by
+a function that stands at place k of the code section, every number in the module's code stays right.
+
+The format: https://webassembly.github.io/spec/core/binary/
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
+
+I32, F64, V128 = 0x7F, 0x7C, 0x7B
+KIND = {"i": I32, "d": F64}
+# The instructions of the expression graph's operations, on f64.
+OPS = {
+    "add": b"\xa0", "sub": b"\xa1", "mul": b"\xa2", "div": b"\xa3", "neg": b"\x9a", "abs": b"\x99", "sqrt": b"\x9f",
+    "floor": b"\x9c", "lt": b"\x63", "le": b"\x65", "gt": b"\x64", "ge": b"\x66", "both": b"\x71", "either": b"\x72",
+    "where": b"\x1b", "min": b"\xa4", "max": b"\xa5",
+}  # fmt: skip
+END, IF, EQUAL_I32, ADD_I32, SUB_I32, NOT_I32 = b"\x0b", b"\x04\x40", b"\x46", b"\x6a", b"\x6b", b"\x45"
+LOOP, AGAIN = b"\x03\x40", b"\x0d\x00"  # a loop, and a jump to its beginning if the number on the stack is not 0
+TO_F64 = b"\xb7"  # of a signed i32
+
+
+def leb(n: int) -> bytes:
+    """An unsigned number (LEB128)."""
+    out = bytearray()
+    while n > 0x7F:
+        out.append(n & 0x7F | 0x80)
+        n >>= 7
+    return bytes([*out, n])
+
+
+def signed_leb(n: int) -> bytes:
+    """A signed number (LEB128)."""
+    out = bytearray()
+    while not -64 <= n < 64:
+        out.append(n & 0x7F | 0x80)
+        n >>= 7
+    return bytes([*out, n & 0x7F])
+
+
+def vector(parts: Sequence[bytes]) -> bytes:
+    """A list with its length."""
+    return leb(len(parts)) + b"".join(parts)
+
+
+def f64(x: float) -> bytes:
+    """f64.const"""
+    return b"\x44" + struct.pack("<d", x)
+
+
+def integer(n: int) -> bytes:
+    """i32.const"""
+    return b"\x41" + signed_leb(n)
+
+
+def get(index: int) -> bytes:
+    """local.get"""
+    return b"\x20" + leb(index)
+
+
+def put(index: int) -> bytes:
+    """local.set"""
+    return b"\x21" + leb(index)
+
+
+def tee(index: int) -> bytes:
+    """local.tee: set, and keep the value on the stack."""
+    return b"\x22" + leb(index)
+
+
+def call(index: int) -> bytes:
+    """A call of a function."""
+    return b"\x10" + leb(index)
+
+
+def load(pointer: int, offset: int) -> bytes:
+    """f64.load from a pointer in a local."""
+    return get(pointer) + b"\x2b\x03" + leb(offset)
+
+
+def store(pointer: int, offset: int, value: bytes) -> bytes:
+    """f64.store of a value to a pointer in a local."""
+    return get(pointer) + value + b"\x39\x03" + leb(offset)
+
+
+# f64x2: two numbers in a vector
+V_ADD, V_MUL, SPLAT = b"\xfd\xf0\x01", b"\xfd\xf2\x01", b"\xfd\x14"
+
+
+def v_number(x: float) -> bytes:
+    """v128.const: a number twice."""
+    return b"\xfd\x0c" + 2 * struct.pack("<d", x)
+
+
+def v_load(pointer: int, offset: int) -> bytes:
+    """v128.load"""
+    return get(pointer) + b"\xfd\x00\x03" + leb(offset)
+
+
+def v_store(pointer: int, offset: int, value: bytes) -> bytes:
+    """v128.store"""
+    return get(pointer) + value + b"\xfd\x0b\x03" + leb(offset)
+
+
+def extract(lane: int) -> bytes:
+    """f64x2.extract_lane"""
+    return b"\xfd\x21" + bytes([lane])
+
+
+def replace_second() -> bytes:
+    """f64x2.replace_lane 1"""
+    return b"\xfd\x22\x01"
+
+
+@dataclass
+class Function:
+    """A function under construction; its parameters are its first locals.
+
+    Args:
+        parameters: kinds, a letter each: ``i`` (i32, also pointers) or ``d`` (f64).
+        result: a letter, or none.
+    """
+
+    parameters: str
+    result: str = ""
+    code: bytearray = field(default_factory=bytearray)
+    locals: list[int] = field(default_factory=list)
+
+    def local(self, kind: int = F64) -> int:
+        """A new local variable: its number."""
+        self.locals.append(kind)
+        return len(self.parameters) + len(self.locals) - 1
+
+    def type(self) -> bytes:
+        """Its entry of the type section."""
+        return (
+            b"\x60"
+            + vector([bytes([KIND[k]]) for k in self.parameters])
+            + vector([bytes([KIND[k]]) for k in self.result])
+        )
+
+    def body(self) -> bytes:
+        """Its entry of the code section."""
+        groups = [(len(list(same)), kind) for kind, same in groupby(self.locals)]
+        inside = vector([leb(n) + bytes([kind]) for n, kind in groups]) + bytes(self.code) + END
+        return leb(len(inside)) + inside
+
+
+class _Reader:
+    def __init__(self, data: bytes) -> None:
+        self.data, self.place = data, 0
+
+    def leb(self) -> int:
+        n = shift = 0
+        while True:
+            byte = self.data[self.place]
+            self.place += 1
+            n |= (byte & 0x7F) << shift
+            shift += 7
+            if byte < 0x80:
+                return n
+
+    def take(self, n: int) -> bytes:
+        self.place += n
+        return self.data[self.place - n : self.place]
+
+    def name(self) -> str:
+        return self.take(self.leb()).decode()
+
+
+_TYPES, _IMPORTS, _FUNCTIONS, _EXPORTS, _CODE = 1, 2, 3, 7, 10  # numbers of sections
+_TRAPS = b"\x03\x00\x00\x0b"  # the body of a function that no one calls: unreachable
+
+
+@dataclass
+class Module:
+    """A module taken apart as far as joining needs it."""
+
+    sections: list[tuple[int, bytes]]
+    types: list[bytes]  # of the type section
+    imports: list[str]  # names of imported functions, in their order
+    type_of: list[int]  # of the functions of its own
+    bodies: list[bytes]
+    exported: dict[str, int]  # functions
+
+    @classmethod
+    def parse(cls, data: bytes) -> Module:
+        """Take one apart.
+
+        Raises:
+            ValueError: it is no module, or it imports other things than functions.
+        """
+        if data[:8] != b"\0asm\1\0\0\0":
+            raise ValueError("no WebAssembly module")
+        reader, sections = _Reader(data), list[tuple[int, bytes]]()
+        reader.place = 8
+        while reader.place < len(data):
+            kind = reader.take(1)[0]
+            sections.append((kind, reader.take(reader.leb())))
+        by_kind = dict(sections)
+        exports = _exports(by_kind[_EXPORTS])
+        return cls(
+            sections, _types(by_kind[_TYPES]), _imports(by_kind.get(_IMPORTS, b"\0")),
+            _numbers(by_kind[_FUNCTIONS]), _bodies(by_kind[_CODE]), exports,
+        )  # fmt: skip
+
+    def joined(self, functions: Mapping[str, Function], needed: Iterable[int]) -> bytes:
+        """This module with its imports replaced by ``functions``. Of its own functions only ``needed`` keep their code: a
+        body that traps stands for the others, so that no number changes and they cost the compiler nothing."""
+        types, of = list(self.types), list[int]()
+        place = {t: i for i, t in reversed(list(enumerate(types)))}
+        for name in self.imports:
+            t = functions[name].type()
+            if t not in place:
+                place[t] = len(types)
+                types.append(t)
+            of.append(place[t])
+        keep = set(needed)
+        bodies = [b if i + len(self.imports) in keep else _TRAPS for i, b in enumerate(self.bodies)]
+        new = {
+            _TYPES: vector(types),
+            _FUNCTIONS: vector([leb(t) for t in (*of, *self.type_of)]),
+            _CODE: vector([*(functions[name].body() for name in self.imports), *bodies]),
+        }
+        parts = [(kind, new.get(kind, content)) for kind, content in self.sections if kind != _IMPORTS]
+        return b"\0asm\1\0\0\0" + b"".join(bytes([kind]) + leb(len(x)) + x for kind, x in parts)
+
+    def reached(self, roots: Iterable[int]) -> set[int]:
+        """All functions that the roots call, and those that these call."""
+        first, left, seen = len(self.imports), list(roots), set[int]()
+        while left:
+            f = left.pop()
+            if f not in seen:
+                seen.add(f)
+                left += _calls(self.bodies[f - first]) if f >= first else ()
+        return seen
+
+
+def _types(section: bytes) -> list[bytes]:
+    r, types = _Reader(section), list[bytes]()
+    for _ in range(r.leb()):
+        begin = r.place
+        r.take(1)
+        r.take(r.leb())
+        r.take(r.leb())
+        types.append(section[begin : r.place])
+    return types
+
+
+def _imports(section: bytes) -> list[str]:
+    r, names = _Reader(section), list[str]()
+    for _ in range(r.leb()):
+        r.name()
+        names.append(r.name())
+        if r.take(1) != b"\0":
+            raise ValueError("only functions can be imported")
+        r.leb()
+    return names
+
+
+def _numbers(section: bytes) -> list[int]:
+    r = _Reader(section)
+    return [r.leb() for _ in range(r.leb())]
+
+
+def _bodies(section: bytes) -> list[bytes]:
+    r, bodies = _Reader(section), list[bytes]()
+    for _ in range(r.leb()):
+        begin = r.place
+        r.take(r.leb())
+        bodies.append(section[begin : r.place])
+    return bodies
+
+
+def _exports(section: bytes) -> dict[str, int]:
+    r, functions = _Reader(section), dict[str, int]()
+    for _ in range(r.leb()):
+        name, kind, index = r.name(), r.take(1)[0], r.leb()
+        if kind == 0:
+            functions[name] = index
+    return functions
+
+
+# How many numbers follow an instruction's byte; loads and stores have two (alignment, offset).
+_FOLLOWED_BY = (
+    dict.fromkeys((0x02, 0x03, 0x04, 0x41, 0x42, 0x0C, 0x0D, 0x3F, 0x40, 0xD2, *range(0x20, 0x27)), 1)
+    | dict.fromkeys(range(0x28, 0x3F), 2)
+    | {0x11: 2}
+)
+_AFTER_PREFIX = {8: 2, 9: 1, 10: 2, 11: 1, 12: 2, 13: 1, 14: 2}  # of 0xFC
+
+
+def _calls(body: bytes) -> set[int]:
+    """The functions that a body calls directly."""
+    r = _Reader(body)
+    r.leb()
+    for _ in range(r.leb()):
+        r.leb()
+        r.place += 1
+    called = set[int]()
+    while r.place < len(body):
+        op = r.take(1)[0]
+        if op == 0x10:
+            called.add(r.leb())
+        elif op == 0x43:
+            r.place += 4
+        elif op == 0x44:
+            r.place += 8
+        elif op == 0x0E:
+            for _ in range(r.leb() + 1):
+                r.leb()
+        elif op == 0xFC:
+            sub = r.leb()
+            for _ in range(_AFTER_PREFIX.get(sub, 1 if sub > 14 else 0)):
+                r.leb()
+        elif op == 0xFD:
+            raise ValueError("vectors are not expected in the runtime")
+        else:
+            for _ in range(_FOLLOWED_BY.get(op, 0)):
+                r.leb()
+    return called

@@ -1,0 +1,30 @@
+/* ---- One system's own C: its sizes are known when it is compiled. any.c is the counterpart for WebAssembly. ----------- */
+
+#define MAY_CROSS(...) 1 /* note_events finds out by itself */
+#define PRESENT(name) \
+    Segment name##_now; \
+    present(run, (double *)&name##_now); \
+    const Segment *name = &name##_now;
+#define WORKPLACE(run) \
+    const Parameters parameters = *(const Parameters *)run->parameters, *p = &parameters; \
+    Coefficients coefficients, *c = &coefficients; \
+    Attempt now = {0}, *work = &now; \
+    double k[STAGES][N];
+
+/* The rates and their derivatives at the beginning of a step. */
+ALWAYS_INLINE static inline void linearise(const Parameters *p, const Coefficients *c, const Segment *piece, double t,
+                                           const double *x, Attempt *work)
+{
+    rates(p, c, piece, t, x, work->f0);
+    jacobian(p, c, piece, t, x, &work->jac, work->df_dt);
+}
+
+/* A step of length h from x: the stages k, the new state, and its squared error against the tolerances. */
+ALWAYS_INLINE static inline double attempt(const Parameters *p, const Coefficients *c, const Segment *piece, double t,
+                                           const double *x, double h, Attempt *work, double k[STAGES][N], double *x_new,
+                                           const double *atol, double rtol)
+{
+    begin_attempt(p, c, h, work);
+    UNROLL for (int s = 0; s < STAGES; s++) stage(s, p, c, piece, t, x, work, k, x_new);
+    return end_attempt(atol, rtol, x, k, x_new);
+}

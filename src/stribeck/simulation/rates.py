@@ -1,0 +1,56 @@
+"""A system's equations as Python functions of numbers: for eigenvalues, and for other solvers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import derivative, symbol, wrap
+from stribeck.scenario import Scenario
+
+
+class RateFunctions:
+    """The system's functions of (t, x), within one piece of the signals.
+
+    Args:
+        scenario: whose numbers they take.
+
+    Attributes:
+        piece: the numbers of the signals' pieces, to be set.
+        held: the outputs of sampled controllers, to be set.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        system, values = scenario.system, scenario.values()
+        self.states = [state.name for state in system.states]
+        inputs = [f"{owner}.{name}" for owner, name in system.parameters]
+        inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + ["t", *self.states]
+        rates, watches, moved = system.rates(), system.watches(), system.moved_energy()
+        jacobian = [derivative(rate, symbol(name)) for rate in rates for name in self.states]
+        self._rates, self._jacobian = python_function(inputs, rates), python_function(inputs, jacobian)
+        self._watch = python_function(inputs, [watch.value for watch in watches])
+        self._moved = python_function(inputs, [wrap(0.0) if moved is None else moved])
+        self._values = [np.float64(values[key]) for key in system.parameters]
+        self.piece: Array = np.zeros(len(system.piece_fields))
+        self.held = np.zeros(len(system.held))
+
+    def at(self, t: float, x: Array) -> tuple[object, ...]:
+        """The arguments of the functions: parameters, pieces, held outputs, the time, the states."""
+        return (*self._values, *self.piece, *self.held, t, *x)
+
+    def rates(self, t: float, x: Array) -> Array:
+        """The time derivatives of the states."""
+        return np.array(self._rates(*self.at(t, x)), float)
+
+    def jacobian(self, t: float, x: Array) -> Array:
+        """The derivatives of the rates by the states."""
+        return np.array(self._jacobian(*self.at(t, x)), float).reshape(len(x), len(x))
+
+    def watch(self, t: float, x: Array) -> Array:
+        """What events are told by."""
+        return np.array(self._watch(*self.at(t, x)), float)
+
+    def moved(self, t: float, x: Array) -> float:
+        """The energy that changes where a signal jumps."""
+        return float(self._moved(*self.at(t, x))[0])

@@ -1,0 +1,133 @@
+"""A scenario solved by WebAssembly: the counterpart of native.py where there is no C compiler.
+
+The runtime is built once, with the package (tools/make_runtime.py). A system's functions are emitted from its expressions
+and joined with it, which takes some 20 ms; Wasmtime makes machine code of the module, which is kept in the cache.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from collections.abc import Callable
+from ctypes import c_double, c_int64, c_uint32
+from dataclasses import dataclass
+from functools import lru_cache
+from hashlib import sha256
+from importlib.resources import files
+
+import numpy as np
+
+from stribeck.codegen.emitted import Emitted
+from stribeck.codegen.source import runtime_text
+from stribeck.codegen.webassembly import Module
+from stribeck.equations import Equations
+from stribeck.errors import BuildError
+from stribeck.scenario import Scenario
+from stribeck.simulation import cache, compiler
+from stribeck.simulation.engine import Compiled, Instance, identity
+from stribeck.simulation.native import EVENT_ROOM, Solving, solver_input
+from stribeck.simulation.result import Result
+
+_LINE = 64  # bytes: arrays begin on lines of their own
+_RUN_ROOM = 512  # bytes, of the struct Run
+_KINDS: dict[str, type] = {"double": c_double, "int64_t": c_int64}
+
+
+@dataclass(frozen=True)
+class System:
+    """A system's module, and what the runtime must be told of it."""
+
+    module: bytes
+    sizes: list[int]
+    tables: list[list[int]]
+    room: dict[str, int]
+
+
+@lru_cache(maxsize=1)
+def _runtime() -> Module:
+    return Module.parse(files("stribeck.runtime").joinpath("runtime.wasm").read_bytes())
+
+
+@lru_cache(maxsize=64)
+def system_module(equations: Equations) -> System:
+    """Emit a system and join it with the runtime, less what of that it does not reach."""
+    base = _runtime()
+    emitted = Emitted(equations, base.exported, base.imports.index("rates"))
+    roots = {base.exported[name] for name in (*emitted.calls, "stribeck_advance", "_initialize")}
+    module = base.joined(emitted.functions, base.reached(roots))
+    return System(module, emitted.sizes, emitted.tables, emitted.room)
+
+
+def compiled(module: bytes) -> tuple[Compiled, bool]:
+    """A module as machine code, from the cache or built now; and whether it was built now.
+
+    Raises:
+        BuildError: Wasmtime is missing, or refuses the module.
+    """
+    key = sha256("|".join((identity(), compiler.processor())).encode() + module).hexdigest()[:32]
+    if key in _compiled:
+        return _compiled[key], False
+    if (code := cache.read_sealed(f"{key}.cwasm")) is not None:
+        try:
+            _compiled[key] = Compiled.read(code)
+            return _compiled[key], False
+        except BuildError:
+            pass  # by another build of Wasmtime: made anew
+    _compiled[key] = built = Compiled.of(module)
+    cache.write_sealed(f"{key}.cwasm", built.written())
+    return built, True
+
+
+_compiled: dict[str, Compiled] = {}
+
+
+@lru_cache(maxsize=1)
+def _run_struct() -> type[ctypes.Structure]:
+    """The struct Run as wasm32 lays it out: a pointer has four bytes, all else lies as on 64-bit machines."""
+    (body,) = re.findall(r"typedef struct {([^}]*)} Run;", runtime_text("run.c"))
+    fields: list[tuple[str, type]] = []
+    for line in re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL).split(";"):
+        kind, _, names = line.replace("const ", "").strip().partition(" ")
+        fields += [(x.strip(" *"), c_uint32 if "*" in x else _KINDS[kind]) for x in names.split(",") if kind]
+    return type("WasmRun", (ctypes.Structure,), {"_fields_": fields})
+
+
+def solve(
+    made: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None = None
+) -> Result:
+    """Integrate the scenario with its compiled module; ``progress`` is given the share of time done."""
+    instance, given = Instance(made), solver_input(scenario)
+    equations = scenario.system
+    held, width = len(equations.held), len(equations.states) + len(equations.held) + len(equations.shown)
+    event_room = max(EVENT_ROOM, 16 * (len(equations.watched) + 1))
+    arrays: dict[str, np.ndarray] = {
+        **given.doubles, "piece_restart": given.restart, "sampled": np.zeros(held, np.int64),
+        "acted": np.zeros(held, np.int64), "event_time": np.zeros(event_room), "event_what": np.zeros(event_room, np.int32),
+    }  # fmt: skip
+    sizes = {name: x.nbytes for name, x in arrays.items()} | system.room | {"out": 8 * scenario.rows * width}
+    heap = -(-instance.address("__heap_base") // _LINE) * _LINE
+    place, end = dict[str, int](), heap + _RUN_ROOM
+    for name, size in sizes.items():
+        place[name], end = end, end + -(-max(size, 8) // _LINE) * _LINE
+    memory = instance.memory(end)
+    for name, x in arrays.items():
+        memory[place[name] : place[name] + x.nbytes] = np.ascontiguousarray(x).reshape(-1).view(np.uint8)
+    rooms = [place[name] for name in system.room]
+    shape = np.array([*system.sizes, *rooms, *system.tables[0], *system.tables[1]], np.int32)
+    begin = instance.address("shape")
+    memory[begin : begin + shape.nbytes] = shape.view(np.uint8)
+    memory[heap : heap + _RUN_ROOM] = 0
+    views = {
+        name: np.frombuffer(memory.data, kind, count, place[name])
+        for name, kind, count in (
+            ("x", np.float64, len(equations.states)), ("out", np.float64, scenario.rows * width),
+            ("event_time", np.float64, event_room), ("event_what", np.int32, event_room),
+        )
+    }  # fmt: skip
+    views["out"] = views["out"].reshape(scenario.rows, width)
+    run = _run_struct().from_buffer(memory.data, heap)
+    for name in (*arrays, "out"):
+        setattr(run, name, place[name])
+    run.event_room = event_room
+    result = Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap)).to_the_end(progress)
+    return Result(result.states.copy(), result.events, result.reason, result.stats)

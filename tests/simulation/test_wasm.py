@@ -1,0 +1,178 @@
+"""Systems solved by WebAssembly: the numbers of the compiled solver, and the same bits everywhere."""
+
+import hashlib
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, examples, simulate
+from stribeck.errors import BuildError, InputError
+from stribeck.simulation import backend, engine, wasm
+from tests.simulation.rig import LAWS, law_table, needs_compiler, pid, rig, solved, spring
+
+ROOT = Path(__file__).parent.parent.parent
+POINTS = {"kind": "points", "t": [0.0, 0.2, 0.2, 0.5], "value": [0.0, 1.0, -0.5, 1.4]}
+DRIVES = {"force": ("force", 1.3), "spring": (spring("canudas1995", 0.1), 0.2), "pid": (pid("canudas1995", 0.2), 0.5),
+          "velocity": ("velocity", 3e-3)}  # fmt: skip
+
+
+@pytest.fixture
+def by_wasm(monkeypatch):
+    """Simulate by WebAssembly."""
+
+    def run(scenario):
+        with monkeypatch.context() as patch:
+            patch.setenv("STRIBECK_BACKEND", "wasm")
+            return simulate(scenario)
+
+    return run
+
+
+def assert_same(compiled, other):
+    assert other.status == "done"
+    np.testing.assert_array_equal(other.t, compiled.t)
+    for column in compiled.columns:
+        error = np.max(np.abs(other[column.name] - compiled[column.name]), initial=0)
+        assert error <= 1e-6 * max(compiled.peaks[column.name], 1e-300), column.name
+
+
+@needs_compiler
+@pytest.mark.parametrize(("law", "drive"), [(law, drive) for law in LAWS for drive in DRIVES])
+def test_every_law_under_every_drive(law, drive, by_wasm):
+    kind, size = DRIVES[drive]
+    signal = {**POINTS, "value": [size * value for value in POINTS["value"]]}
+    initial = {"y": 1e-5, "z": 3e-6} if law_table(law).get("parameters") and law in LAWS[:8] else {"y": 1e-5}
+    data = rig(law, kind, signal, 0.6, rows=60, initial=initial)
+    compiled, other = solved(data), by_wasm(Scenario(data))
+    assert_same(compiled, other)
+    for kind, times in compiled.events.items():
+        np.testing.assert_allclose(other.events[kind], times, rtol=0, atol=1e-6)
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", examples.names())
+def test_every_example(name, by_wasm):
+    """Machines with play, belts, motors, sampled controllers with noise and delay, the servo."""
+    scenario = Scenario.load(examples.path(name))
+    compiled, other = simulate(scenario), by_wasm(scenario)
+    assert other.stats["solver"] == compiled.stats["solver"] == "rodas5p"
+    assert_same(compiled, other)
+
+
+def test_the_steady_force_within_a_controller(by_wasm):
+    """Its root is looked for in a loop."""
+    law = {"name": "elastoplastic_majorant", "k_v": 5e3, "z_ba": 1e-3, "parameters": {
+        "sigma_0": 25.0, "sigma_1": 0.05, "sigma_2": 4e-4, "F_c": 0.06, "F_s": 0.08, "v_s": 0.8}}  # fmt: skip
+    machine = {
+        "schema": 2, "bodies": {"rotor": {"inertia": 1e-4}}, "contacts": {"bearing": {"from": "rotor", "law": law}},
+        "controllers": {"axis": {
+            "kind": "pid", "on": "rotor", "measures": "rotor", "K_p": 5.0, "K_i": 0.0, "K_d": 0.02,
+            "signal": {"kind": "sine", "amplitude": 0.1, "frequency": 1.0},
+            "compensation": {"contact": "bearing", "speed": "reference"}}},
+        "solve": {"t_end": 0.5}, "output": {"step": 0.01},
+    }  # fmt: skip
+    scenario = Scenario(machine)
+    assert_same(simulate(scenario), by_wasm(scenario))
+
+
+def digest(scenario):
+    """Of the states, held outputs and memory by WebAssembly."""
+    system = wasm.system_module(scenario.system)
+    result = wasm.solve(wasm.compiled(system.module)[0], system, scenario)
+    return hashlib.sha256(np.ascontiguousarray(result.states).tobytes()).hexdigest()[:16]
+
+
+GOLDEN = {
+    "stick_slip": "8d8a8a94c17d4053",
+    "limit_cycle": "5f8c1071a291d2d9",
+    "arm": "0fc3a32b90430c84",
+}
+
+
+@pytest.mark.parametrize("name", GOLDEN)
+def test_the_bits_are_the_same_on_every_machine(name):
+    """A change of the solver or of the order of operations changes them: then they are written down anew."""
+    assert digest(Scenario.load(examples.path(name))) == GOLDEN[name]
+
+
+def test_the_runtime_is_what_its_source_gives(tmp_path):
+    """The module in the package is built by tools/make_runtime.py from the C that is compiled elsewhere."""
+    pytest.importorskip("ziglang")
+    spec = importlib.util.spec_from_file_location("make_runtime", ROOT / "tools" / "make_runtime.py")
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    made.build(tmp_path / "runtime.wasm")
+    assert (tmp_path / "runtime.wasm").read_bytes() == made.TARGET.read_bytes()
+
+
+@pytest.mark.parametrize(("asked", "words"), [("gcc", "must be auto, c or wasm"), ("c", "no C compiler was found")])
+def test_a_backend_that_cannot_be_had_is_refused(asked, words, monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "none")
+    monkeypatch.setenv("STRIBECK_BACKEND", asked)
+    with pytest.raises(InputError, match=words):
+        backend.chosen()
+
+
+def test_without_a_compiler_nothing_is_said(monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "none")
+    solution = simulate(examples.path("break_away"))
+    assert solution.status == "done"
+
+
+def test_a_damaged_file_of_the_cache_is_made_anew(tmp_path, monkeypatch):
+    monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path))
+    system = wasm.system_module(Scenario.load(examples.path("break_away")).system)
+    monkeypatch.setattr(wasm, "_compiled", {})
+    assert wasm.compiled(system.module)[1]
+    wasm._compiled.clear()
+    assert not wasm.compiled(system.module)[1]
+    (kept,) = tmp_path.glob("*.cwasm")
+    kept.write_bytes(kept.read_bytes()[:-1])
+    wasm._compiled.clear()
+    assert wasm.compiled(system.module)[1]
+
+
+def test_a_module_that_is_none_is_refused():
+    with pytest.raises(BuildError, match="Wasmtime"):
+        engine.Compiled.of(b"no module")
+    with pytest.raises(BuildError, match="Wasmtime"):
+        engine.Compiled.read(b"no machine code")
+
+
+def test_threads_solve_beside_each_other(by_wasm):
+    """Each has a memory of its own."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    scenario = Scenario.load(examples.path("stick_slip"))
+    system = wasm.system_module(scenario.system)
+    made, _ = wasm.compiled(system.module)
+    with ThreadPoolExecutor(4) as pool:
+        results = list(pool.map(lambda _: wasm.solve(made, system, scenario), range(8)))
+    assert {hashlib.sha256(x.states.tobytes()).digest() for x in results} == {
+        hashlib.sha256(results[0].states.tobytes()).digest()
+    }
+
+
+@pytest.mark.parametrize("name", ["stick_slip", "arm"])
+def test_the_bits_of_another_engine(name):
+    """Wasmtime's interpreter (Pulley), in a process of its own: no instruction of this processor takes part."""
+    code = f"""
+import hashlib, numpy as np, wasmtime
+from stribeck import Scenario, examples
+from stribeck.simulation import engine, wasm
+config = wasmtime.Config(); config.target = "pulley64"
+library = engine._library()
+engine._engine.cache_clear()
+other = wasmtime.Engine(config)
+engine._engine = lambda: __import__("ctypes").cast(other.ptr(), __import__("ctypes").c_void_p).value
+scenario = Scenario.load(examples.path({name!r}), {{"solve.t_end": 0.2}})
+system = wasm.system_module(scenario.system)
+print(hashlib.sha256(wasm.solve(engine.Compiled.of(system.module), system, scenario).states.tobytes()).hexdigest()[:16])
+"""
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.strip() == digest(Scenario.load(examples.path(name), {"solve.t_end": 0.2}))
