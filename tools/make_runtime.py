@@ -1,6 +1,6 @@
 """Builds the solver for WebAssembly, the same for every system: src/stribeck/runtime/runtime.wasm.
 
-    python tools/make_runtime.py        # after a change in runtime/; needs ziglang
+python tools/make_runtime.py        # after a change in runtime/; needs ziglang
 """
 
 from __future__ import annotations
