@@ -26,17 +26,17 @@ def test_every_problem_is_one_line_that_a_terminal_can_show():
 
 def test_no_message_holds_the_marks_of_arguments():
     """Python showed control characters, and the command the argument's bare name."""
-    assert str(StribeckError(f"{arg('on')} dask: gone")) == "on dask: gone"
-    assert str(MissingExtra(f"{arg('folder')} s3://x", "pyarrow", "parquet")).startswith("folder s3://x needs pyarrow")
+    assert str(StribeckError(f"{arg('cluster')} gone")) == "cluster gone"
+    assert str(MissingExtra(f"{arg('out')} s3://x", "pyarrow", "parquet")).startswith("out s3://x needs pyarrow")
 
 
 def test_a_computation_that_failed_names_the_option(monkeypatch, capsys):
     def fails(*args, **options):
-        raise StribeckError(f"{arg('on')} dask: gone")
+        raise StribeckError(f"{arg('cluster')} gone")
 
     monkeypatch.setattr("stribeck.cli.app.with_command", fails)
     assert _status(["sweep"]) == 1
-    assert capsys.readouterr().err == "stribeck: --on dask: gone\n"
+    assert capsys.readouterr().err == "stribeck: --cluster gone\n"
 
 
 def test_problems_survive_another_process():

@@ -91,7 +91,7 @@ def test_commands_of_the_page_on_sweeps(tmp_path, monkeypatch, capsys):
     assert _status(["new", "my_rig"]) == 0
     exec(re.findall(r"```python\n(.*?)```", text, re.S)[0], {})
     for command in re.findall(r"^stribeck .*$", text, re.M):
-        if "--on dask" not in command:  # a cluster's address
+        if "--cluster" not in command:  # a cluster's address
             assert _status(shlex.split(command, comments=True)[1:]) == 0, command
     assert "(9, 4001)" in capsys.readouterr().out
 

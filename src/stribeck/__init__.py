@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     )
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
     from stribeck.steepness import Advice, advise
-    from stribeck.sweeps.far import on_cluster
     from stribeck.sweeps.job import sweep
 
 __all__ = [
@@ -48,7 +47,7 @@ __all__ = [
     "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
     "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
     "design", "export", "fit", "law", "library",
-    "on_cluster", "read_log", "simulate", "simulate_ensemble", "sweep",
+    "read_log", "simulate", "simulate_ensemble", "sweep",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -61,7 +60,6 @@ _HOME = {
     **dict.fromkeys(("fit", "read_log"), "stribeck.identify.api"),
     "Fit": "stribeck.identify.result",
     "sweep": "stribeck.sweeps.job",
-    "on_cluster": "stribeck.sweeps.far",
     "Constant": "stribeck.constants",
     **dict.fromkeys(("BristleLaw", "Claims", "Law"), "stribeck.laws.base"),
     **dict.fromkeys(("Verdict", "Verdicts", "check"), "stribeck.properties"),

@@ -143,7 +143,7 @@ EXTRAS = {
     "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot",
     "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
     "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
-    "mujoco": "mujoco", "ziglang": "explore", "bokeh": "explore", "distributed": "cluster",
+    "mujoco": "mujoco", "ziglang": "explore", "bokeh": "explore", "distributed": "cluster", "fsspec": "cluster",
     "mcap": "logs", "mcap_ros2": "logs", "rosbags": "logs", "torch": "learn", "warp": "learn",
 }  # fmt: skip
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from stribeck.errors import needed
+from stribeck.platforms import locked
 
 
 def write_with(path: Path, write: Callable[[Path], object]) -> None:
@@ -57,7 +58,7 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
             beside.mkdir()
             yield beside
             files = {file.relative_to(beside) for file in beside.rglob("*") if file.is_file()}
-            with _alone(folder):
+            with locked(folder):
                 gone = (_listed(folder / last) | _marked(folder, older or {})) - files
                 (folder / last).unlink(missing_ok=True)
                 for name in gone:
@@ -99,23 +100,6 @@ def _head(path: Path) -> str:
             return file.read(1000).decode("utf-8", "replace")
     except OSError:
         return ""
-
-
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Within, no other process that asks moves its result into the folder; where the system knows how."""
-    try:
-        import fcntl
-    except ImportError:
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        with suppress(OSError):  # not every file system can
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
 
 
 @contextmanager

@@ -100,7 +100,6 @@ def test_several_laws_are_compared_and_one_picked(stribeck, log):
         (("--law", "coulomb_viscous", "--cutoff", "1e-300"), "--cutoff: 1e-300: must be at least"),
         (("--law", "coulomb_viscous", "--mass", "2", "--set", "mass=1"), "--mass: 2.0: is given with --set as well"),
         (("--law", "coulomb_viscous", "--free", "F_c", "--set", "F_c=1"), "--free: F_c: is given with --set as well"),
-        (("--law", "coulomb_viscous", "--on", "dask"), "--on: 'dask': goes with fits by simulation"),
         (("--law", "lugre_majorant", "--method", "static"), "k_v: missing"),
     ],
 )

@@ -1,10 +1,6 @@
 """The pages that commands leave beside their numbers: what they show."""
 
-import csv
 import json
-
-import pyarrow.parquet as parquet
-import pytest
 
 from stribeck import examples
 from tests.pages import Page
@@ -26,27 +22,6 @@ def test_compare(stribeck, scenario, tmp_path):
     data = json.loads(stribeck(*words).out)
     rows = {row[0]: row for row in Page(tmp_path / "out" / "report.html").tables[0]}
     assert rows["dahl"][1] == f"{data['laws']['dahl']['deviations']['y']['max']:.4g}"
-
-
-@pytest.mark.parametrize("summary", [(), ("--summary",)])
-def test_sweep_as_csv_holds_the_same_numbers(summary, stribeck, scenario, tmp_path):
-    words = ("sweep", scenario, "--vary", "law.k_v=1e6:1e8:3:log", *summary, "--set", "solve.t_end=1", "--out")
-    assert stribeck(*words, tmp_path / "a").status == 0
-    assert stribeck(*words, tmp_path / "b", "--csv").status == 0
-    table = parquet.read_table(tmp_path / "a")  # the folder, whatever else lies there
-    rows = list(csv.DictReader((tmp_path / "b" / "part-000000.csv").read_text().splitlines()))
-    assert len(rows) == table.num_rows
-    assert list(rows[0]) == table.column_names
-    for name in ("lane", "law.k_v", *(("peak_F", "final_y") if summary else ("t", "y", "F"))):
-        assert [float(row[name]) for row in rows] == table.column(name).to_pylist()
-    again = stribeck(*words, tmp_path / "b", "--csv")
-    assert "1 of them there already" in again.out
-    page = Page(tmp_path / "b" / "_report" / "report.html")
-    assert (tmp_path / "b" / "_report" / "lanes.svg").exists()
-    if summary:
-        head, *body = page.tables[0]
-        assert head[:2] == ["lane", "law.k_v"]
-        assert [float(row[2]) for row in body] == pytest.approx([float(r["peak_F"]) for r in rows], rel=1e-5)
 
 
 def test_check(stribeck, tmp_path):

@@ -37,7 +37,7 @@ def check_options(context: typer.Context) -> None:
 
 def fit(
     machine: Sequence[Path], logs: Path | None, laws: Sequence[str], assignments: Sequence[str], unknown: Sequence[str],
-    transfer: Path | None, starts: int, seed: int, out: Path | None, json: bool, on: str | None = None,
+    transfer: Path | None, starts: int, seed: int, out: Path | None, json: bool,
 ) -> int:  # fmt: skip
     """Read, fit, print, write."""
     if logs is None:
@@ -48,7 +48,7 @@ def fit(
     if out is not None:
         show.check_folder(out, [machine[0], logs], FILES)
     scenario = Scenario.load(machine[0], parse_assignments(assignments))
-    with show.lanes_on(on), show.progress("fit") as tell:
+    with show.progress("fit") as tell:
         found = fit_machine(
             scenario, logs, laws=_laws(laws), unknown=_unknown(unknown), transfer_to=transfer, starts=starts, seed=seed,
             progress=tell, folder=out,

@@ -34,18 +34,13 @@ def fit(
     options: FitOptions,
     out: Path | None,
     json: bool,
-    on: str | None = None,
 ) -> int:
     """Read the log, fit, print the estimates, write what was asked for."""
-    if on is not None and not fitting.is_simulated(laws, options.method):
-        raise InputError(
-            f"--on: {on!r}: goes with fits by simulation (--method dynamic, or --logs); this one is static"
-        )
     how = fitting.preparation(laws, options, cutoff, trim)
     if out is not None:
         show.check_folder(out)
     try:
-        with show.lanes_on(on), show.progress("fit") as tell:
+        with show.progress("fit") as tell:
             log = fitting.log_of(data, columns, how)
             if tell is not None:
                 tell(_READ)

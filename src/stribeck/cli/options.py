@@ -7,7 +7,7 @@ from stribeck.errors import Line
 # Where an option is not called as the argument: the rest is --argument with dashes.
 _WORDS = {
     "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA",
-    "ranges": "--vary", "forces": "--force", "laws": "--law", "as_csv": "--csv", "folder": "--out",
+    "forces": "--force", "laws": "--law", "folder": "--out",
 }  # fmt: skip
 _POSITIONAL = {"law": ("advise", "check", "export"), "scenario": ("run", "sweep", "design")}
 

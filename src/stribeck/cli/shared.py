@@ -50,11 +50,6 @@ ControllerName = Annotated[
     str | None, typer.Option("--controller", metavar="NAME", help="Which controller of a machine that has several.")
 ]
 
-On = Annotated[
-    str | None,
-    typer.Option("--on", metavar="CLUSTER", help="dask://HOST:PORT: a Dask cluster; dask: one of this machine."),
-]
-
 
 def given_options(context: typer.Context) -> dict[str, str]:
     """The options on the command line: each parameter's name and how the option is written."""

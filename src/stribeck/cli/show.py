@@ -6,7 +6,7 @@ import json
 import shlex
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -90,15 +90,6 @@ def _same(one: Path, other: Path) -> bool:
         return one.samefile(other)
     except (OSError, ValueError):
         return False
-
-
-def lanes_on(on: str | None) -> AbstractContextManager[None]:
-    """Within, lanes are solved by the workers of a cluster, where one is named."""
-    if on is None:
-        return nullcontext()
-    from stribeck.sweeps.far import on_cluster
-
-    return on_cluster(on)
 
 
 @contextmanager

@@ -2,73 +2,86 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-from time import perf_counter
+from typing import TYPE_CHECKING, Annotated
 
-from stribeck.arrays import Array
-from stribeck.cli import show
-from stribeck.errors import InputError, left_out
-from stribeck.sweeps.job import Sweep, check_cluster
-from stribeck.sweeps.places import Store
-from stribeck.sweeps.ranges import Range, lanes_of
+import typer
+
+from stribeck.cli.shared import Json, ScenarioFile, Set, Trust, Undetermined, app, written_to
+from stribeck.errors import InputError
+
+if TYPE_CHECKING:
+    from stribeck.arrays import Array
 
 
+@app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
 def sweep(
-    path: Path,
-    vary: list[str],
-    samples: int | None,
-    seed: int,
-    summary: bool,
-    as_csv: bool,
-    out: str,
-    assignments: list[str],
-    threads: int | None,
-    json: bool,
-    trust: bool,
-    on: str | None = None,
-    device: str = "cpu",
+    scenario: ScenarioFile,
+    out: Annotated[
+        str,
+        typer.Option(
+            "--out", metavar="DIR", parser=written_to, help="Folder for the parts; or a URL that fsspec knows."
+        ),
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="A range of a number; may be repeated."),
+    ] = None,
+    samples: Annotated[
+        int | None, typer.Option("--samples", metavar="N", help="N random points of the ranges, not their grid.")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the random points.", min=0)] = 0,
+    summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    cluster: Annotated[
+        str | None,
+        typer.Option("--cluster", metavar="HOST:PORT", help="A Dask scheduler, whose workers make the parts."),
+    ] = None,
+    threads: Annotated[
+        int | None,
+        typer.Option(
+            "--threads",
+            metavar="N",
+            help="Threads; all of the machine's unless given.",
+            min=1,
+            rich_help_panel="Advanced",
+        ),
+    ] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
-    """Simulate every lane, in parts; go on where an earlier run stopped."""
+    """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
+    import sys
+    from time import perf_counter
+
+    from stribeck.cli import show
+    from stribeck.sweeps.job import Sweep, check_cluster
+    from stribeck.sweeps.places import Folder
+
     if out.startswith("memory:"):
         raise InputError(f"--out: {out}: is gone when the command ends: must be a folder, or a URL of what stays")
-    scenario = show.load(path, assignments, trust)
-    check_cluster(on, threads, device)
-    job = Sweep(scenario, _lanes(vary, samples, seed), out, summary, as_csv, device)
-    if not isinstance(job.place, Store):
+    loaded = show.load(scenario, set_ or [], trust)
+    check_cluster(cluster, threads)
+    job = Sweep(loaded, _lanes(vary or [], samples, seed), out, summary)
+    if isinstance(job.place, Folder):
         show.check_folder(job.place.folder)
-    elif reason := job.place.trouble():
-        raise InputError(f"--out: {out}: {reason}")
-    started, there = perf_counter(), job.parts - len(job.missing())
-    with show.rate(f"{scenario.name}: {len(job.lanes)} lanes", "lanes") as tell:
-        failed = job.run(threads, tell, on)
-    where = str(job.place)
-    files = [f"{where}/_manifest.json", *(str(job.path(i)) for i in range(job.parts))]
+    started = perf_counter()
+    with show.rate(f"{loaded.name}: {len(job.lanes)} lanes", "lanes") as tell:
+        job.run(threads, tell, cluster)
     seconds = perf_counter() - started
-    report: dict[str, object] = {
-        "status": "failed" if failed == len(job.lanes) else "done",
-        "scenario": scenario.name,
-        "lanes": len(job.lanes),
-        "failed": failed,
-        "parts": job.parts,
-        "parts_found": there,
-        "seconds": seconds,
-    }
-    with left_out("the page"):
-        from stribeck.sweeps.page import write_sweep_page
-
-        files += write_sweep_page(job, show.command_line())
+    status = "failed" if job.failed == len(job.lanes) else "done"
     if json:
-        show.print_json({**report, "files": files})
+        show.print_json({
+            "status": status, "scenario": loaded.name, "lanes": len(job.lanes), "failed": job.failed, "parts": job.parts,
+            "parts_found": job.found, "seconds": seconds, "files": job.files,
+        })  # fmt: skip
     else:
-        found = f", {there} of them there already" if there else ""
-        print(f"{scenario.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {seconds:.1f} s")
-        print(f"  wrote {where}/_manifest.json and {where}/part-*.{'csv' if as_csv else 'parquet'}")
-        if len(files) > 1 + job.parts:
-            print(f"  wrote {files[-1]}")
-    if failed:
-        print(f"stribeck: {failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
-    return 1 if report["status"] == "failed" else 0
+        found = f", {job.found} of them there already" if job.found else ""
+        print(f"{loaded.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {seconds:.1f} s")
+        print(f"  wrote {job.place}/_manifest.json and {job.place}/part-*.parquet")
+    if job.failed:
+        print(f"stribeck: {job.failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
+    return 1 if status == "failed" else 0
 
 
 def _lanes(vary: list[str], samples: int | None, seed: int) -> dict[str, Array]:
@@ -77,6 +90,8 @@ def _lanes(vary: list[str], samples: int | None, seed: int) -> dict[str, Array]:
     Raises:
         InputError: one line for each problem.
     """
+    from stribeck.sweeps.ranges import Range, lanes_of
+
     problems, ranges = [], []
     for text in vary:
         try:

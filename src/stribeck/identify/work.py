@@ -8,12 +8,11 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-from stribeck.simulation.lanes import are_elsewhere, threads_of_this_machine
+from stribeck.simulation.lanes import threads_of_this_machine
 
 T = TypeVar("T")
 S = TypeVar("S")
 _TYPICAL = 300  # simulations
-_MOST = 32  # things done at once while a cluster solves the lanes: they only wait for it
 
 
 class Stopped(KeyboardInterrupt):
@@ -83,7 +82,7 @@ class Work:
             except Stopped:
                 return
 
-        pool = ThreadPoolExecutor(_MOST if are_elsewhere() else threads_of_this_machine())
+        pool = ThreadPoolExecutor(threads_of_this_machine())
         try:
             for future in [pool.submit(one, i) for i in range(len(items))]:
                 future.result()

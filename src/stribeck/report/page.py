@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
 
@@ -58,28 +58,6 @@ def in_script(data: object) -> str:
 
 
 @dataclass(frozen=True)
-class LaneCurves:
-    """Trajectories that a click on a part of a figure shows: parts whose id ends in ``lane-N`` belong to lane N.
-
-    Attributes:
-        t: times, s.
-        columns: names with units; ``curves``: for each lane its columns; ``about``: what each lane is and what came of it.
-        cells: the lanes of a map's cells, row by row from below.
-    """
-
-    t: Sequence[float | None]
-    columns: Sequence[str]
-    curves: Mapping[int, Sequence[Sequence[float | None]]]
-    about: Mapping[int, str]
-    cells: Sequence[int] = ()
-
-    @property
-    def text(self) -> str:
-        """As JSON that may stand in HTML."""
-        return in_script(asdict(self))
-
-
-@dataclass(frozen=True)
 class Chapter:
     """A chapter of a report: text, tables, figures and code for people, ``numbers`` and ``data`` (columns) for programs."""
 
@@ -91,7 +69,6 @@ class Chapter:
     numbers: Mapping[str, Any] = field(default_factory=dict)
     data: Mapping[str, ArrayLike] = field(default_factory=dict)
     code: str = ""
-    picked: LaneCurves | None = None
 
 
 def _whole(text: str) -> str:
@@ -106,9 +83,8 @@ def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence
     with needed("a page"):
         import jinja2
 
-    template, script, lanes = (
-        files("stribeck.report").joinpath(name).read_text(encoding="utf-8")
-        for name in ("page.html", "page.js", "lanes.js")
+    template, script = (
+        files("stribeck.report").joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "page.js")
     )
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
     environment.filters["whole"] = _whole
@@ -119,5 +95,4 @@ def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence
         chapters=chapters,
         command=command,
         script=script,
-        lanes=lanes,
     )

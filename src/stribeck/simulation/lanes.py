@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable
 from ctypes import POINTER, c_int64
 from dataclasses import dataclass
 from hashlib import sha256
@@ -53,16 +52,6 @@ class Outcome:
         for x in (self.states, self.t_reached, *(self.counts[name] for name in _COUNTS)):
             found.update(np.ascontiguousarray(x).tobytes())
         return found.hexdigest()
-
-    @classmethod
-    def joined(cls, parts: Sequence[Outcome]) -> Outcome:
-        """The lanes of all parts, one after the other."""
-        states, t_reached = (np.concatenate([getattr(x, name) for x in parts]) for name in ("states", "t_reached"))
-        return cls(states, t_reached, {name: np.concatenate([x.counts[name] for x in parts]) for name in _COUNTS})
-
-
-Elsewhere = Callable[[ctypes.CDLL, Variations, Progress | None], Outcome]
-_elsewhere: list[Elsewhere] = []  # where lanes are solved but here; the innermost :func:`solved_by` last
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -135,28 +124,6 @@ def compiled(system: Equations) -> ctypes.CDLL:
 
 
 def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
-    """Integrate every lane: here, or where :func:`solved_by` says, unless signals differ from lane to lane."""
-    if _elsewhere and not lanes.played:
-        return _elsewhere[-1](library, lanes, progress)
-    return solve_here(library, lanes, threads, progress)
-
-
-@contextmanager
-def solved_by(other: Elsewhere) -> Iterator[None]:
-    """Within, whatever thread asks, lanes are solved by ``other``; its numbers must be those of :func:`solve_here`."""
-    _elsewhere.append(other)
-    try:
-        yield
-    finally:
-        _elsewhere.remove(other)
-
-
-def are_elsewhere() -> bool:
-    """Whether lanes are solved elsewhere, where more may be asked for at once than this machine has cores."""
-    return bool(_elsewhere)
-
-
-def solve_here(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
     """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
     made = lane_arrays(lanes)
     made.batch.groups = -(-len(lanes) // (library.stribeck_lanes() * threads))  # no thread takes what another could

@@ -4,11 +4,9 @@ parameters at a time."""
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import POINTER, c_double, c_int, c_int64
 from dataclasses import dataclass
-from hashlib import sha256
 from typing import ClassVar
 
 import numpy as np
@@ -34,7 +32,6 @@ _SOURCES = {"stribeck_respond": response_source, "stribeck_move": motion_source}
 
 Numbers = Mapping[str, NDArray[np.generic]]
 Answer = tuple[Array, ...] | None
-_ROWS = 256  # of a probe
 
 
 @dataclass(frozen=True)
@@ -45,29 +42,8 @@ class Question:
     text: str
     numbers: Numbers
 
-    def probe(self) -> Question:
-        """The same of the first lane along the first rows."""
-        ends = {"t": (_ROWS,), "v": (_ROWS,), "bend": (_ROWS,), "shift": (1, _ROWS), "force": (1, _ROWS), "first": (1,)}
-        ends |= {"bends": (1, _ROWS), "constants": (1,), "mass": (1,), "z": (1,), "states": (1, 1)}
-        short = {name: x[tuple(slice(end) for end in ends.get(name, ()))] for name, x in self.numbers.items()}
-        return Question(self.function, self.text, short)
 
-
-Elsewhere = Callable[[Question], Answer]
-_elsewhere: list[Elsewhere] = []  # where questions are answered but here; the innermost :func:`answered_by` last
-
-
-@contextmanager
-def answered_by(other: Elsewhere) -> Iterator[None]:
-    """Within, whatever thread asks, ``other`` answers; its numbers must be those of :func:`answer_here`."""
-    _elsewhere.append(other)
-    try:
-        yield
-    finally:
-        _elsewhere.remove(other)
-
-
-def answer_here(question: Question) -> Answer:
+def answer(question: Question) -> Answer:
     """The arrays of an answer; None where the integration failed.
 
     Raises:
@@ -77,14 +53,6 @@ def answer_here(question: Question) -> Answer:
     numbers = {name: np.ascontiguousarray(x) for name, x in question.numbers.items()}
     found = (_responded if question.function == Response.function else _moved)(call, numbers)
     return found if found is not None and all(np.isfinite(x).all() for x in found) else None
-
-
-def digest(answer: Answer) -> str:
-    """Of every bit."""
-    found = sha256()
-    for x in answer or ():
-        found.update(np.ascontiguousarray(x).tobytes())
-    return found.hexdigest()
 
 
 def _responded(call: Callable[..., int], n: Numbers) -> Answer:
@@ -137,8 +105,7 @@ class _Compiled:
         _built(self._text)
 
     def _asked(self, **numbers: NDArray[np.generic]) -> Answer:
-        question = Question(self.function, self._text, numbers)
-        return (_elsewhere[-1] if _elsewhere else answer_here)(question)
+        return answer(Question(self.function, self._text, numbers))
 
     def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
         """Sets of constants as rows in the order that the compiled code takes."""

@@ -1,13 +1,12 @@
-"""A sweep: an ensemble in parts on disk, which goes on where it was stopped and ends with the same bytes."""
+"""A sweep: an ensemble as parts in a folder, which goes on where it was stopped and ends with the same bytes."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext, suppress
+from collections.abc import Callable, Generator, Mapping
+from contextlib import AbstractContextManager, closing, nullcontext
 from fnmatch import fnmatch
-from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,66 +16,52 @@ from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.codegen import source
-from stribeck.errors import InputError, StribeckError, arg, needed
+from stribeck.errors import InputError, arg, needed
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
-from stribeck.simulation.ensemble import check_device
+from stribeck.simulation import variations
 from stribeck.simulation.native import step_share
-from stribeck.simulation.variations import arrays, vary
-from stribeck.sweeps import tables
-from stribeck.sweeps.places import Folder, Store, digest, place_of, put_json, read_json
-from stribeck.sweeps.worker import Order
+from stribeck.sweeps.parts import MadePart, Order
+from stribeck.sweeps.places import place_of
 from stribeck.version import __version__
 
 if TYPE_CHECKING:
-    from stribeck.sweeps.cluster import Workers
+    from distributed import Client
 
 Progress = Callable[[float, float], None]
 
 _PART_BYTES = 64e6  # of the columns of one part: what is lost at most when a sweep is killed, some seconds of work
-_MANIFEST = "_manifest.json"
+_MANIFEST = "_manifest.json"  # readers of a folder of Parquet files pass over names that begin with an underscore
 
 
 class Sweep:
-    """A sweep in a folder: parts of some lanes each, and ``_manifest.json``, which says what it is and has the SHA-256
-    of each part that is done.
+    """A sweep in a folder: parts of some lanes each, and a manifest.
 
-    Readers of a folder of Parquet files pass over names that begin with an underscore.
+    The manifest says what the sweep is, and has the SHA-256 of each part that is done and how many of its lanes failed.
 
     Args:
         scenario: what the lanes share.
         values: the values of every lane by path.
-        folder: where the files go: a folder, or the URL of an object store.
+        out: where the files go: a folder, or a URL that fsspec knows.
         summary: keep one row a lane (peaks, slips, amplitude, period) in place of its trajectory.
-        as_csv: write CSV in the place of Parquet.
-        device: ``"cuda"`` for a GPU, as for :func:`stribeck.simulate_ensemble`.
 
     Raises:
-        InputError: a path cannot be varied, or no library knows the URL.
-        StribeckError: ``device="cuda"`` where there is no GPU.
+        InputError: a path cannot be varied, or nothing that is installed can write to the URL.
+        MissingExtra: pyarrow is not installed.
     """
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        values: Mapping[str, Array],
-        folder: Path | str,
-        summary: bool,
-        as_csv: bool = False,
-        device: str = "cpu",
-    ) -> None:
-        if not as_csv:
-            with needed(f"a sweep into Parquet files ({arg('as_csv')} writes CSV)"):
-                import pyarrow  # noqa: F401  (before hours of work, not after)
-        self.lanes, self.place = vary(scenario, values), place_of(folder)
-        self.summary, self.as_csv, self.device = summary, as_csv, device
-        check_device(device)  # before hours of work, not after
-        self._read: set[tuple[object, ...]] = set()  # parts that have been found to be whole
-        self._made: dict[str, str] = {}
+    def __init__(self, scenario: Scenario, values: Mapping[str, Array], out: Path | str, summary: bool) -> None:
+        with needed("a sweep"):
+            import pyarrow  # noqa: F401  (before hours of work, not after)
+        self.lanes, self.place = variations.vary(scenario, values), place_of(out)
+        self.order = Order(self.lanes.scenario, summary)
         row = 8.0 * (1 + len(scenario.system.columns))
         self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
         self.parts = math.ceil(len(self.lanes) / self.part_size)
-        self.manifest: dict[str, object] = {
+        self.found = 0  # parts that were there before
+        self._digests: dict[str, str] = {}  # of the parts that are done, by their names
+        self._failed: dict[str, int] = {}  # lanes, in the same parts
+        self._about: dict[str, object] = {
             "format": 1,
             "stribeck": __version__,
             "scenario": scenario.name,
@@ -88,24 +73,159 @@ class Sweep:
             "parts": [self.name(i) for i in range(self.parts)],
             "digest": self._digest(),
         }
-        if device != "cpu":  # its last bits are others
-            self.manifest["device"] = device
 
-    def name(self, part: int) -> str:
+    @staticmethod
+    def name(part: int) -> str:
         """The name of a part's file."""
-        return f"part-{part:06d}.{'csv' if self.as_csv else 'parquet'}"
-
-    def path(self, part: int) -> Path | str:
-        """The file of a part; of an object store its URL."""
-        return (
-            self.place.folder / self.name(part) if isinstance(self.place, Folder) else f"{self.place}/{self.name(part)}"
-        )
+        return f"part-{part:06d}.parquet"
 
     @property
-    def order(self) -> Order:
-        """How a part is made, here or elsewhere."""
-        url = str(self.place) if isinstance(self.place, Store) else None
-        return Order(self.lanes.scenario, self.summary, self.as_csv, url, self.device)
+    def files(self) -> list[str]:
+        """The manifest and the parts, as paths or URLs."""
+        return [f"{self.place}/{name}" for name in (_MANIFEST, *map(self.name, range(self.parts)))]
+
+    @property
+    def failed(self) -> int:
+        """How many lanes failed, of those in parts that are done."""
+        return sum(self._failed.values())
+
+    def lanes_of(self, part: int) -> range:
+        """The lanes of a part."""
+        return range(part * self.part_size, min((part + 1) * self.part_size, len(self.lanes)))
+
+    def values_of(self, part: int) -> dict[str, Array]:
+        """The values of a part's lanes by path."""
+        lanes = self.lanes_of(part)
+        return {path: x[lanes.start : lanes.stop] for path, x in self.lanes.values.items()}
+
+    def run(
+        self,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        cluster: str | Client | None = None,
+    ) -> None:
+        """Make the parts that are missing.
+
+        Args:
+            threads: of this machine; all unless given.
+            progress: called with the share of the lanes done and how many of them were done in this run.
+            cluster: as for :func:`sweep`.
+
+        Raises:
+            InputError: the folder holds another sweep, or another process is at work in it.
+            StribeckError: the place cannot be read or written now, the cluster went away, or none of its workers can make
+                the parts; what was written stays.
+        """
+        with self.place.alone():
+            todo = self._todo()
+            before = len(self.lanes) - sum(len(self.lanes_of(part)) for part in todo)
+
+            def tell(lanes: float) -> None:
+                if progress is not None:
+                    progress((before + lanes) / len(self.lanes), lanes)
+
+            lanes = 0
+            with self._connected(cluster if todo else None) as client:
+                self._write_manifest()
+                with closing(self._here(todo, threads, tell) if client is None else self._there(client, todo)) as parts:
+                    for part, made in parts:
+                        self.place.put(self.name(part), made.content)
+                        self._digests[self.name(part)] = sha256(made.content).hexdigest()
+                        self._failed[self.name(part)] = made.failed
+                        self._write_manifest()
+                        lanes += len(self.lanes_of(part))
+                        tell(lanes)
+
+    def _todo(self) -> list[int]:
+        """The parts that are not there yet, or are not what was written.
+
+        Raises:
+            InputError: the folder holds another sweep, or a part that is none of this sweep's.
+        """
+        here = f"{arg('out')}: {str(self.place)!r}"
+        names = self.place.names()
+        parts = {name for name in names if fnmatch(name, "part-*.*")}
+        if _MANIFEST not in names:
+            if parts:
+                raise InputError(f"{here}: holds parts of an unknown sweep: must be another folder")
+            return list(range(self.parts))
+        about, digests, failed = self._manifest(here)
+        if about != self._about:
+            text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
+            raise InputError(f"{here}: {text}")
+        if others := sorted(parts.difference(map(self.name, range(self.parts)))):
+            text = "which is no part of this sweep: must be another folder, or one without it"
+            raise InputError(f"{here}: holds {others[0]}, {text}")
+        todo = []
+        for part in range(self.parts):
+            name = self.name(part)
+            if name in parts and name in failed and name in digests and digests[name] == self._digest_of(name):
+                self._digests[name], self._failed[name] = digests[name], failed[name]
+            else:
+                todo.append(part)
+        self.found = self.parts - len(todo)
+        return todo
+
+    def _manifest(self, here: str) -> tuple[dict[str, object], dict[str, str], dict[str, int]]:
+        """What the manifest says of the sweep, the digests of its parts, and how many of their lanes failed."""
+        try:
+            found = json.loads(self.place.get(_MANIFEST) or b"")
+            digests, failed = (dict(found.pop(key)) for key in ("sha256", "failed"))
+            return dict(found), digests, failed
+        except OSError as error:
+            raise InputError(f"{here}: {_MANIFEST} in it cannot be read: {error.strerror or error}") from None
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            raise InputError(f"{here}: {_MANIFEST} in it is damaged: must be another folder, or emptied") from None
+
+    def _digest_of(self, name: str) -> str | None:
+        try:
+            content = self.place.get(name)
+        except OSError:  # a folder or a pipe in its place
+            return None
+        return None if content is None else sha256(content).hexdigest()
+
+    def _write_manifest(self) -> None:
+        about = {
+            **self._about,
+            "sha256": dict(sorted(self._digests.items())),
+            "failed": dict(sorted(self._failed.items())),
+        }
+        self.place.put(_MANIFEST, (json.dumps(about, indent=2, allow_nan=False) + "\n").encode())
+
+    @staticmethod
+    def _connected(cluster: str | Client | None) -> AbstractContextManager[Client | None]:
+        if cluster is None:
+            return nullcontext()
+        from stribeck.sweeps.cluster import connected
+
+        return connected(cluster)
+
+    def _there(self, client: Client, todo: list[int]) -> Generator[tuple[int, MadePart]]:
+        """The parts, made by the workers of a cluster."""
+        from stribeck.sweeps.cluster import Sent, made_on
+
+        text = self.order.to_text(self.order.probe(self.values_of(0)))
+        first_lane = {path: x[:1].tobytes() for path, x in self.values_of(0).items()}
+
+        def sent(part: int) -> Sent:
+            numbers = {path: x.tobytes() for path, x in self.values_of(part).items()}
+            return text, first_lane, numbers, self.lanes_of(part).start
+
+        return made_on(client, todo, sent)
+
+    def _here(
+        self, todo: list[int], threads: int | None, tell: Callable[[float], None]
+    ) -> Generator[tuple[int, MadePart]]:
+        """The parts, made on this machine one by one."""
+        done = 0
+        for part in todo:
+            lanes = self.lanes_of(part)
+
+            def share(x: float, done: int = done, size: int = len(lanes)) -> None:
+                tell(done + x * size)
+
+            yield part, self.order.part(self.values_of(part), lanes.start, threads, share)
+            done += len(lanes)
 
     def _digest(self) -> str:
         """Of all that decides the numbers: the equations and solver as C, every constant, the signal, the values."""
@@ -113,13 +233,7 @@ class Sweep:
         table = s.pieces()
         pieces = [table.start, table.rows, table.restart]
         about = s.data.get("drive", [each["seed"] for each in s.sampling()])
-        numbers = [
-            sorted((*key, x) for key, x in s.values().items()),
-            s.initial,
-            s.atol(),
-            s.thresholds(),
-            s.end,
-        ]
+        numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.thresholds(), s.end]
         settings = [
             s.solve.rtol, step_share(s), s.solve.max_steps, s.output.step, s.rows, list(lanes.values), about,
         ]  # fmt: skip
@@ -127,186 +241,58 @@ class Sweep:
         arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
         return sha256(text.encode() + arrays).hexdigest()
 
-    def missing(self) -> list[int]:
-        """The parts that are not there yet, or are not what was written."""
-        done = self._digests()
-        return [i for i in range(self.parts) if not self._whole(self.name(i), done.get(self.name(i)))]
 
-    def _whole(self, name: str, wanted: str | None) -> bool:
-        try:
-            now = (name, wanted, *self.place.state(name))
-            if now not in self._read and digest(self.place, name) == wanted:
-                self._read.add(now)
-        except OSError:
-            return False
-        return now in self._read
-
-    def _digests(self) -> dict[str, str]:
-        """Those of its parts that the manifest in the folder holds."""
-        found = read_json(self.place, _MANIFEST).get("sha256")
-        if not isinstance(found, dict):
-            return {}
-        return {name: x for name in map(self.name, range(self.parts)) if isinstance(x := found.get(name), str)}
-
-    def run(self, threads: int | None = None, progress: Progress | None = None, on: str | None = None) -> int:
-        """Write the parts that are missing; how many lanes failed in all.
-
-        Args:
-            threads: of this machine; all unless given.
-            progress: called with the share of the lanes done and how many of them were done in this run.
-            on: a cluster, as for :func:`sweep`.
-
-        Raises:
-            InputError: the folder holds another sweep, or another process is at work in it.
-            StribeckError: the cluster went away, none of its workers can do it, or somebody changed a part meanwhile; what
-                was written stays.
-        """
-        with self.place.alone(), self._workers(on) as workers:
-            self._claim()
-            todo = self.missing()
-            before = len(self.lanes) - sum(len(range(*self.lanes_of_part(i))) for i in todo)
-
-            def tell(lanes: float) -> None:
-                if progress is not None:
-                    progress((before + lanes) / len(self.lanes), lanes)
-
-            if workers is not None:
-                from stribeck.sweeps.cluster import run_on
-
-                run_on(workers, self, todo, tell)
-            else:
-                self._here(todo, threads, tell)
-            self._note({})  # of two clients of a store that began at once one may have lost what the other noted
-            if changed := self.missing():
-                text = f"{self.name(changed[0])} was changed meanwhile; the same command makes it again"
-                raise StribeckError(f"{arg('folder')}: {str(self.place)!r}: {text}")
-            return sum(self._failed(part) for part in range(self.parts))
-
-    def _workers(self, on: str | None) -> AbstractContextManager[Workers | None]:
-        """Those of a cluster, asked for before anything is written, and only where a part is missing."""
-        if on is None or not self.missing():
-            return nullcontext()
-        from stribeck.sweeps.cluster import connected
-
-        return connected(on, "; the same command goes on from there")
-
-    def _here(self, todo: list[int], threads: int | None, tell: Callable[[float], None]) -> None:
-        """On this machine, part by part."""
-        done = 0
-        for part in todo:
-            first, end = self.lanes_of_part(part)
-
-            def share(x: float, done: int = done, size: int = end - first) -> None:
-                tell(done + x * size)
-
-            write = partial(self.order.write, values=self.values_of(part), first=first, threads=threads, progress=share)
-            self.written(part, self.place.put(self.name(part), write))
-            done += end - first
-            tell(done)
-
-    def written(self, part: int, known: str) -> None:
-        """Note that a part is written, with the SHA-256 of its file."""
-        self._note({self.name(part): known})
-        with suppress(OSError):  # gone already
-            self._read.add((self.name(part), known, *self.place.state(self.name(part))))
-
-    def _note(self, digests: Mapping[str, str]) -> None:
-        self._made |= digests
-        now = self._digests()
-        if digests or not self._made.keys() <= now.keys():
-            put_json(self.place, _MANIFEST, {**self.manifest, "sha256": dict(sorted({**now, **self._made}.items()))})
-
-    def lanes_of_part(self, part: int) -> tuple[int, int]:
-        """Its first lane and the one behind its last."""
-        return part * self.part_size, min((part + 1) * self.part_size, len(self.lanes))
-
-    def values_of(self, part: int) -> dict[str, Array]:
-        """The values of its lanes by path."""
-        first, end = self.lanes_of_part(part)
-        return {path: x[first:end] for path, x in self.lanes.values.items()}
-
-    def _failed(self, part: int) -> int:
-        with self.place.open(self.name(part)) as file:
-            return tables.failed_lanes(file, self.as_csv)
-
-    def _claim(self) -> None:
-        """Make the folder this sweep's: write its manifest, or find the same one there."""
-        self.place.tidy()
-        here = f"{arg('folder')}: {str(self.place)!r}"
-        names = self.place.names()
-        parts = {name for name in names if fnmatch(name, "part-*.*")}
-        if _MANIFEST in names:
-            if not (found := read_json(self.place, _MANIFEST)):
-                raise InputError(
-                    f"{here}: {_MANIFEST} in it is damaged or cannot be read: must be another folder, or emptied"
-                )
-            if {key: x for key, x in found.items() if key != "sha256"} != self.manifest:
-                text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
-                raise InputError(f"{here}: {text}")
-            if others := sorted(parts.difference(map(self.name, range(self.parts)))):
-                text = "which is no part of this sweep: must be another folder, or one without it"
-                raise InputError(f"{here}: holds {others[0]}, {text}")
-        elif parts:
-            raise InputError(f"{here}: holds parts of an unknown sweep: must be another folder")
-        else:
-            put_json(self.place, _MANIFEST, {**self.manifest, "sha256": {}})
-
-
-def check_cluster(on: str | None, threads: int | None, device: str) -> None:
-    """Refuse what a cluster cannot be told.
+def check_cluster(cluster: object, threads: int | None) -> None:
+    """Refuse threads beside a cluster, whose workers have their own.
 
     Raises:
-        InputError: threads, or another device than processors.
+        InputError: both are given.
     """
-    if on is not None and threads is not None:
-        text = f"does not go with {arg('on')}: a cluster's workers have their own"
+    if cluster is not None and threads is not None:
+        text = f"does not go with {arg('cluster')}: a cluster's workers have their own"
         raise InputError(f"{arg('threads')}: {threads}: {text}")
-    if on is not None and device != "cpu":
-        raise InputError(f"{arg('device')}: {device!r}: does not go with {arg('on')}: workers use their processors")
 
 
 def sweep(
     scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
-    values: Mapping[str, ArrayLike] | None = None,
+    vary: Mapping[str, ArrayLike] | None = None,
     out: str | Path = "sweep",
     *,
     t_end: float | None = None,
     step: float | None = None,
     summary: bool = False,
-    as_csv: bool = False,
     threads: int | None = None,
-    device: str = "cpu",
     progress: Progress | None = None,
-    on: str | None = None,
+    cluster: str | Client | None = None,
 ) -> Sweep:
-    """Simulate every lane into a folder, in parts; go on where an earlier sweep into it was stopped.
+    """Simulate every lane into a folder of Parquet files; go on where an earlier sweep into it was stopped.
+
+    A lane is one simulation of a batch.
 
     Args:
         scenario: what the lanes share; or ``machine.vary({...})``.
-        values: the values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
-        out: the folder, or the URL of an object store (``"s3://bucket/name"``).
+        vary: the values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
+        out: the folder, or a URL that fsspec knows (``"s3://bucket/name"`` with s3fs installed).
         t_end, step: as for :func:`stribeck.simulate`.
         summary: keep one row a lane (peaks, events, amplitude, period) in place of its trajectory.
-        as_csv: write CSV in the place of Parquet.
         threads: of the processor; all unless given.
-        device: ``"cuda"`` for a GPU, as for :func:`stribeck.simulate_ensemble`.
         progress: called with the share of the lanes done, and how many were done in this run.
-        on: ``"dask://HOST:PORT"``, the scheduler of a Dask cluster; ``"dask"`` starts one of processes on this machine
-            (``pip install 'stribeck[cluster]'``). The files are the same to the last byte.
+        cluster: the address of a Dask scheduler (``"10.0.0.5:8786"``) or a ``distributed.Client``; needs
+            ``pip install 'stribeck[cluster]'``. The files are the same to the last byte.
 
     Returns:
-        The sweep: ``path(i)`` is the file of part i of ``parts``.
+        The sweep; ``files`` names the manifest and the parts, ``failed`` counts the lanes that failed.
 
     Raises:
         InputError: a path cannot be varied, or the folder holds another sweep.
-        StribeckError: the cluster went away, or none of its workers can do it (what was written stays); or no GPU.
+        StribeckError: the place cannot be written now, the cluster went away, or no worker can make the parts. What was
+            written stays, and the same call goes on from there.
     """
-    check_cluster(on, threads, device)
+    check_cluster(cluster, threads)
+    values = dict(vary or {})
     if isinstance(scenario, VariedMachine):
-        values = {**scenario.values, **(values or {})}
+        values = {**scenario.values, **values}
     shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
-    found = Sweep(scenario_of(shared, t_end, step), arrays(values or {}), out, summary, as_csv, device)
-    if isinstance(found.place, Folder):
-        found.place.folder.mkdir(parents=True, exist_ok=True)
-    found.run(threads, progress, on)
+    found = Sweep(scenario_of(shared, t_end, step), variations.arrays(values), out, summary)
+    found.run(threads, progress, cluster)
     return found

@@ -40,15 +40,15 @@ class Range:
             first, last = float(words[0]), float(words[1])
             count = int(words[2]) if len(words) > 2 or not drawn else 1
         except (ValueError, IndexError):
-            raise InputError(f"{arg('ranges')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log") from None
+            raise InputError(f"{arg('vary')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log") from None
         if not sign or not path.strip() or len(words) > 3:
-            raise InputError(f"{arg('ranges')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log")
+            raise InputError(f"{arg('vary')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log")
         if not (math.isfinite(first) and math.isfinite(last)):
-            raise InputError(f"{arg('ranges')} {text!r}: FIRST and LAST must be finite numbers")
+            raise InputError(f"{arg('vary')} {text!r}: FIRST and LAST must be finite numbers")
         if not 1 <= count <= _MOST_LANES:
-            raise InputError(f"{arg('ranges')} {text!r}: COUNT must be a whole number from 1 to {_MOST_LANES}")
+            raise InputError(f"{arg('vary')} {text!r}: COUNT must be a whole number from 1 to {_MOST_LANES}")
         if log and not (first > 0 and last > 0):
-            raise InputError(f"{arg('ranges')} {text!r}: FIRST and LAST must be > 0 for log")
+            raise InputError(f"{arg('vary')} {text!r}: FIRST and LAST must be > 0 for log")
         return cls(path.strip(), first, last, count, log)
 
     @property
@@ -81,8 +81,8 @@ def lanes_of(ranges: Sequence[Range], samples: int | None = None, seed: int = 0)
     """
     paths = [r.path for r in ranges]
     if not ranges:
-        raise InputError(f"{arg('ranges')}: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log")
-    refuse_twice(paths, arg("ranges"))
+        raise InputError(f"{arg('vary')}: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log")
+    refuse_twice(paths, arg("vary"))
     count = math.prod(r.count for r in ranges) if samples is None else samples
     if not 1 <= count <= _MOST_LANES:
         what = "the grid has" if samples is None else arg("samples")

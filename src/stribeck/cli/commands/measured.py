@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
 from stribeck.errors import InputError
 
 # Columns of a record.
@@ -137,7 +137,6 @@ def fit(
     transfer: Transfer = None,
     plan: Plan = None,
     simulate: Simulate = False,
-    on: On = None,
     out: Out = None,
     json: Json = False,
 ) -> int:
@@ -157,7 +156,7 @@ def fit(
         from stribeck.cli import actuator
 
         actuator.check_options(context)
-        return actuator.fit(data, logs, law or [], set_ or [], unknown or [], transfer, starts, seed, out, json, on)
+        return actuator.fit(data, logs, law or [], set_ or [], unknown or [], transfer, starts, seed, out, json)
     from stribeck.cli import fit as work
     from stribeck.identify.options import FitOptions
 
@@ -170,7 +169,7 @@ def fit(
         starts, seed, output, work.drive(drive),
     )  # fmt: skip
     named = work.columns(columns, unit or [], force_gain)
-    return work.fit(data, law or [], named, cutoff, trim, options, out, json, on)
+    return work.fit(data, law or [], named, cutoff, trim, options, out, json)
 
 
 @app.command(epilog="Example: stribeck predict another.csv --fit fit --out predicted")

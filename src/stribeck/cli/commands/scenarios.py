@@ -7,49 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, On, ScenarioFile, Set, Trust, Undetermined, app, place, written_to
-
-
-@app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
-def sweep(
-    scenario: ScenarioFile,
-    out: Annotated[
-        str,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            parser=written_to,
-            help="Folder for the parts, made if need be; or a URL (s3://...).",
-        ),
-    ],
-    vary: Annotated[
-        list[str] | None,
-        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="A range of a number; may be repeated."),
-    ] = None,
-    samples: Annotated[
-        int | None, typer.Option("--samples", metavar="N", help="N random points of the ranges, not their grid.")
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="What the random points are drawn by.", min=0)] = 0,
-    summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
-    as_csv: Annotated[bool, typer.Option("--csv", help="Write CSV in the place of Parquet.")] = False,
-    set_: Set = None,
-    threads: Annotated[
-        int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
-    ] = None,
-    device: Annotated[
-        str, typer.Option("--device", metavar="cpu|cuda", help="cuda: a GPU, one lane a thread.")
-    ] = "cpu",
-    on: On = None,
-    trust: Trust = False,
-    json: Json = False,
-    _undetermined: Undetermined = False,
-) -> int:
-    """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
-    from stribeck.cli import sweep as command
-
-    return command.sweep(
-        scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust, on, device
-    )
+from stribeck.cli.shared import Json, Set, Trust, Undetermined, app, place
 
 
 @app.command(epilog="Example: stribeck new my_rig")

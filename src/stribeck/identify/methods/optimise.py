@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.identify.methods.blockwise import Solved, solve_blocks
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.work import Stopped, Work
-from stribeck.simulation.lanes import are_elsewhere, threads_of_this_machine
+from stribeck.simulation.lanes import threads_of_this_machine
 
 STOPPED = "stopped by Ctrl-C: the best values so far"
 _MANY = 200  # evaluations
@@ -83,7 +83,7 @@ def multistart(
     work = work or Work()
     best = _Best()
     watched = _Watched(problem, work, best)
-    batch, tried = len(starts) if are_elsewhere() else max(threads_of_this_machine(), 2), 0
+    batch, tried = max(threads_of_this_machine(), 2), 0
     done: list[tuple[int, Solved]] = []  # and from which start
     looks, met = list[Solved](), list[int]()
 
