@@ -13,7 +13,6 @@ from measure import RESULTS, machine
 BENCHMARKS = {  # and their files
     "single": "single.py",
     "ensemble": "ensemble.py",
-    "gpu": "gpu.py",
     "precision": "precision.py",
     "scaling": "scaling.py",
     "mujoco": "mujoco_lugre.py",

@@ -100,8 +100,6 @@ THINNED = {
     "simulation/test_against_scipy.py::test_other_machines": 3,
     "simulation/test_against_scipy.py::test_random_rigs": 7,
     "simulation/test_against_scipy.py::test_signals_that_jump": 3,
-    "simulation/test_cuda.py::test_the_kernel_compiles_at_run_time": 0,
-    "simulation/test_cuda.py::test_the_text_of_the_kernel_run_by_the_processor": 3,
     "simulation/test_energy.py::test_balance": 7,
     "simulation/test_ensemble.py::test_every_law": 7,
     "simulation/test_wasm.py::test_every_law_under_every_drive": 7,

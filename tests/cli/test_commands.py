@@ -116,7 +116,6 @@ def test_doctor_passes_its_self_test(stribeck):
     data = json.loads(stribeck("doctor", "--json").out)
     assert data["self_test"]["passed"]
     assert {"compiler", "cache", "packages", "stribeck"} <= set(data)
-    assert (data["gpu"]["name"] is None) == isinstance(data["gpu"]["why_not"], str)
     assert "self-test  passed" in stribeck("doctor").out
 
 

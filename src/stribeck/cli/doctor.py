@@ -16,7 +16,7 @@ from stribeck import examples
 from stribeck.cli.show import print_json
 from stribeck.cli.text import say
 from stribeck.scenario import Scenario
-from stribeck.simulation import Solution, backend, cache, compiler, cuda, simulate, wasm
+from stribeck.simulation import Solution, backend, cache, compiler, simulate, wasm
 
 _PACKAGES = (
     "numpy", "pydantic", "typer", "rich", "matplotlib", "jinja2", "pyarrow", "python-flint", "sympy", "scipy", "pandas",
@@ -40,13 +40,6 @@ class CacheFound(TypedDict):
     bytes: int
 
 
-class GpuFound(TypedDict):
-    """A GPU, or why there is none."""
-
-    name: str | None
-    why_not: str | None
-
-
 class SelfTest(TypedDict):
     """How a solution agrees with another's."""
 
@@ -67,7 +60,6 @@ class Installation(TypedDict):
     compiler: CompilerFound
     backend: str
     cache: CacheFound
-    gpu: GpuFound
     self_test: SelfTest
 
 
@@ -81,7 +73,6 @@ def doctor(json: bool) -> int:
         "compiler": _compiler(),
         "backend": backend.chosen(),
         "cache": _cache(),
-        "gpu": _gpu(),
         "self_test": _self_test(),
     }
     if json:
@@ -123,14 +114,6 @@ def _cache() -> CacheFound:
     }
 
 
-def _gpu() -> GpuFound:
-    """The GPU for ``device = "cuda"``, or why there is none."""
-    try:
-        return {"name": cuda.device(), "why_not": None}
-    except cuda.NoDevice as error:
-        return {"name": None, "why_not": str(error)}
-
-
 def _self_test() -> SelfTest:
     """The shortest of the paper's scenarios must agree within 1e-6 of the peaks with WebAssembly's solution; where that is
     the backend, with one at a far smaller tolerance."""
@@ -164,7 +147,6 @@ def _print(report: Installation) -> None:
     c = report["cache"]
     state = "writable" if c["writable"] else "NOT writable: every process compiles anew"
     say(f"{c['folder']}, {state}, {c['systems']} systems, {c['bytes'] / 1e6:.1f} MB", 11, "cache      ")
-    say(report["gpu"]["name"] or f"none: {report['gpu']['why_not']}", 11, "gpu        ")
     t = report["self_test"]
     verdict = "passed" if t["passed"] else "FAILED"
     solved = f"{verdict}: {t['solver']} {t['milliseconds']:.1f} ms"

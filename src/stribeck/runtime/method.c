@@ -15,7 +15,7 @@
 #else
 #define UNROLL
 #endif
-#if defined(__GNUC__) && !defined(__CUDACC__)
+#if defined(__GNUC__)
 #define ALWAYS_INLINE __attribute__((always_inline))
 #define NOINLINE __attribute__((noinline))
 #else

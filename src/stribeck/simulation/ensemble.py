@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck.arrays import Array
 from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK
-from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
+from stribeck.errors import BuildError, InputError, nearest
 from stribeck.scenario import Scenario, memory
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import lanes
@@ -102,7 +102,6 @@ def simulate_ensemble(
     t_end: float | None = None,
     step: float | None = None,
     threads: int | None = None,
-    device: str = "cpu",
     progress: Callable[[float], None] | None = None,
 ) -> Ensemble:
     """Simulate a scenario once for each value of some of its numbers.
@@ -118,8 +117,6 @@ def simulate_ensemble(
         t_end, step: as for :func:`simulate`.
         values: numbers by path, as many for each path as there are lanes; a single number holds for all.
         threads: how many to use; all of the machine's unless given.
-        device: ``"cuda"`` for a GPU, one trajectory a thread (``pip install 'stribeck[cuda]'``); its lanes agree with
-            those of the processor within the tolerances.
         progress: called now and then with the share of the lanes done, 0 to 1.
 
     Returns:
@@ -127,9 +124,7 @@ def simulate_ensemble(
 
     Raises:
         InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
-        StribeckError: ``device="cuda"`` where there is no GPU, or for what runs lane by lane.
     """
-    check_device(device)
     if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
     shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
@@ -139,27 +134,12 @@ def simulate_ensemble(
     lanes_in = _Lanes(variations)
     if not len(lanes_in.possible):
         return lanes_in.ensemble()
-    solve = _solver(variations, device, threads)
+    solve = _solver(variations, threads)
     if solve is None or not isinstance(variations, Variations):
         return lanes_in.ensemble(_one_by_one(lanes_in, threads, progress))
     some = variations if lanes_in.all_possible else variations.part(lanes_in.possible)
     lanes_in.take(some, solve(some, progress))
     return lanes_in.ensemble()
-
-
-def check_device(device: str) -> None:
-    """Refuse what is no device, or none that this machine has.
-
-    Raises:
-        InputError: it is neither ``cpu`` nor ``cuda``.
-        StribeckError: there is no GPU.
-    """
-    if device not in ("cpu", "cuda"):
-        raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
-    if device == "cuda":
-        from stribeck.simulation import cuda
-
-        cuda.device()
 
 
 def _check(variations: Variations | LaneByLane, threads: int | None) -> None:
@@ -214,14 +194,8 @@ class _Lanes:
         return Ensemble(self.variations, self.states, self.reason, self.counts, columns)
 
 
-def _solver(variations: Variations | LaneByLane, device: str, threads: int) -> _Solver | None:
+def _solver(variations: Variations | LaneByLane, threads: int) -> _Solver | None:
     """What solves many lanes at once; None where they are to be solved one by one."""
-    if device == "cuda":
-        if not isinstance(variations, Variations):
-            raise StribeckError("device 'cuda': this scenario runs lane by lane, which a GPU cannot; use the processor")
-        from stribeck.simulation import cuda
-
-        return cuda.solve
     library = _library(variations.scenario) if isinstance(variations, Variations) else None
     return None if library is None else lambda some, progress: lanes.solve(library, some, threads, progress)
 
