@@ -110,31 +110,8 @@ def measure() -> Iterator[dict[str, Any]]:
     mujoco.set_mjcb_act_bias(None)
 
 
-def picture(rows: list[dict[str, Any]], path: Path) -> None:
-    """Three panels: what each way gets wrong, by the step."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11, 4.2), layout="constrained")
-    panels = figure.subplots(1, 3)
-    titles = {
-        "stick_slip_max_error": "stick-slip, greatest error of y (m)",
-        "energy_lost": "stick-slip, |energy lost by the method| / work",
-        "drift": "drift in 16 s, dithered 0.4 ± 0.25 N (m)",
-    }
-    for axes, (key, title) in zip(panels, titles.items(), strict=True):
-        for i, (law, way) in enumerate(WAYS):
-            values = [abs(r[key]) for r in rows if (r["law"], r["way"]) == (law, way)]
-            style = {"marker": "osv^D<>"[i], "linestyle": "-" if law == "lugre" else "--"}
-            axes.loglog([1e3 * s for s in STEPS], np.maximum(values, 1e-16), label=f"{law}, {way}", **style)
-        axes.set(xlabel="step (ms)", title=title)
-        axes.title.set_fontsize(10)
-        axes.grid(alpha=0.3)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=8)
-    figure.savefig(path)
-
-
 def main() -> None:
-    """Print a table, write the results and the picture."""
+    """Print a table, write the results."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=RESULTS / "discretisation.json")
     parser.add_argument("--repetitions", type=int, help="of no use here: the errors do not vary")
@@ -160,7 +137,6 @@ def main() -> None:
     options.out.parent.mkdir(parents=True, exist_ok=True)
     clean = json.loads(json.dumps(result), parse_constant=lambda word: None)
     options.out.write_text(json.dumps(clean, indent=2) + "\n")
-    picture(rows, options.out.with_suffix(".svg"))
 
 
 if __name__ == "__main__":

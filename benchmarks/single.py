@@ -20,15 +20,12 @@ import statistics
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
-import figures
 import numpy as np
 from measure import Seconds, keep, kept, machine, options, say, spread, table, targets_table, timed, write
-from peers import solve_ivp
+from peers import BASE, PEERS_ATOL, Array, Solver, Stribeck, available, solve_ivp
 from problems import LIMIT_CYCLE
-from solvers import BASE, PEERS_ATOL, Array, Solver, Stribeck, available
 
 LIMIT = 1e-6  # of the range of y
 REFERENCE_RTOL = 1e-12
@@ -43,7 +40,6 @@ MOST_CALLS = 15
 SLOW, FEW = 0.4, 5  # solvers slower than so many s take part in so many repetitions only
 # what, which peer, how many times faster than it, in which direction
 TARGETS = (
-    ("no slower than the C prototype", "C prototype", 1.0),
     ("faster than SciPy odeint", "SciPy odeint", 60.0),
     ("faster than solve_ivp LSODA", "solve_ivp LSODA", 120.0),
     ("faster than numbalsoda", "numbalsoda", 3.5),
@@ -227,7 +223,7 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
         os.environ["STRIBECK_CACHE"] = folder
         say("reference")
         y, about = reference()
-        solvers, missing = available(LIMIT_CYCLE, Path(folder))
+        solvers, missing = available(LIMIT_CYCLE)
         choices, failed = tolerances(solvers, y, rescan)
         missing |= failed
         if not choices or choices[0].solver.name != BASE:
@@ -268,7 +264,6 @@ def main() -> None:
     given = options(__doc__, "single", repetitions=15, quick=2, scan="scan the slow solvers too (some minutes)")
     results = benchmark(given.repetitions, given.scan)
     write(given.out, results)
-    figures.draw("single", given.out)
     print(report(results))
 
 

@@ -4,6 +4,8 @@ import ast
 import importlib.util
 import json
 import math
+import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -45,11 +47,10 @@ def test_peers_arrive_where_the_simulation_does(problems, name):
     assert abs(y).max() > 0.5
 
 
-@pytest.mark.parametrize("name", ["single", "ensemble", "precision", "scaling", "mujoco", "startup"])
+@pytest.mark.parametrize("name", ["single", "ensemble", "machines", "startup"])
 def test_results_say_when_and_where(name):
     results = json.loads((FOLDER / "results" / f"{name}.json").read_text())
     assert {"date", "processor", "cores", "load", "compiler", "versions"} <= results["machine"].keys()
-    assert name == "startup" or (FOLDER / "results" / f"{name}.svg").read_text().endswith("</svg>\n")
 
 
 def test_the_page_on_machines_states_what_was_measured():
@@ -80,3 +81,24 @@ def test_a_benchmark_s_own_imports_exist():
     assert {
         (file, name) for file, name in bare if name not in known and importlib.util.find_spec(name) is None
     } == set()
+
+
+def test_every_script_of_a_family_is_there():
+    found = subprocess.run(
+        [sys.executable, FOLDER / "run.py", "--help"], capture_output=True, text=True, check=True, cwd=FOLDER
+    ).stdout
+    named = set(re.findall(r"[a-z_]{4,}", found.partition("of speed")[2].partition("--repetitions")[0]))
+    scripts = {path.stem for path in FOLDER.glob("*.py")}
+    assert {"single", "ensemble", "verdicts"} <= named & scripts
+    assert named - scripts <= {
+        "speed",
+        "accuracy",
+        "export",
+        "verdicts",
+        "options",
+        "help",
+        "show",
+        "this",
+        "message",
+        "exit",
+    }

@@ -43,6 +43,7 @@ def connected(cluster: str | Client) -> Iterator[Client]:
     """
     with needed(f"{arg('cluster')} {cluster}", "cluster"):
         import distributed
+        from distributed.comm.addressing import get_address_host_port
     if compiler.find() is None:
         text = "without a C compiler here the workers' numbers would differ in their last bits"
         raise StribeckError(f"{arg('cluster')}: {text}")
@@ -54,7 +55,7 @@ def connected(cluster: str | Client) -> Iterator[Client]:
             yield cluster
             return
         try:  # by a plain connection first: Dask tries a wrong address again and again, and its loop outlives the failure
-            socket.create_connection(distributed.comm.get_address_host_port(cluster), _CONNECT).close()
+            socket.create_connection(get_address_host_port(cluster), _CONNECT).close()
             client = distributed.Client(cluster, timeout=_CONNECT)
         except (OSError, ValueError) as error:
             raise InputError(f"{arg('cluster')}: {cluster!r}: no scheduler answers there: {error}") from None
