@@ -107,7 +107,7 @@ THINNED = {
     "site/test_site.py::test_a_script_of_the_gallery": 6,
     "site/test_site.py::test_five_minutes": 2,
     "site/test_site.py::test_the_site_is_built_without_a_warning": 0,
-    "steepness/test_advise.py::test_every_law_and_machine": 5,
+    "properties/steepness/test_steepness.py::test_every_law_and_machine": 5,
     "sweeps/test_cluster.py::test_a_law_of_ones_own_goes_along_as_text": 0,
     "sweeps/test_cluster.py::test_a_worker_that_is_stopped_for_ever_is_named_and_its_parts_go_to_others": 0,
     "test_published_records.py::test_a_row_is_what_its_command_prints": 15,
@@ -132,9 +132,7 @@ AS_USERS_COMPILE = {"analysis", "codegen", "control", "machine", "reference", "r
 # Elsewhere systems are compiled in a third of the time, and run slower; `make thorough` compiles all as a user's run.
 QUICKLY = "-O0"
 # Where one system is solved many times: in half the time, and a fifth slower.
-SOLVE_MUCH = dict.fromkeys(
-    ("identify", "loops", "steepness"), "-O1 -fexpensive-optimizations -fno-inline-functions-called-once"
-)
+SOLVE_MUCH = dict.fromkeys(("identify", "loops"), "-O1 -fexpensive-optimizations -fno-inline-functions-called-once")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -2,7 +2,7 @@
 How steep must k_v be?
 ======================
 
-A smooth law approaches LuGre as k_v grows, and its equations grow stiff. ``advise`` names the smallest k_v that keeps
+A smooth law approaches LuGre as k_v grows, and its equations grow stiff. ``check`` finds the smallest k_v that keeps
 what you tolerate: here a body under a load just below break-away, which may creep by a micrometre in a second.
 """
 
@@ -11,8 +11,8 @@ import numpy as np
 
 import stribeck
 
-advice = stribeck.advise("lugre_majorant", parameters="canudas1995", creep=1e-6)
-found = advice["lugre_majorant"]
+law = stribeck.law("lugre_majorant", parameters="canudas1995", k_v=1e5)
+found = stribeck.check(law, creep=1e-6).steepness["lugre_majorant"]
 print(f"k_v = {found.k_v:.3g} s/m keeps", found.requirements[0].name, "below 1 um/s")
 v = np.linspace(-2e-3, 2e-3, 801)
 for k_v in (1e3, 1e4, 1e5):

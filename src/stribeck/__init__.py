@@ -38,14 +38,13 @@ if TYPE_CHECKING:
         Step,
     )
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
-    from stribeck.steepness import Advice, advise
     from stribeck.sweeps.job import sweep
 
 __all__ = [
-    "Advice", "Body", "BristleLaw", "BuildError", "Claims", "Constant", "Contact", "Controller", "Ensemble",
+    "Body", "BristleLaw", "BuildError", "Claims", "Constant", "Contact", "Controller", "Ensemble",
     "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "MachineVerdicts", "Motor",
     "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
-    "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
+    "StribeckError", "StribeckNote", "Verdict", "Verdicts", "allow_undetermined", "check",
     "design", "export", "fit", "law", "library",
     "read_log", "simulate", "simulate_ensemble", "sweep",
 ]  # fmt: skip
@@ -55,7 +54,6 @@ _HOME = {
     **dict.fromkeys(
         ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
     ),
-    **dict.fromkeys(("Advice", "advise"), "stribeck.steepness"),
     "export": "stribeck.export",
     **dict.fromkeys(("fit", "read_log"), "stribeck.identify.api"),
     "Fit": "stribeck.identify.result",

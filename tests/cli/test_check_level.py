@@ -1,4 +1,4 @@
-"""``stribeck check --level`` and of a machine, and ``advise --level``, from the command line."""
+"""``stribeck check --level`` and of a machine, from the command line."""
 
 import json
 
@@ -68,28 +68,6 @@ def test_mistakes_are_one_line(stribeck, tmp_path, options, says):
     assert result.status == 2
     assert says in result.err
     assert len(result.err.strip().splitlines()) == 1
-
-
-def test_advice_on_the_level(stribeck):
-    law = ["--parameters", "canudas1995", "--json"]
-    data = json.loads(stribeck("advise", "lugre_majorant", *law, "--set", "k_v=1e6", "--level", "1:3").out)
-    found = data["laws"]["lugre_majorant"]["level"]
-    assert found["steady_change"] == 0.0  # dz/dt is 0 there
-    assert 0.0294 < found["v_d"] < 0.0295
-    assert found["sigma_2"] == pytest.approx(3.5 * 1e5**0.5)
-    assert found["steady_change_by_sigma_2"] > 1
-    assert found["passive_now"] is False
-    for share, passive in ((1.0, True), (1.001, False)):
-        more = ["--set", "k_v=1e6", "--set", f"v_d={share * found['v_d']!r}", "--level", "1:3"]
-        again = json.loads(stribeck("advise", "lugre_majorant", *law, *more).out)
-        assert again["laws"]["lugre_majorant"]["level"]["passive_now"] is passive
-    both = json.loads(stribeck("advise", "lugre_sobczyk", *law, "--creep", "1e-6", "--level", "1:3").out)
-    assert both["laws"]["lugre_sobczyk"]["level"] is None
-    assert both["laws"]["lugre_majorant"]["level"]["v_d"] > 0
-    coarse = json.loads(stribeck("advise", "lugre_majorant", *law, "--set", "k_v=10", "--level", "1:3").out)
-    assert coarse["laws"]["lugre_majorant"]["level"]["v_d"] is None
-    assert coarse["laws"]["lugre_majorant"]["level"]["k_v_above"] == pytest.approx(1e5**0.5 / 2 / 3.14159265)
-    assert "must be LOW:HIGH" in stribeck("advise", "lugre", "--level", "3").err
 
 
 def test_passive_constants_are_passive(stribeck):

@@ -42,7 +42,6 @@ def place(tmp_path, monkeypatch, scenario):
         ("run rig.toml --set plant.mass=2 --set plant.mass=3", "--set plant.mass"),
         ("check rig.toml --set plant.mass=2 --set plant.mass=2", "--set plant.mass"),
         ("check lugre --parameters canudas1995 --set F_s=2 --set F_s=3", "--set F_s"),
-        ("advise lugre_sobczyk --parameters canudas1995 --set F_s=2 --set F_s=3", "--set F_s"),
         ("export lugre --parameters canudas1995 --target table --set F_s=2 --set F_s=3 --out o.csv", "--set F_s"),
         ("export machine.toml --target c --set bodies.a.mass=2 --set bodies.a.mass=3 --out o", "--set bodies.a.mass"),
         ("explore rig.toml --set plant.mass=2 --set plant.mass=3", "--set plant.mass"),
@@ -72,7 +71,7 @@ def test_one_name_twice_is_refused(stribeck, place, words, text):
         "sweep rig.toml --vary plant.mass=1:2:2 --out", "explore rig.toml --out", "paper --out", "run rig.toml --show --out",
         "export lugre --parameters canudas1995 --target c --out", "design machine.toml --out",
         "check lugre --parameters canudas1995 --certificate", "check lugre --parameters canudas1995 --out",
-        "advise lugre --parameters canudas1995 --out", "import mujoco machine.toml --out", "fit log.csv --out",
+        "import mujoco machine.toml --out", "fit log.csv --out",
         "library mx106 --out", "fit --plan stroke=1,speed=1,force=1 --out",
     ],
 )  # fmt: skip

@@ -100,7 +100,7 @@ def test_show(stribeck, tmp_path):
     [
         ("design", "{}", "--v-max", "1"),
         ("export", "--part", "body", "--scenario", "{}", "--target", "c", "--out", "x"),
-        ("advise", "lugre_majorant", "--parameters", "canudas1995", "--scenario", "{}", "--position-error", "1e-6"),
+        ("check", "lugre_majorant", "--parameters", "canudas1995", "--scenario", "{}", "--position-error", "1e-6"),
     ],
     ids=lambda words: words[0],
 )

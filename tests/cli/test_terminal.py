@@ -24,7 +24,7 @@ SPOKEN = {
     ),
     "run": ("run", examples.path("break_away")),
     "design": ("design", examples.path("servo"), "--set", "solve.t_end=0.1", "--v-max", "0.1"),
-    "advise": ("advise", "lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"),
+    "check --creep": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"),
     "doctor": ("doctor",),
 }  # fmt: skip
 

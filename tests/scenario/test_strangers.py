@@ -122,7 +122,7 @@ def test_observers_too(place):
         ("sweep", "@", "--vary", "law.parameters.F_s=1.5:2:2", "--out", "out"),
         ("design", "@"),
         ("export", "--scenario", "@", "--target", "c", "--out", "out"),
-        ("advise", "lugre_majorant", "--parameters", "canudas1995", "--scenario", "@", "--position-error", "1e-5"),
+        ("check", "lugre_majorant", "--parameters", "canudas1995", "--scenario", "@", "--position-error", "1e-5"),
     ],
     ids=lambda words: words[0],
 )

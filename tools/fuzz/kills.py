@@ -28,7 +28,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "run": (("stick_slip.toml",), ("--set", "solve.t_end=40.0"), _SUMMARY),
     "sweep": (("stick_slip.toml", "--vary", "law.k_v=1e6:1e8:40:log"), (), None),
     "check": (("lugre", "--parameters", "canudas1995"), ("--set", "sigma_1=100"), "report.html"),
-    "advise": (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"), ("--share", "0.5"), _SUMMARY),
+    "check creep": (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"), ("--share", "0.5"), "report.html"),
     "fit": (("log.csv", *_LOG, "--law", "coulomb_viscous"), ("--trim", "3"), "parameters.toml"),
     "predict": (("log.csv", *_LOG, "--fit", "model"), (), None),
     "fit plan": (_PLAN, ("--seed", "3"), "programme.csv"),

@@ -12,7 +12,6 @@ from stribeck.cli.shared import Json, app
 from stribeck.cli import run as run
 from stribeck.cli import sweep as sweep
 from stribeck.cli.commands import scenarios as scenarios
-from stribeck.cli.commands import of_laws as of_laws
 from stribeck.cli import check as check
 from stribeck.cli import design as design
 from stribeck.cli.commands import export as export

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from json import dumps
-from math import inf, isfinite, nan
+from math import ceil, floor, inf, isfinite, log10, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,13 +16,78 @@ from stribeck.cli.shared import Json, Trust, Undetermined, app, place
 from stribeck.errors import InputError, left_out, note
 
 if TYPE_CHECKING:
+    from stribeck.laws.base import Law
     from stribeck.properties import Verdict, Verdicts
     from stribeck.properties.ports import MachineVerdicts
+    from stribeck.properties.steepness import Steepness
+    from stribeck.scenario import Scenario
 
 _DEFAULT_SET = "canudas1995"
 # What an older check leaves: scenarios as _write_scenarios begins them, and pictures of them, which say by name what they are.
 _COUNTEREXAMPLES = {"*.toml": r"# \S+ is not \w+: "} | {f"*not_*.{kind}": "" for kind in ("svg", "png", "pdf")}
+STEEPNESS = "Steepness: the smallest k_v that meets a tolerance"
 _BESIDE = 23  # columns, where the words of a verdict begin
+
+# Tolerances, and what belongs to them: the smallest k_v that meets them is found.
+Creep = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M/S", rich_help_panel=STEEPNESS,
+        help="Find the smallest k_v with which a body under a held load creeps at most so fast, m/s.",
+    ),
+]  # fmt: skip
+Share = Annotated[
+    float | None,
+    typer.Option(
+        metavar="X", rich_help_panel=STEEPNESS, help="That load, and the one of presliding, as a share of F_s; 0.95 unless given."
+    ),
+]  # fmt: skip
+SteadyError = Annotated[
+    float | None,
+    typer.Option(
+        metavar="X", rich_help_panel=STEEPNESS, help="Find k_v for this relative error of the steady force at --speed."
+    ),
+]
+Speed = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M/S", rich_help_panel=STEEPNESS, help="Speed at which --steady-error is evaluated, m/s."
+    ),
+]  # fmt: skip
+PreslidingError = Annotated[
+    float | None,
+    typer.Option(
+        metavar="X", rich_help_panel=STEEPNESS,
+        help="Find k_v for this error of the presliding position, relative to its peak.",
+    ),
+]  # fmt: skip
+ForceRate = Annotated[
+    float | None,
+    typer.Option(metavar="N/S", rich_help_panel=STEEPNESS, help="Rate of the force in presliding, N/s."),
+]
+PositionError = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M", rich_help_panel=STEEPNESS, help="Find k_v for this error of the position in --scenario, m."
+    ),
+]
+OfPosition = Annotated[
+    Path | None,
+    typer.Option(
+        "--scenario", metavar="FILE", rich_help_panel=STEEPNESS,
+        help="Scenario of --position-error; the law has its constants, unless --parameters are given.",
+    ),
+]  # fmt: skip
+SampleTime = Annotated[
+    float | None,
+    typer.Option(
+        metavar="S", rich_help_panel=STEEPNESS, help="Find k_v with which explicit Euler is stable at this step, s."
+    ),
+]
+Mass = Annotated[
+    float | None,
+    typer.Option(metavar="KG", rich_help_panel=STEEPNESS, help="Mass of the body in these questions, kg."),
+]
 
 
 @app.command(epilog="Example: stribeck check lugre_sobczyk --parameters canudas1995 --set k_v=1e7")
@@ -58,6 +123,16 @@ def check(
         Path | None,
         typer.Option(metavar="DIR", parser=place, help="Folder for a page, and for counterexamples as scenarios to run."),
     ] = None,
+    creep: Creep = None,
+    share: Share = None,
+    steady_error: SteadyError = None,
+    speed: Speed = None,
+    presliding_error: PreslidingError = None,
+    force_rate: ForceRate = None,
+    position_error: PositionError = None,
+    scenario: OfPosition = None,
+    sample_time: SampleTime = None,
+    mass: Mass = None,
     trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,
@@ -68,16 +143,23 @@ def check(
     if v_max is not None:
         require_positive("v_max", v_max, "m/s")
     asked = _Asked(v_max, verify, out, certificate, json)
+    asked_for = {
+        "creep": creep, "share": share, "steady_error": steady_error, "speed": speed,
+        "presliding_error": presliding_error, "force_rate": force_rate, "position_error": position_error,
+        "scenario": scenario, "sample_time": sample_time, "mass": mass,
+    }  # fmt: skip
+    tolerated: dict[str, object] = {name: x for name, x in asked_for.items() if x is not None}
     if what.lower().endswith(".toml"):
-        if problems := [f"{n}: must be left out for a machine, whose file says it"
-                        for n, x in (("--parameters", parameters), ("--level", level)) if x]:  # fmt: skip
-            raise InputError(problems)
+        of_a_law = [n for n, x in (("--parameters", parameters), ("--level", level)) if x]
+        of_a_law += [f"--{name.replace('_', '-')}" for name in tolerated]
+        if of_a_law:
+            raise InputError([f"{n}: must be left out for a machine: it is about one law" for n in of_a_law])
         return _machine(Path(what), set_ or [], force or [], trust, asked)
     if force:
         raise InputError(
             f"--force: {force[0]!r}: needs a machine's FILE.toml: it bounds a link, a load or a motor there"
         )
-    return _law(what, parameters, set_ or [], level, asked)
+    return _law(what, parameters, set_ or [], level, tolerated, trust, asked)
 
 
 @dataclass(frozen=True)
@@ -100,23 +182,32 @@ class _Asked:
             show.check_file("--certificate", self.certificate, *reads)
 
 
-def _law(name: str, parameters: str | None, assignments: list[str], level: str | None, asked: _Asked) -> int:
+def _law(
+    name: str, parameters: str | None, assignments: list[str], level: str | None, tolerated: dict[str, object],
+    trust: bool, asked: _Asked,
+) -> int:  # fmt: skip
     from stribeck import laws
     from stribeck.cli import show
-    from stribeck.laws.base import PARAMETERS
     from stribeck.properties import check as decide
     from stribeck.scenario import parse_assignments
 
     bounds = level_of(level)
     given = parse_assignments(assignments)
-    if parameters is None and not set(given) & set(PARAMETERS) and _needs_parameters(name):
+    if "scenario" in tolerated:
+        tolerated["scenario"] = scenario = show.load(Path(str(tolerated["scenario"])), [], trust)
+        given = given if parameters else _constants_of(name, scenario) | given
+    if parameters is None and _lacks_parameters(name, given):
         parameters = _DEFAULT_SET
         note(f"no parameters given: checked with the set {parameters}")
-    law = laws.law(name, parameters, **given)
+    open_k_v = bool(tolerated) and "k_v" not in given and "k_v" in laws.find(name).constants()
+    law = laws.law(name, parameters, **given, **({"k_v": 1.0} if open_k_v else {}))
     if problem := laws.trouble(law):
         raise InputError(f"{name!r}: {problem}")
     asked.refuse(Path(name.rpartition(":")[0]), Path(parameters or ""))
-    verdicts = decide(law, asked.v_max, level=bounds)
+    if tolerated:
+        verdicts = _with_steepness(law, tolerated, bounds, asked.v_max, find_k_v=open_k_v)
+    else:
+        verdicts = decide(law, asked.v_max, level=bounds)
     if asked.verify:
         verdicts.verify()
     written = _Written()
@@ -231,11 +322,41 @@ def _forces(texts: list[str]) -> dict[str, float]:
     return found
 
 
-def _needs_parameters(name: str) -> bool:
+def _lacks_parameters(name: str, given: Mapping[str, object]) -> bool:
+    """Whether a law needs a machine's parameters and none of them is given."""
     from stribeck import laws
+    from stribeck.laws.base import PARAMETERS
 
     found = laws.find(name)
-    return any(found.constants()[n].required for n in found.uses)
+    return not set(given) & set(PARAMETERS) and any(found.constants()[n].required for n in found.uses)
+
+
+def _constants_of(name: str, scenario: Scenario) -> dict[str, float | str | None]:
+    """The constants of a scenario's law that the law of this name has too."""
+    from stribeck import laws
+    from stribeck.laws.base import PARAMETERS
+
+    known, law = {*laws.find(name).constants(), *PARAMETERS}, scenario.law
+    constants = {**law.machine, **law.p.numbers, **law.p.words}
+    return {n: x for n, x in constants.items() if n in known} | {"rotary": law.rotary}
+
+
+def _with_steepness(
+    law: Law, tolerated: Mapping[str, object], level: tuple[float, float] | None, v_max: float | None, *, find_k_v: bool
+) -> Verdicts:
+    """The verdicts and the smallest k_v; with ``find_k_v`` on the law with that k_v, and none if no k_v will do."""
+    from stribeck.properties import Verdicts
+    from stribeck.properties import check as decide
+    from stribeck.properties.steepness import Tolerated, smallest_steepness
+
+    found = smallest_steepness(law, Tolerated.given({**tolerated, "v_max": v_max}))
+    k_v = found[law.name].k_v
+    if find_k_v and not k_v:
+        verdicts = Verdicts(law, {}, v_max)
+    else:
+        verdicts = decide(law.replace(k_v=k_v) if find_k_v else law, v_max, level=level)
+    verdicts.steepness = found
+    return verdicts
 
 
 def _write_scenarios(verdicts: Verdicts, out: Path, prefix: str = "") -> list[str]:
@@ -268,11 +389,49 @@ def _print(verdicts: Verdicts, of: str = "") -> None:
     say(of + heading, 4)
     for line in more:
         say(line, 4, "  ")
+    for each in verdicts.steepness.values():
+        _print_steepness(each)
     for name, verdict in verdicts.properties.items():
         again = {True: ", verified", False: ", NOT CONFIRMED", None: ""}[verdict.verified]
         say(f"{verdict.reason}{again}", _BESIDE, f"  {name:11}{DECIDED[verdict.holds]:10}")
         for line in _lines(verdict.evidence):
             say(line, _BESIDE + 2, " " * _BESIDE)
+
+
+def _print_steepness(found: Steepness) -> None:
+    from stribeck.cli.text import say
+    from stribeck.constants import rotary_unit
+
+    def unit(linear: str) -> str:
+        return rotary_unit(linear) if found.rotary else linear
+
+    speed, steepness = unit("m/s"), unit("s/m")
+    say(f"k_v = {_k_v_in_words(found.k_v, steepness)}", 6, f"  {found.law}: ")
+    for each in found.requirements:
+        tolerance = f"{100 * each.tolerance:.4g} %" if not each.unit else f"{each.tolerance:.4g} {each.unit}"
+        say(f"{each.name}, {tolerance}: {_k_v_in_words(each.k_v, steepness)}", 8, "    ")
+        say(f"by {each.method}: {each.detail}", 8, "        ")
+    if (c := found.cost) is None:
+        return
+    fast = f"up to {c.v_max:.4g} {speed}: stiffness {c.stiffness:.4g} 1/s"
+    say(f"{fast}, explicit steps below {c.largest_step:.4g} s", 6, "    ")
+    if c.body_stiffness is not None:
+        print(f"    with the body: eigenvalues up to {c.body_stiffness:.4g} 1/s")
+    bent = f"dF/dv changes by up to {c.force_bend:.4g} {unit('N s/m')} per {speed} there"
+    say(f"|v| is bent within {c.bend:.4g} {speed}; {bent}", 6, "    ")
+
+
+def _k_v_in_words(k_v: float | None, unit: str) -> str:
+    """A required k_v: a number, any, or none."""
+    return "none will do" if k_v is None else f"{rounded_up(k_v)} {unit}" if k_v else "any will do"
+
+
+def rounded_up(x: float) -> str:
+    """Four digits, rounded up: a smaller k_v would miss the tolerance."""
+    if not x:
+        return "0"
+    unit = 10.0 ** (floor(log10(x)) - 3)
+    return f"{ceil(x / unit * (1 - 1e-12)) * unit:.4g}"  # 1e-12: the rounding of x / unit itself
 
 
 def _print_machine(found: MachineVerdicts) -> None:

@@ -14,7 +14,7 @@ _START = "stick_slip"  # the example that a new name starts from, under another 
 _LAW = """\
 [law]
 name = "lugre_majorant"         # smooth, and with these constants passive; 'stribeck library' lists the others
-k_v = 1e6                       # s/m, steepness near rest; 'stribeck advise' names the smallest that will do
+k_v = 1e6                       # s/m, steepness near rest; 'stribeck check --creep' finds the smallest
 v_d = 0.02                      # m/s, bristle damping falls with speed; without it this set is not passive
 
 """

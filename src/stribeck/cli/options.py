@@ -9,7 +9,7 @@ _WORDS = {
     "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA",
     "forces": "--force", "laws": "--law", "folder": "--out",
 }  # fmt: skip
-_POSITIONAL = {"law": ("advise", "check", "export"), "scenario": ("run", "sweep", "design")}
+_POSITIONAL = {"law": ("check", "export"), "scenario": ("run", "sweep", "design")}
 
 
 def option(name: str, command: str) -> str:

@@ -12,12 +12,12 @@ from stribeck.laws.terms import g
 from stribeck.paper.common import BRISTLES, STEEPNESSES, Done, Variant, solve
 from stribeck.paper.statements import passivity_cycle
 from stribeck.properties.cycles import integrate
+from stribeck.properties.steepness.search import with_k_v
+from stribeck.properties.steepness.steady import Creep
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg
 from stribeck.report.quantities import human
 from stribeck.scenario import Scenario
-from stribeck.steepness.search import with_k_v
-from stribeck.steepness.steady import Creep
 
 _SHARE = 0.95
 Numbers = Mapping[str, object]

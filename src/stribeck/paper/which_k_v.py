@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from stribeck import examples
+from stribeck import examples, laws
 from stribeck.paper.common import Done
-from stribeck.report.advise import advice_figure
+from stribeck.properties.steepness import Steepness, Tolerated, smallest_steepness
 from stribeck.report.page import Chapter, Table
+from stribeck.report.steepness import steepness_figure
 from stribeck.scenario import Scenario
-from stribeck.steepness import Advice, advise
 
-_TOLERATED: dict[str, Any] = {
+_TOLERATED: dict[str, object] = {
     "creep": 1e-6, "steady_error": 0.01, "speed": 1e-4, "presliding_error": 0.02, "force_rate": 0.1425, "mass": 1.0,
     "position_error": 1e-3, "sample_time": 1e-4, "v_max": 0.1,
 }  # fmt: skip
@@ -20,7 +18,8 @@ _TOLERATED: dict[str, Any] = {
 def chapter(done: Done) -> Chapter:
     """The smallest k_v for what one might tolerate in the paper's simulations."""
     cycle = Scenario.load(examples.path("limit_cycle"))
-    advices = advise("lugre_sobczyk", "canudas1995", scenario=cycle, **_TOLERATED)
+    law = laws.law("lugre_sobczyk", "canudas1995", k_v=1.0)
+    advices = smallest_steepness(law, Tolerated.given({**_TOLERATED, "scenario": cycle}))
     paper, majorant = advices["lugre_sobczyk"], advices["lugre_majorant"]
     rows = [
         [f"{a.name}: at most {_amount(a.tolerance, a.unit)}", _k_v(a.k_v), _k_v(b.k_v), a.method, b.method]
@@ -36,15 +35,15 @@ def chapter(done: Done) -> Chapter:
         f"What k_v costs is not stiffness: up to 0.1 m/s it is {_cost(paper)} for the one and {_cost(majorant)} for the other, "
         "that of sliding itself. It is the bend of |v|, within which dF/dv changes: by up to "
         f"{_bend(paper)} and {_bend(majorant)} N s/m for each m/s.",
-        "stribeck advise lugre_sobczyk --parameters canudas1995 --creep 1e-6 --steady-error 0.01 --speed 1e-4 ... answers for a "
+        "stribeck check lugre_sobczyk --parameters canudas1995 --creep 1e-6 --steady-error 0.01 --speed 1e-4 ... answers for a "
         "machine of your own.",
     )
-    shown = advice_figure(
+    shown = steepness_figure(
         advices, "which_k_v",
         "What is tolerated (grey) against k_v, for the paper's law and the majorant law; the dots are the smallest k_v that meet "
         "it. Table 1; creep and presliding at 0.95 F_s, the position in the limit cycle of Fig. 9.",
     )  # fmt: skip
-    numbers = {name: advice.summary() for name, advice in advices.items()}
+    numbers = {name: advice.to_dict() for name, advice in advices.items()}
     return Chapter("which_k_v", "Which k_v?", text, [Table(head, rows)], [shown], numbers)
 
 
@@ -56,9 +55,9 @@ def _k_v(k_v: float | None) -> str:
     return "none" if k_v is None else f"{k_v:.3g}" if k_v else "any"
 
 
-def _cost(advice: Advice) -> str:
+def _cost(advice: Steepness) -> str:
     return f"{advice.cost.stiffness:.3g} 1/s" if advice.cost else "-"
 
 
-def _bend(advice: Advice) -> str:
+def _bend(advice: Steepness) -> str:
     return f"{advice.cost.force_bend:.2g}" if advice.cost else "-"

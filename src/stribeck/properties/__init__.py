@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from time import process_time
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, und
 
 if TYPE_CHECKING:
     from stribeck.properties.ports import MachineVerdicts
+    from stribeck.properties.steepness import Steepness
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import Machine
 
@@ -32,8 +33,10 @@ _log = logging.getLogger(__name__)
 
 @overload
 def check(
-    what: Law, v_max: float | None = None, *, level: tuple[float, float] | None = None, work: float = WORK
-) -> Verdicts: ...
+    what: Law, v_max: float | None = None, *, level: tuple[float, float] | None = None,
+    work: float = WORK,
+    **tolerated: Any,
+) -> Verdicts: ...  # fmt: skip
 
 
 @overload
@@ -46,7 +49,7 @@ def check(
 def check(
     what: Law | Machine | Scenario | str | Path | Mapping[str, object], v_max: float | None = None, *,
     level: tuple[float, float] | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
-    work: float = WORK,
+    work: float = WORK, **tolerated: Any,
 ) -> Verdicts | MachineVerdicts:  # fmt: skip
     """Whether a law with its constants has each of the five properties, or each contact of a machine has them.
 
@@ -59,6 +62,9 @@ def check(
         forces: of a machine, by name of a link, load or motor: its force stays within +- so much, N or N m. The caller
             vouches for it.
         t_end: of a machine, the end of the run, s, over which signals are bounded; the scenario's unless given.
+        **tolerated: of a law with k_v, errors that are allowed: ``creep``, ``steady_error`` at a ``speed``,
+            ``presliding_error`` at a ``force_rate``, ``position_error`` in a ``scenario``, ``sample_time``
+            (:class:`stribeck.properties.steepness.Tolerated`). ``.steepness`` is then the smallest k_v that meets them.
         work: how many regions of (v, z) may be looked at; what is not decided by then is null.
 
     Returns:
@@ -76,15 +82,27 @@ def check(
 
         if level is not None:
             raise InputError("level: must be left out for a machine: its file says what varies")
+        if tolerated:
+            raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in tolerated])
         return check_machine(what, v_max, forces, t_end, work)
     alien = {"forces": forces, "t_end": t_end}
     if problems := [f"{name}: must be left out for a law: it is about a machine" for name, x in alien.items() if x]:
         raise InputError(problems)
+    found = _steepness(what, {**tolerated, "v_max": v_max}) if tolerated else {}
     if level is not None:
         from stribeck.properties.level import check_level
 
-        return check_level(what, level, v_max, work)
-    return check_law(what, v_max, work)
+        verdicts = check_level(what, level, v_max, work)
+    else:
+        verdicts = check_law(what, v_max, work)
+    verdicts.steepness = found
+    return verdicts
+
+
+def _steepness(law: Law, tolerated: Mapping[str, object]) -> dict[str, Steepness]:
+    from stribeck.properties.steepness import Tolerated, smallest_steepness
+
+    return smallest_steepness(law, Tolerated.given(tolerated))
 
 
 def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:

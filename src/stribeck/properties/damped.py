@@ -6,8 +6,6 @@ from fractions import Fraction
 from itertools import chain
 from math import exp, floor
 
-import numpy as np
-
 from stribeck.arrays import Array
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
@@ -15,7 +13,6 @@ from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import ClaimProver, every
 from stribeck.properties.model import SIGNS, Model
 from stribeck.properties.plain import Json
-from stribeck.properties.storage import own_speeds
 
 METHOD = (
     "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 N, where dz/dt = v - q z with 0 <= N q <= sigma_0 (|v| + m(0)): the power lost is "
@@ -62,26 +59,6 @@ def knots(
             return None
         found.append(end)
     return None
-
-
-def largest(law: Law) -> float | None:
-    """The largest v_d with which no z and no level from the law's own up draw energy, m/s; None where none will do.
-
-    a^2 q <= 4 sigma_0 (a + sigma_2) for every v (docs/theory.md) says a <= A(v), so v_d <= v/sqrt(ln(sigma_1/A)).
-    """
-    p, reach = law.p, float(law.z_bound(law.p))
-    own = own_speeds(law)
-    v = np.geomspace(own[0] * 1e-9, own[-1] * 1e9, _SPEEDS)
-    for _ in range(_ZOOMS):
-        q = unwinding(law, v, reach)
-        most = 2 * (p.sigma_0 + np.sqrt(p.sigma_0**2 + p.sigma_0 * q * p.sigma_2)) / q
-        with np.errstate(all="ignore"):
-            found = np.where(most < p.sigma_1, v / np.sqrt(np.log(p.sigma_1 / most)), np.inf)
-        least = int(np.argmin(found))
-        if not 0 < least < len(v) - 1:
-            return None
-        v = np.linspace(v[least - 1], v[least + 1], _SPEEDS)
-    return float(found[least])
 
 
 def unwinding(law: Law, v: Array, reach: float) -> Array:

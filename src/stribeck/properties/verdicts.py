@@ -15,6 +15,7 @@ from stribeck.properties.statement import statement
 
 if TYPE_CHECKING:
     from stribeck.properties.model import Model
+    from stribeck.properties.steepness import Steepness
 
 NAMES = ("unique", "bounded", "smooth", "passive", "drift_free")
 
@@ -110,12 +111,19 @@ def proved(model: Model, certificate: Certificate, method: str, evidence: Mappin
 
 @dataclass(repr=False)
 class Verdicts:
-    """The verdicts on a law with its constants; ``properties`` holds a :class:`Verdict` by name."""
+    """The verdicts on a law with its constants.
+
+    Attributes:
+        properties: a :class:`Verdict` by name.
+        steepness: if tolerances were given, the smallest k_v that meets them: of the law, and of the majorant law of its
+            family.
+    """
 
     law: Law
     properties: dict[str, Verdict]
     v_max: float | None = None
     seconds: float = 0.0
+    steepness: dict[str, Steepness] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Verdict:
         return self.properties[name]
@@ -157,7 +165,9 @@ class Verdicts:
 
     def to_json(self) -> dict[str, Json]:
         """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and what belongs to it."""
+        more = {"steepness": {name: each.to_dict() for name, each in self.steepness.items()}} if self.steepness else {}
         return {
+            **more,
             "law": self.law.name,
             "properties": {name: verdict.to_json() for name, verdict in self.properties.items()},
             "constants": {**self.law.values, **self.law.choices},

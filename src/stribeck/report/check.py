@@ -18,6 +18,7 @@ from stribeck.report.files import write_figure
 from stribeck.report.overview import overview
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import Quantity, scale
+from stribeck.report.steepness import steepness_figure
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
@@ -38,6 +39,11 @@ def write_check(verdicts: Verdicts, folder: Path, command: str = "") -> list[Pat
         figure for name, verdict in verdicts.properties.items() if (figure := replay_figure(name, verdict)) is not None
     ]
     found = [verdicts_chapter(verdicts), evidence(verdicts)]
+    needed: list[FigureSvg] = []
+    if verdicts.steepness:
+        needed = [steepness_figure(verdicts.steepness, "steepness", "Each error against k_v; grey: tolerated.")]
+        text = [f"{name}: k_v = {each.k_v!r}" for name, each in verdicts.steepness.items()]
+        found.insert(0, Chapter("steepness", "The smallest k_v", text, figures=needed))
     found.append(Chapter("curve", "Friction at held speeds", figures=[curve]))
     found += [*replays_chapter(replays, "replays", "The counterexamples"), chapters.of_law(law)]
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if law.rotary else 'm/s'}" if verdicts.v_max else ""
@@ -47,7 +53,7 @@ def write_check(verdicts: Verdicts, folder: Path, command: str = "") -> list[Pat
     }
     others = [f"{word}: {named[x]}." for word, x in (("Refuted", False), ("Undecided", None)) if named[x]]
     introduction = [" ".join([f"Proved{limit}: {named[True] or 'none of the five properties'}.", *others])]
-    paths = [path for figure in (curve, *replays) for path in write_figure(figure, folder)]
+    paths = [path for figure in (curve, *needed, *replays) for path in write_figure(figure, folder)]
     return [*paths, chapters.write_page(folder, f"What {law.name} guarantees", introduction, found, command)]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.laws.terms import g
-from stribeck.steepness.search import (
+from stribeck.properties.steepness.search import (
     FORMULA,
     STEADY,
     Requirement,

@@ -8,7 +8,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.laws.base import Law
-from stribeck.steepness.search import DERIVATIVE, Requirement, Tolerance, smallest, unit, with_k_v
+from stribeck.properties.steepness.search import DERIVATIVE, Requirement, Tolerance, smallest, unit, with_k_v
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,18 @@ from stribeck.errors import InputError, StribeckError, arg
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.properties.replay import law_table
+from stribeck.properties.steepness.search import (
+    SIMULATION,
+    Requirement,
+    Tolerance,
+    counterpart,
+    family,
+    smallest,
+    unit,
+    with_k_v,
+)
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
-from stribeck.steepness.search import SIMULATION, Requirement, Tolerance, counterpart, family, smallest, unit, with_k_v
 
 _ACCURACY = 1e-3
 _ROWS = 1000
