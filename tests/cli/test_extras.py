@@ -98,7 +98,6 @@ for call in (solution.to_pandas, lambda: stribeck.fit, lambda: stribeck.check(so
 
 
 def test_the_extra_for_pages_is_enough_for_pages(tmp_path):
-    pytest.importorskip("ziglang")
     pytest.importorskip("bokeh")
     brought = ("jinja2", "markupsafe", "pandas")  # by bokeh itself
     others = tuple(package for package, extra in EXTRAS.items() if extra != "explore" and package not in brought)

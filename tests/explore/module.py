@@ -18,6 +18,10 @@ class Module:
         self.exports = wasmtime.Instance(self.store, module, []).exports(self.store)
         self.memory, self.law, self.layout = self.exports["memory"], law, layout
         self.top = self.exports["__heap_base"].value(self.store)
+        shape = law["shape"]
+        places = [self.room(max(size, 8)) for size in shape["rooms"]]
+        numbers = np.array([*shape["sizes"], *places, *shape["tables"][0], *shape["tables"][1]], np.int32)
+        self.memory.write(self.store, numbers.tobytes(), self.exports["shape"].value(self.store))
 
     def call(self, name, *arguments):
         return self.exports[name](self.store, *arguments)
@@ -58,7 +62,7 @@ class Module:
         """The columns of a scenario, by name."""
         n, pieces, p = len(self.law["states"]), scenario.pieces(), self.values(scenario)
         setup = self.room(8 * (n + 2))
-        self.call("stribeck_setup", p, scenario.solve.rtol, setup)
+        self.call("system_setup", p, scenario.solve.rtol, setup)
         found = self.read(setup, n + 2)
         out, room = self.room(8 * scenario.rows * n), 4096
         run = self.put(np.zeros(self.layout["_size"][0], np.int8), np.int8)
@@ -77,11 +81,19 @@ class Module:
         for name, value in fields.items():
             self.set(run, name, value)
         assert self.call("stribeck_advance", run) == 0
-        columns = self.law["columns"]
-        table = self.room(8 * scenario.rows * len(columns))
-        self.call("stribeck_table", p, scenario.rows, scenario.output.step, len(pieces.start), start, rows, out, table)
-        cells = self.read(table, scenario.rows * len(columns)).reshape(scenario.rows, len(columns))
-        return {c["name"]: cells[:, i] for i, c in enumerate(columns)}
+        return self.columns(p, scenario.rows, scenario.output.step, pieces.start, rows, out, n)
+
+    def columns(self, p, count, step, start, piece_rows, out, width):
+        """Every column, row by row, as the page's table() makes them."""
+        names = [c["name"] for c in self.law["columns"]]
+        values, n = self.room(8 * count * len(names)), 0
+        for i in range(count):
+            while n + 1 < len(start) and start[n + 1] <= i * step * (1 + 1e-12):
+                n += 1
+            piece = piece_rows + 8 * n * self.law["shape"]["sizes"][1]
+            self.call("system_columns", p, piece, i * step, out + 8 * i * width, values + 8 * i * len(names))
+        cells = self.read(values, count * len(names)).reshape(count, len(names))
+        return {name: cells[:, i] for i, name in enumerate(names)}
 
 
 class MachineModule(Module):
@@ -103,7 +115,7 @@ class MachineModule(Module):
         end, step = (numbers[path]["value"] for path in ("solve.t_end", "output.step"))
         rows, width = int(end / step + 1e-9) + 1, len(self.law["states"]) + rooms["held"] + rooms["shown"]
         place, room = {name: self.put(x) for name, x in arrays.items()}, 4096
-        held, out = self.call("stribeck_relations", place["parameters"], self.room(800)), self.room(8 * rows * width)
+        held, out = self.call("system_relations", place["parameters"], self.room(800)), self.room(8 * rows * width)
         assert held is None
         run = self.put(np.zeros(self.layout["_size"][0], np.int8), np.int8)
         zeros = np.zeros(max(rooms["held"], 1))
@@ -118,8 +130,5 @@ class MachineModule(Module):
         for name, value in fields.items():
             self.set(run, name, value)
         assert self.call("stribeck_advance", run) == 0
-        columns = self.law["columns"]
-        table, start, pieces = self.room(8 * rows * len(columns)), place["piece_start"], place["piece_rows"]
-        self.call("stribeck_table", place["parameters"], rows, step, len(given["restart"]), start, pieces, out, table)
-        cells = self.read(table, rows * len(columns)).reshape(rows, len(columns))
-        return {c["name"]: cells[:, i] for i, c in enumerate(columns)}
+        start = self.read(place["piece_start"], len(given["restart"]))
+        return self.columns(place["parameters"], rows, step, start, place["piece_rows"], out, width)

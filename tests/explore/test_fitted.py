@@ -109,7 +109,6 @@ def test_a_fitted_machine_is_shown_in_its_first_recording(stribeck, tmp_path):  
     )  # the sensor's offset is taken off
     low, high = found.intervals["contacts.guide.law.parameters.F_c"]
     assert low < 1.0 < high
-    pytest.importorskip("ziglang")
     pytest.importorskip("bokeh")
     text = explorer_page(found.scenario, fitted=found.intervals, beside=found.measured)
     data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1])

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 pytest.importorskip("wasmtime")
-pytest.importorskip("ziglang")
 pytest.importorskip("bokeh")
 
 from stribeck import Scenario, examples, simulate

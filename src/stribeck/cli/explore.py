@@ -31,7 +31,7 @@ def explore(
     if out.is_dir():
         raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
     show.check_file("--out", out, *([Path(what)] if what is not None else []))
-    with show.progress("compiling the laws") as tell:
+    with show.progress("writing the page") as tell:
         write(scenario, out, laws, show.command_line(), tell, made.intervals, made.measured)
     if json:
         show.print_json({"status": "done", "scenario": scenario.name, "files": [str(out)]})

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 
 from stribeck.codegen.elimination import eliminate
@@ -233,6 +234,23 @@ class _Pair(_Single):
         return v_store(pointer, offset + 8 * self.i, self.together(k) + tee(self.stages[-1]))
 
 
+@dataclass(frozen=True)
+class Added:
+    """A further function of a module, which stores its outputs one after the other.
+
+    Args:
+        parameters: their names; the last is where the outputs go.
+        kinds: a letter each, ``i`` for a pointer, ``d`` for a number.
+        outputs: the expressions.
+        places: for each pointer what lies there, in order.
+    """
+
+    parameters: str
+    kinds: str
+    outputs: Sequence[Expr]
+    places: Mapping[str, Sequence[str]]
+
+
 class Emitted:
     """The functions of a system, and what the runtime must know of it.
 
@@ -292,6 +310,19 @@ class Emitted:
             "work": 8 * (2 * n + len(s.jacobian)),
             "k": 8 * STAGES * n,
         }
+
+    def added(self, each: Added) -> Function:
+        """A further function, for those who call the module."""
+        f, where = Function(each.kinds), dict[str, bytes]()
+        names = each.parameters.split()
+        for place, name in enumerate(names):
+            if name in each.places:
+                where |= {key: load(place, 8 * i) for i, key in enumerate(each.places[name])}
+            else:
+                where[name] = get(place)
+        values = self.values(f, where, each.outputs)
+        f.code += b"".join(store(len(names) - 1, 8 * i, value) for i, value in enumerate(values))
+        return f
 
     def where(self, names: str) -> dict[str, bytes]:
         """What pushes each input of a function whose parameters have these names."""

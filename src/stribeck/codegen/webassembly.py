@@ -210,23 +210,31 @@ class Module:
             _numbers(by_kind[_FUNCTIONS]), _bodies(by_kind[_CODE]), exports,
         )  # fmt: skip
 
-    def joined(self, functions: Mapping[str, Function], needed: Iterable[int]) -> bytes:
-        """This module with its imports replaced by ``functions``. Of its own functions only ``needed`` keep their code: a
-        body that traps stands for the others, so that no number changes and they cost the compiler nothing."""
-        types, of = list(self.types), list[int]()
+    def joined(
+        self, functions: Mapping[str, Function], needed: Iterable[int], added: Mapping[str, Function] | None = None
+    ) -> bytes:
+        """This module with its imports replaced by ``functions``, and with further exported functions ``added``. Of its own
+        functions only ``needed`` keep their code: a body that traps stands for the others, so that no number changes and
+        they cost the compiler nothing."""
+        types, added = list(self.types), added or {}
         place = {t: i for i, t in reversed(list(enumerate(types)))}
-        for name in self.imports:
-            t = functions[name].type()
+        for function in (*functions.values(), *added.values()):
+            t = function.type()
             if t not in place:
                 place[t] = len(types)
                 types.append(t)
-            of.append(place[t])
+        of = [place[functions[name].type()] for name in self.imports]
         keep = set(needed)
         bodies = [b if i + len(self.imports) in keep else _TRAPS for i, b in enumerate(self.bodies)]
+        first = len(self.imports) + len(self.bodies)  # the number of the first that is added
+        exports = [leb(len(n.encode())) + n.encode() + b"\0" + leb(first + i) for i, n in enumerate(added)]
         new = {
             _TYPES: vector(types),
-            _FUNCTIONS: vector([leb(t) for t in (*of, *self.type_of)]),
-            _CODE: vector([*(functions[name].body() for name in self.imports), *bodies]),
+            _FUNCTIONS: vector([leb(t) for t in (*of, *self.type_of, *(place[f.type()] for f in added.values()))]),
+            _EXPORTS: _longer(dict(self.sections)[_EXPORTS], exports),
+            _CODE: vector(
+                [*(functions[name].body() for name in self.imports), *bodies, *(f.body() for f in added.values())]
+            ),
         }
         parts = [(kind, new.get(kind, content)) for kind, content in self.sections if kind != _IMPORTS]
         return b"\0asm\1\0\0\0" + b"".join(bytes([kind]) + leb(len(x)) + x for kind, x in parts)
@@ -240,6 +248,12 @@ class Module:
                 seen.add(f)
                 left += _calls(self.bodies[f - first]) if f >= first else ()
         return seen
+
+
+def _longer(section: bytes, entries: Sequence[bytes]) -> bytes:
+    """A section's list with further entries."""
+    r = _Reader(section)
+    return leb(r.leb() + len(entries)) + section[r.place :] + b"".join(entries)
 
 
 def _types(section: bytes) -> list[bytes]:

@@ -1,17 +1,17 @@
-"""What the page asks of a law and a system beside the solver, as C behind the solver's own: columns, tolerances, curve.
+"""What the page asks of a law and a system beside the solver: columns, tolerances, the steady curve, claims.
 
 All of it is written out from the equations that the simulator, the proofs and the listings use.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
 from types import SimpleNamespace
 
+from stribeck.codegen.emitted import Added
 from stribeck.drives.base import Column
-from stribeck.expressions.emit import C, Writer
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
@@ -25,79 +25,46 @@ from stribeck.simulation.native import share_of
 CLAIMS = tuple(field.name for field in fields(Claims))
 _NAN = float("nan")
 
-_STEADY = """\
-/* Friction when each speed is held for long. */
-EXPORT void stribeck_steady(const double *p, int64_t n, const double *v, double *F)
-{
-    for (int64_t i = 0; i < n; i++) F[i] = law_steady(p, v[i], v[i] > 0 ? 1 : -1);
-}"""
 
-_TABLE = """\
-/* Every column of the output, row by row. */
-EXPORT void stribeck_table(const double *p, int64_t rows, double step, int64_t pieces, const double *start,
-                           const double *piece_rows, const double *states, double *out)
-{
-    int64_t n = 0;
-    for (int64_t i = 0; i < rows; i++) {
-        const double t = (double)i * step;
-        while (n + 1 < pieces && start[n + 1] <= t * (1 + 1e-12)) n++; /* signals/pieces.py */
-        columns(p, piece_rows + n * PIECE, t, states + i * (N + HELD + SHOWN), out + i * COLUMNS);
-    }
-}"""
-
-
-def appendix(scenario: Scenario) -> str:
-    """The functions, to stand behind the C of the scenario's system."""
+def appendix(scenario: Scenario) -> dict[str, Added]:
+    """The functions of a body under a law: columns of a row, friction at a speed that is held, tolerances, claims."""
     system = scenario.system
     (contact,) = system.contacts
     law, q = contact.law, contact.law.symbolic(symbols_of(contact.law_path), contact.form)
-    inputs = {f"{group}.{name}": f"p[{i}]" for i, (group, name) in enumerate(system.parameters)}
-    piece = {f"segment.{n}": f"s[{i}]" for i, n in enumerate(("start", "value", "slope"))}
-    states = {state.name: f"x[{i}]" for i, state in enumerate(system.states)}
-    v, side = symbol("v"), symbol("side")
-    moving = {"v": "v", "side": "side"}
+    p = [f"{group}.{name}" for group, name in system.parameters]
     whole = replace(system, energy=True)  # the page shows the energy stored, whether the file asks for it or not
-    found = whole.outputs
-    p = "const double *p"
-    now = f"{p}, const double *s, double t, const double *x, double *out"
-    outputs = {f"out[{i}]": wrap(found[column.name]) for i, column in enumerate(columns(system))}
-    return "\n\n".join(
-        [
-            "/* ---- What the page shows beside the states. */",
-            f"#define COLUMNS {len(columns(system))}",
-            _function("columns", now, outputs, {**inputs, **piece, **states, "t": "t"}),
-            _value("law_steady", f"{p}, double v, double side", steady_force(law, q, v, side), inputs | moving),
-            _TABLE,
-            _STEADY,
-            _function("setup", f"{p}, double rtol, double *out", _setup(scenario), {**inputs, "rtol": "rtol"}, True),
-            _function("claims", f"{p}, double *out", _claims(law, q), inputs, True),
-            _function("relations", f"{p}, double *out", _relations(law, q), inputs, True),
-        ]
-    )
+    values = whole.outputs
+    outputs = [wrap(values[column.name]) for column in columns(system)]
+    now = {
+        "p": p,
+        "s": ["segment.start", "segment.value", "segment.slope"],
+        "x": [state.name for state in system.states],
+    }
+    steady = wrap(steady_force(law, q, symbol("v"), symbol("side")))
+    return {
+        "system_columns": Added("p s t x out", "iidii", outputs, now),
+        "system_steady": Added("p v side out", "iddi", [steady], {"p": p}),
+        "system_setup": Added("p rtol out", "idi", _setup(scenario), {"p": p}),
+        "system_claims": Added("p out", "ii", _claims(law, q), {"p": p}),
+        "system_relations": Added("p out", "ii", _relations(law, q), {"p": p}),
+    }
 
 
-def machine_appendix(machine: MachineSystem) -> str:
+def machine_appendix(machine: MachineSystem) -> dict[str, Added]:
     """The same for a machine: its columns, and the conditions between the constants of each contact's law."""
-    inputs = {f"{owner}.{name}": f"p[{i}]" for i, (owner, name) in enumerate(machine.parameters)}
-    piece = {f"segment.{name}": f"s[{i}]" for i, name in enumerate(machine.piece_fields)}
-    names = [*(state.name for state in machine.states), *(f"segment.{name}" for name in machine.held)]
-    names += [f"memory.{name}" for name in machine.shown]
-    states = {name: f"x[{i}]" for i, name in enumerate(names)}
-    found = machine.balance(exact=True).outputs()
-    outputs = {f"out[{i}]": found[column.name] for i, column in enumerate(machine.columns)}
-    held = {}
-    for i, (contact, relation) in enumerate(machine_relations(machine)):
-        law = contact.law.symbolic(symbols_of(contact.law_path), contact.form)
-        held[f"out[{i}]"] = _holds(relation, law)
-    now = "const double *p, const double *s, double t, const double *x, double *out"
-    return "\n\n".join(
-        [
-            f"/* ---- What the page shows beside the states. */\n#define COLUMNS {len(outputs)}",
-            _function("columns", now, outputs, {**inputs, **piece, **states, "t": "t"}),
-            _TABLE,
-            _function("relations", "const double *p, double *out", held, inputs, True),
-        ]
-    )
+    p = [f"{owner}.{name}" for owner, name in machine.parameters]
+    states = [*(state.name for state in machine.states), *(f"segment.{name}" for name in machine.held)]
+    states += [f"memory.{name}" for name in machine.shown]
+    values = machine.balance(exact=True).outputs()
+    held = [
+        _holds(relation, contact.law.symbolic(symbols_of(contact.law_path), contact.form))
+        for contact, relation in machine_relations(machine)
+    ]
+    now = {"p": p, "s": [f"segment.{name}" for name in machine.piece_fields], "x": states}
+    return {
+        "system_columns": Added("p s t x out", "iidii", [values[c.name] for c in machine.columns], now),
+        "system_relations": Added("p out", "ii", held, {"p": p}),
+    }
 
 
 def machine_relations(machine: MachineSystem) -> list[tuple[ContactPart, Relation]]:
@@ -116,7 +83,7 @@ def relations(law: type[Law]) -> list[Relation]:
     return [each for each in dict.fromkeys(law.relations) if all(n in law.constants() for n in each.needs)]
 
 
-def _setup(scenario: Scenario) -> dict[str, Expr]:
+def _setup(scenario: Scenario) -> list[Expr]:
     """The absolute tolerance of each state, the step's share of the tolerances, the longest step."""
     system, rtol = scenario.system, symbol("rtol")
     rig = scenario.rig.with_values({(path, name): symbol(f"{path}.{name}") for path, name in system.parameters})
@@ -136,23 +103,23 @@ def _setup(scenario: Scenario) -> dict[str, Expr]:
         own: dict[str, Value] = {name: symbol(f"{use.path}.{name}") for name in use.constants()}
         longest = use.kind(own).longest_step
     values = [*(share * atol[state.name] for state in system.states), share, longest]
-    return {f"out[{i}]": wrap(x) for i, x in enumerate(values)}
+    return [wrap(x) for x in values]
 
 
-def _claims(law: type[Law], q: Constants) -> dict[str, Expr]:
+def _claims(law: type[Law], q: Constants) -> list[Expr]:
     """Each claim at the present numbers: 1, 0, or not a number where the property does not apply."""
-    found = {}
-    for i, name in enumerate(CLAIMS):
+    values = []
+    for name in CLAIMS:
         claim = getattr(law.claims, name)
         value = claim(q) if callable(claim) else claim
         if isinstance(value, Expr):
             value = where(value, wrap(1), wrap(0))
-        found[f"out[{i}]"] = wrap(_NAN if value is None else value)
-    return found
+        values.append(wrap(_NAN if value is None else value))
+    return values
 
 
-def _relations(law: type[Law], q: Constants) -> dict[str, Expr]:
-    return {f"out[{i}]": _holds(relation, q) for i, relation in enumerate(relations(law))}
+def _relations(law: type[Law], q: Constants) -> list[Expr]:
+    return [_holds(relation, q) for relation in relations(law)]
 
 
 def _holds(relation: Relation, law: SimpleNamespace) -> Expr:
@@ -160,20 +127,3 @@ def _holds(relation: Relation, law: SimpleNamespace) -> Expr:
     with suppress(TypeError):  # a user's own, which is no equation: the page cannot test it
         holds = relation.holds(law)
     return wrap(where(holds, wrap(1), wrap(0)) if isinstance(holds, Expr) else 1.0)
-
-
-def _value(name: str, arguments: str, value: Expr, inputs: dict[str, str]) -> str:
-    return _write(name, arguments, [("const double value", value)], inputs, "static double", "    return value;\n")
-
-
-def _function(name: str, arguments: str, outputs: dict[str, Expr], inputs: dict[str, str], public: bool = False) -> str:
-    kind = "EXPORT void" if public else "static void"
-    return _write(f"stribeck_{name}" if public else name, arguments, list(outputs.items()), inputs, kind, "")
-
-
-def _write(
-    name: str, arguments: str, outputs: Sequence[tuple[str, Expr]], inputs: dict[str, str], kind: str, end: str
-) -> str:
-    lines = Writer(C, inputs, taken={"p", "v", "s", "x", "t", "out", "value", "side", "rtol"}).write(outputs)
-    unused = "".join(f"    (void){part.replace('*', ' ').split()[-1]};\n" for part in arguments.split(","))
-    return f"{kind} {name}({arguments})\n{{\n{unused}{''.join(f'    {line}' + chr(10) for line in lines)}{end}}}"

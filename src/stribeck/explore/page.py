@@ -11,7 +11,6 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
 from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
@@ -29,6 +28,7 @@ from stribeck.report.page import in_script
 from stribeck.scenario import Scenario
 from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM
+from stribeck.simulation.wasm import System
 from stribeck.version import __version__
 
 
@@ -53,13 +53,12 @@ def explorer_page(
         scenario: what to explore.
         laws: the laws to offer beside its own; all of the package unless given.
         command: the command that makes the page, for its foot.
-        progress: told the share of laws compiled, 0 to 1.
+        progress: called with the share of laws whose module is there, 0 to 1.
         fitted: of a fit, the 95 % interval of each number by its path.
         beside: what was measured, drawn beside what is simulated.
 
     Raises:
-        MissingExtra: ziglang or bokeh is not installed.
-        BuildError: the compiler failed.
+        MissingExtra: bokeh is not installed.
         InputError: a law that is not known, or cannot take the scenario's numbers.
     """
     library = _library()
@@ -67,8 +66,11 @@ def explorer_page(
         filling = _machine(scenario, laws, command, progress, fitted or {}, beside)
         return _filled(filling, machine_sections(scenario), library)
     found = variants(scenario, laws)
-    codes = [f"{source(each.system)}\n\n{appendix(each)}" for each in found.values()]
-    modules = wasm.modules(codes, progress)
+    modules = []
+    for each in found.values():
+        modules.append(wasm.module(each.system, appendix(each)))
+        if progress is not None:
+            progress(len(modules) / len(found))
     own = {number.path for number in of_law(scenario)}
     shown = panels(scenario)
     intervals = fitted or {}
@@ -103,14 +105,14 @@ def _machine(
         what = "a machine" if not scenario.rig.single else "a servo, or a drive that follows a curve,"
         raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
     found, machine, shown = measured(scenario), scenario.rig.machine, machine_panels(scenario)
-    (module,) = wasm.modules([f"{source(machine)}\n\n{machine_appendix(machine)}"], progress)
+    module = wasm.module(machine, machine_appendix(machine))
     return {
         "name": scenario.name,
         "version": __version__,
         "command": command,
         "scenario": _plain(found.scenario.data),
         "law": "machine",
-        "laws": {"machine": {**machine_law(scenario), "wasm": _packed(module)}},
+        "laws": {"machine": {**machine_law(scenario), "wasm": _packed(module.module), "shape": wasm.shape(module)}},
         "numbers": [_number(n.as_data(), intervals) for n in found.numbers],
         "claims": [],
         "signal": None,
@@ -154,7 +156,7 @@ def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], lib
     return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], _asset("page.html"))
 
 
-def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, object]) -> dict[str, object]:
+def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) -> dict[str, object]:
     law, system = scenario.law, scenario.system
     kind, form = type(law), law.form
     conditions = {}
@@ -180,7 +182,8 @@ def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, object]) -> 
         "conditions": conditions,
         "equations": [each.text for each in equations(kind, form)],
         "speed": float(law.scales(law.p).speed),
-        "wasm": _packed(module),
+        "wasm": _packed(module.module),
+        "shape": wasm.shape(module),
     }
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from ctypes import c_double, c_int64, c_uint32
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,7 +17,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from stribeck.codegen.emitted import Emitted
+from stribeck.codegen.emitted import Added, Emitted
 from stribeck.codegen.source import runtime_text
 from stribeck.codegen.webassembly import Module
 from stribeck.equations import Equations
@@ -51,10 +51,16 @@ def _runtime() -> Module:
 @lru_cache(maxsize=64)
 def system_module(equations: Equations) -> System:
     """Emit a system and join it with the runtime, less what of that it does not reach."""
+    return with_functions(equations, {})
+
+
+def with_functions(equations: Equations, added: Mapping[str, Added]) -> System:
+    """The same with further exported functions, by name."""
     base = _runtime()
     emitted = Emitted(equations, base.exported, base.imports.index("rates"))
-    roots = {base.exported[name] for name in (*emitted.calls, "stribeck_advance", "_initialize")}
-    module = base.joined(emitted.functions, base.reached(roots))
+    functions = {name: emitted.added(each) for name, each in added.items()}
+    wanted = (*emitted.calls, "stribeck_advance", "stribeck_event_room", "_initialize")
+    module = base.joined(emitted.functions, base.reached({base.exported[name] for name in wanted}), functions)
     return System(module, emitted.sizes, emitted.tables, emitted.room)
 
 
@@ -82,7 +88,7 @@ _compiled: dict[str, Compiled] = {}
 
 
 @lru_cache(maxsize=1)
-def _run_struct() -> type[ctypes.Structure]:
+def run_struct() -> type[ctypes.Structure]:
     """The struct Run as wasm32 lays it out: a pointer has four bytes, all else lies as on 64-bit machines."""
     (body,) = re.findall(r"typedef struct {([^}]*)} Run;", runtime_text("run.c"))
     fields: list[tuple[str, type]] = []
@@ -125,7 +131,7 @@ def solve(
         )
     }  # fmt: skip
     views["out"] = views["out"].reshape(scenario.rows, width)
-    run = _run_struct().from_buffer(memory.data, heap)
+    run = run_struct().from_buffer(memory.data, heap)
     for name in (*arrays, "out"):
         setattr(run, name, place[name])
     run.event_room = event_room

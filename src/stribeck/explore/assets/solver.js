@@ -25,6 +25,11 @@ class Memory { // what a run needs, laid out behind the module's own data
   }
   empty(count) { return this.room(8 * Math.max(count, 1)); }
   view(at, count) { return new Float64Array(this.api.memory.buffer, at, count); }
+  shape({ sizes, rooms, tables }) { // what the runtime must know of the system: runtime/any.c
+    const places = rooms.map((bytes) => this.room(Math.max(bytes, 8)));
+    const numbers = [...sizes, ...places, ...tables[0], ...tables[1]];
+    new Int32Array(this.api.memory.buffer, this.api.shape.value, numbers.length).set(numbers);
+  }
 }
 
 class Struct { // the C struct Run, by the layout that comes with the page
@@ -57,9 +62,9 @@ function reason(status, t, most) {
 function about(memory, law, p, setting) {
   const { api } = memory, n = law.states.length;
   const setup = memory.empty(n + 2), claims = memory.empty(5), held = memory.empty(8);
-  api.stribeck_setup(p, setting.rtol, setup);
-  api.stribeck_claims(p, claims);
-  api.stribeck_relations(p, held);
+  api.system_setup(p, setting.rtol, setup);
+  api.system_claims(p, claims);
+  api.system_relations(p, held);
   const values = Array.from(memory.view(setup, n + 2));
   law.states.forEach((name, i) => { if (name in setting.atol) values[i] = setting.atol[name] * values[n]; });
   return {
@@ -69,8 +74,8 @@ function about(memory, law, p, setting) {
 }
 
 function steady(memory, p, speeds) {
-  const v = memory.doubles(speeds), F = memory.empty(speeds.length);
-  memory.api.stribeck_steady(p, BigInt(speeds.length), v, F);
+  const F = memory.empty(speeds.length);
+  speeds.forEach((v, i) => memory.api.system_steady(p, v, v > 0 ? 1 : -1, F + 8 * i));
   return memory.view(F, speeds.length).slice();
 }
 
@@ -99,7 +104,7 @@ function ofMachine(memory, law, setting) {
   const place = Object.fromEntries(Object.entries(lists).map(([name, list]) => [name, memory.doubles(list)]));
   const zeros = () => memory.doubles(new Float64Array(rooms.held)); // integers 0 have the same bits
   const holds = memory.empty(law.relations.length);
-  memory.api.stribeck_relations(place.parameters, holds);
+  memory.api.system_relations(place.parameters, holds);
   return {
     restart: setting.restart, width: law.states.length + rooms.held + rooms.shown, claims: [], holds: Array.from(memory.view(holds, law.relations.length)),
     place: {
@@ -109,9 +114,22 @@ function ofMachine(memory, law, setting) {
   };
 }
 
+// Every column of the output, row by row, from the states.
+function table(memory, law, setting, found, start, states, rows) {
+  const { piece_start, piece_rows, parameters: p } = found.place, { width } = found, piece = 8 * law.shape.sizes[1];
+  const columns = law.columns.length, values = memory.empty(rows * columns), { api } = memory;
+  for (let i = 0, n = 0; i < rows; i++) {
+    const t = i * setting.step;
+    while (n + 1 < start.length && start[n + 1] <= t * (1 + 1e-12)) n++; // signals/pieces.py
+    api.system_columns(p, piece_rows + n * piece, t, states + 8 * i * width, values + 8 * i * columns);
+  }
+  return memory.view(values, rows * columns);
+}
+
 async function solve(instance, law, setting, tell, current) {
   const memory = new Memory(instance), { api } = memory, started = performance.now(), { rows } = setting;
-  const found = (setting.arrays ? ofMachine : ofLaw)(memory, law, setting), { parameters: p, piece_start, piece_rows } = found.place;
+  memory.shape(law.shape);
+  const found = (setting.arrays ? ofMachine : ofLaw)(memory, law, setting), p = found.place.parameters;
   const wrong = law.relations.filter((_, i) => found.holds[i] !== 1);
   if (wrong.length) return { wrong, claims: found.claims };
   const run = new Struct(memory), eventRoom = Math.max(setting.eventRoom, Number(api.stribeck_event_room()));
@@ -142,9 +160,9 @@ async function solve(instance, law, setting, tell, current) {
       if (!current()) return null;
     }
   }
-  const done = run.get("row"), columns = law.columns.length, values = memory.empty(done * columns);
-  api.stribeck_table(p, BigInt(done), setting.step, BigInt(pieces), piece_start, piece_rows, out, values);
-  const cells = memory.view(values, done * columns), found_columns = {};
+  const done = run.get("row"), columns = law.columns.length, found_columns = {};
+  const starts = Array.from(memory.view(found.place.piece_start, pieces));
+  const cells = table(memory, law, setting, found, starts, out, done);
   law.columns.forEach((column, j) => {
     const own = new Float64Array(done);
     for (let i = 0; i < done; i++) own[i] = cells[i * columns + j];
