@@ -107,6 +107,23 @@ def test_progress_moves_though_nothing_is_told(monkeypatch):
     assert len(shown) > 2  # the spinner turns
 
 
+def test_a_log_file_gets_lines_of_progress(monkeypatch):
+    import io
+    import time
+
+    from stribeck.cli import show
+
+    log = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", log)
+    monkeypatch.setattr(show, "_EVERY", 0.05)
+    with show.stages("axis") as tell:
+        tell(0.25, "the verdict")
+        tries = 600
+        while not log.getvalue() and (tries := tries - 1):
+            time.sleep(0.05)
+    assert re.match(r"stribeck: axis: the verdict 25% after \d+ s\n", log.getvalue())
+
+
 @pytest.mark.parametrize(
     ("encoding", "text", "shown"),
     [

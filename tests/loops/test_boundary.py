@@ -19,7 +19,7 @@ PATH = "controllers.hold.K_p"
 def along(monkeypatch, verdict, low=100.0, high=800.0):
     """What is named where the verdict at each value is what ``verdict`` says."""
 
-    def judge(_, values):
+    def judge(_, values, slowest):
         return [Judgement(verdict(x), "a", 0.0, 0.0) for x in values[PATH].tolist()]
 
     monkeypatch.setattr(boundary, "judge", judge)
@@ -41,11 +41,11 @@ def test_one_near_zero_is_found_as_finely(monkeypatch):
 
 
 def test_what_changes_everywhere_has_no_boundary(monkeypatch):
-    """Twelve changes of a first grid were named as boundaries, and said to hold 5 % away, where nothing had been simulated."""
     found = along(monkeypatch, lambda x: "quiet" if round((x - 100.0) * 12 / 700) % 2 else "hunting")
     assert not found.boundaries
     (mixed,) = found.mixed
-    assert (mixed.low, mixed.high) == (found.values[0], found.values[-1])
+    assert mixed.low < 150
+    assert mixed.high > 750
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario
-from stribeck.loops.compensation import CompensationResult, _dithered
-from stribeck.loops.judge import Judgement, _rest, judge
+from stribeck.loops.compensation import CompensationResult, _dithered, with_compensation
+from stribeck.loops.judge import Judgement, at_rest, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import reversal_errors
 from stribeck.loops.shaken import SHARE, swings
@@ -54,8 +54,8 @@ def test_rest_is_measured_by_the_move_of_the_file():
     """A start near its target hardly travels, and what its last slip left was more than a millionth of that: called creeping."""
     loop = loop_of(Scenario(axis(K_i=100.0)))
     held = replace(loop, travel={"a": 0.1})
-    assert _rest(loop, {"a": 1e-4}) == {"a": pytest.approx(1e-10)}
-    assert _rest(held, {"a": 1e-4}) == {"a": pytest.approx(1e-7)}
+    assert at_rest(loop, {"a": 1e-4}) == {"a": pytest.approx(1e-10)}
+    assert at_rest(held, {"a": 1e-4}) == {"a": pytest.approx(1e-7)}
     assert all(s.judgement.quiet for s in from_starts(loop, "hold"))
 
 
@@ -83,7 +83,8 @@ def test_a_dither_stops_what_hunts():
 def test_the_amplitude_of_a_dither_that_leaves_least():
     loop = hunter(K_i=0.0, K_d=300.0)
     named = "contacts.guide.law.parameters.F_s"
-    found = _dithered(loop, "hold", "guide", {named: np.array([10.0])})
+    made = replace(loop, scenario=with_compensation(loop.scenario, "hold", "guide", "dither", 1.0))
+    found = _dithered(made, "hold", {named: np.array([10.0])}, np.array([True]))
     assert found.largest_quiet_share == 3.0
     assert found.dither["least_quiet_share"] == 0.0
     assert found.dither["amplitude"] == pytest.approx(found.share * 9.0, rel=0.02)

@@ -15,10 +15,9 @@ from stribeck.errors import InputError, printable
 from stribeck.files import trouble
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from stribeck.scenario import Scenario
 
+_EVERY = 10.0  # s, between two lines of progress in a log file
 _MADE: list[Path] = []  # folders that this command made before it ran, the innermost of each path first
 
 
@@ -93,51 +92,66 @@ def _same(one: Path, other: Path) -> bool:
 
 
 @contextmanager
-def progress(what: str) -> Iterator[Callable[[float], None] | None]:
-    """A progress bar on standard error where that is a terminal; it shows only when the work takes a while."""
-    with rate(what) as tell:
-        yield None if tell is None else lambda share: tell(share, 0.0)
+def progress(what: str) -> Iterator[Callable[[float], None]]:
+    """Progress on standard error of work that says the share done."""
+    with _shown(what) as tell:
+        yield lambda share: tell(share, "", "")
 
 
 @contextmanager
-def stages(what: str) -> Iterator[Callable[[float | None, str], None] | None]:
-    """A progress bar that is told what is being done, and the share done where that is known (None: it moves)."""
-    with _bar(what) as bar:
-        if bar is None:
-            yield None
-            return
-
-        def tell(share: float | None, text: str) -> None:
-            bar.update(bar.task_ids[0], completed=share or 0.0, total=None if share is None else 1.0)
-            bar.update(bar.task_ids[0], description=f"{what}: {text}")
-
-        yield tell
+def stages(what: str) -> Iterator[Callable[[float | None, str], None]]:
+    """The same, told what is being done, and the share done where that is known (None: it moves)."""
+    with _shown(what) as tell:
+        yield lambda share, text: tell(share, text, "")
 
 
 @contextmanager
-def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None] | None]:
-    """A progress bar that also shows how many units a second are done: told the share done, and how many by now."""
-    with _bar(what) as bar:
-        if bar is None:
-            yield None
-            return
-        from time import monotonic
+def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None]]:
+    """The same with how many units a second are done: told the share done, and how many by now."""
+    from time import monotonic
 
+    with _shown(what) as show:
         started = monotonic()
 
         def tell(share: float, count: float) -> None:
-            speed = f"{count / max(monotonic() - started, 1e-9):.0f} {unit}/s" if unit else ""
-            bar.update(bar.task_ids[0], completed=share, total=1.0, speed=speed)
+            show(share, "", f"{count / max(monotonic() - started, 1e-9):.0f} {unit}/s" if unit else "")
 
         yield tell
 
 
 @contextmanager
-def _bar(what: str) -> Iterator[Progress | None]:
+def _shown(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
+    """What shows the share done, what is being done, and how fast: a bar on a terminal, elsewhere lines."""
+    with (_bar if sys.stderr.isatty() else _lines)(what) as tell:
+        yield tell
+
+
+@contextmanager
+def _lines(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
+    """A line each :data:`_EVERY` seconds, as for a log file."""
+    from threading import Event, Thread
+    from time import monotonic
+
+    started, done, last = monotonic(), Event(), [""]
+
+    def tell(share: float | None, text: str, speed: str) -> None:
+        last[0] = " ".join(x for x in (text, "" if share is None else f"{share:.0%}", speed) if x)
+
+    def write() -> None:
+        while not done.wait(_EVERY):
+            with suppress(OSError, ValueError):  # the reader has gone
+                print(f"stribeck: {what}: {last[0]} after {monotonic() - started:.0f} s", file=sys.stderr, flush=True)
+
+    Thread(target=write, daemon=True).start()
+    try:
+        yield tell
+    finally:
+        done.set()
+
+
+@contextmanager
+def _bar(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
     """A bar that appears after half a second and moves from then on, whether it is told anything or not."""
-    if not sys.stderr.isatty():
-        yield None
-        return
     from threading import Timer
 
     from rich.console import Console
@@ -148,12 +162,19 @@ def _bar(what: str) -> Iterator[Progress | None]:
         TextColumn("{task.fields[speed]}"),
     )  # fmt: skip
     bar = Progress(*columns, console=Console(stderr=True), transient=True)
-    bar.add_task(what, total=None, speed="")
+    task = bar.add_task(what, total=None, speed="")
     timer = Timer(0.5, bar.start)
     timer.daemon = True
     timer.start()
+
+    def tell(share: float | None, text: str, speed: str) -> None:
+        total = None if share is None else 1.0
+        bar.update(
+            task, completed=share or 0.0, total=total, speed=speed, description=f"{what}: {text}" if text else what
+        )
+
     try:
-        yield bar
+        yield tell
     finally:
         timer.cancel()
         timer.join()

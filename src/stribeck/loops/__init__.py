@@ -82,6 +82,7 @@ class Design:
             "moves": {**asdict(self.moves), "period": self.moves.period} if self.moves else None,
             "boundaries": [asdict(b) for x in self.lines for b in x.boundaries],
             "mixed": [asdict(m) for x in self.lines for m in x.mixed],
+            "scans": [{"path": x.turned.path, "points": len(x.values), "resolution": x.resolution} for x in self.lines],
             "compensations": [c.row() for c in self.compensations],
             "compensations_missing": self.why_not or (None if self.compensations else "not asked for"),
             "over_compensation": self.excess.row() if self.excess else None,
@@ -135,7 +136,7 @@ def design(
     starts = from_starts(loop, name, part("the starts"))
     measured = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
-    compared, too_much, why_not = _compared(loop, name, samples, compensate, part)
+    compared, too_much, why_not = _compared(loop, name, samples, compensate, tell)
     return Design(loop, name, found, measured, lines, compared, why_not, too_much, starts, moves_of(loop, name))
 
 
@@ -152,14 +153,14 @@ def _compared(
     name: str,
     samples: dict[str, Array],
     wanted: bool,
-    part: Callable[[str], Callable[[float], None] | None],
+    tell: Tell | None,
 ) -> tuple[list[compensation.CompensationResult], Excess | None, str]:
     """What may be done against friction, from which share on it pushes, and why there is nothing of this."""
     if not wanted:
         return [], None, ""
     try:
         return (
-            compensation.compare(loop, name, samples, part("compensations")),
+            compensation.compare(loop, name, samples, tell),
             excess(loop.scenario, name, samples),
             "",
         )

@@ -1,9 +1,9 @@
-"""Where the verdict changes as one number of the machine is turned: found on a grid, then by bisection, in lanes."""
+"""Where the verdict changes as one number of the machine is turned: a scan in lanes that is finest where it has to be."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -14,14 +14,18 @@ from stribeck.errors import InputError, arg, nearest
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, time_constant
 
-POINTS = 13  # of the first grid
-_ROUNDS, _AT_MOST = 3, 5  # each divides what encloses a boundary by _PARTS; more where it lies near 0
-_PARTS = 6
+POINTS = 25  # of the first scan
+RESOLUTION = 0.03  # of a value: the scan is made so fine, where MOST_STEPS allow it
+MOST_STEPS = 40_000_000  # of all lanes of one path: 10 to 30 s of processor time
+_PARTS = 5  # into which a step of the scan is divided where the verdict changes
+_PRECISE = 0.002  # of its value: how closely a boundary is enclosed
+_ROUNDS = 6  # of dividing: enough from a first step that is a tenth of the range, and some for what is found on the way
+_TURNS = 0.7  # of a logarithm, from point to point: where amplitude or settling time change by more, what is between is looked at
 _SURE = 0.05  # on either side of a boundary the verdict holds that far, at _CHECKS points
 _CHECKS = 4
-_SPREADS = 4  # rounds in which what is found beside a change widens it
 _NARROW = 0.04  # of its value: a change that takes more is no boundary but a mixture
-_MOST = 4  # changes of one path: more are a mixture
+_MOST = 6  # changes of one path: more are a mixture
+_CONSTANTS = 9  # points at which the slowest time constant is found; between them it is interpolated
 _DECADE = 10.0  # high/low from which a range is divided by ratios
 
 
@@ -51,15 +55,18 @@ class Turned:
             raise InputError(f"{arg(given)}: {show(text)}: LOW must be below HIGH, both finite")
         return cls(path, low, high)
 
+    @property
+    def by_ratios(self) -> bool:
+        """Whether it spans a decade: it is then divided by ratios, else evenly."""
+        return self.low > 0 and self.high / self.low >= _DECADE
+
     def points(self, count: int) -> Array:
-        """Values over the range: by ratios where it spans a decade."""
-        if self.low > 0 and self.high / self.low >= _DECADE:
-            return np.geomspace(self.low, self.high, count)
-        return np.linspace(self.low, self.high, count)
+        """Values over the range."""
+        return (np.geomspace if self.by_ratios else np.linspace)(self.low, self.high, count)
 
     def between(self, low: float, high: float, parts: int) -> Array:
         """Values inside an interval, that divide it."""
-        found = np.geomspace if self.low > 0 and self.high / self.low >= _DECADE else np.linspace
+        found = np.geomspace if self.by_ratios else np.linspace
         return np.asarray(found(low, high, parts + 1)[1:-1])
 
 
@@ -94,13 +101,14 @@ class Mixed:
 @dataclass(frozen=True)
 class PathVerdicts:
     """The verdict along one path: the values simulated, in order, the judgement at each, the boundaries, and where it is
-    mixed."""
+    mixed. Stretches narrower than ``resolution``, a share of the value, may be missed."""
 
     turned: Turned
     values: Array
     found: list[Judgement]
     boundaries: list[Boundary]
     mixed: list[Mixed]
+    resolution: float
 
 
 def known_path(loop: Loop, path: str, given: str = "vary") -> None:
@@ -123,32 +131,103 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
         InputError: the path is no number of the machine.
     """
     known_path(loop, turned.path)
-    ends = [loop.scenario.with_changes({turned.path: float(x)}) for x in turned.points(3)]
-    loop = replace(loop, slowest=max(loop.slowest, *(time_constant(end)[0] for end in ends)))
-    seen: dict[float, Judgement] = {}
+    scan = _Scan(loop, turned)
+    scan.look(turned.points(POINTS))
+    scan.divide(tell)
+    scan.fill()
+    scan.divide(tell)
+    scan.beside()
+    values = np.array(sorted(scan.seen))
+    found = [scan.seen[x] for x in values.tolist()]
+    return PathVerdicts(turned, values, found, *_named(turned, scan.seen), scan.resolution())
 
-    def look(values: Array) -> None:
-        new = np.array([x for x in np.unique(values) if x not in seen])
+
+class _Scan:
+    """Points of a path with their judgements."""
+
+    def __init__(self, loop: Loop, turned: Turned) -> None:
+        self.loop, self.turned = loop, turned
+        self.seen: dict[float, Judgement] = {}
+        self.known = turned.points(_CONSTANTS)
+        ends = [loop.scenario.with_changes({turned.path: float(x)}) for x in self.known]
+        self.constants = np.array([time_constant(end)[0] for end in ends])
+
+    @property
+    def steps_left(self) -> int:
+        """Of the solver."""
+        return MOST_STEPS - sum(j.steps for j in self.seen.values())
+
+    def look(self, values: Array) -> None:
+        """Judge the loop at these values, but those that are known."""
+        new = np.array([x for x in np.unique(values) if x not in self.seen])
         if len(new):
-            seen.update(zip(new.tolist(), judge(loop, {turned.path: new}), strict=True))
+            slowest = np.exp(np.interp(new, self.known, np.log(self.constants)))
+            found = judge(self.loop, {self.turned.path: new}, slowest=slowest)
+            self.seen.update(zip(new.tolist(), found, strict=True))
 
-    look(turned.points(POINTS))
-    for i in range(_AT_MOST):
-        if tell is not None:
-            tell((i + 1) / (_AT_MOST + 2))
-        changes = _changes(seen)
-        if len(changes) > _MOST or (i >= _ROUNDS and all(_narrow(*change) for change in changes)):
-            break
-        look(np.concatenate([np.zeros(0), *(turned.between(a, b, _PARTS) for a, b in changes)]))
-    for _ in range(_SPREADS):
-        groups = _groups(_changes(seen))
-        known = len(seen)
-        if 0 < len(groups) <= _MOST:
-            look(np.concatenate([_around(turned, *group) for group in groups]))
-        if len(seen) == known:
-            break
-    values = np.array(sorted(seen))
-    return PathVerdicts(turned, values, [seen[x] for x in values.tolist()], *_named(turned, seen))
+    def divide(self, tell: Callable[[float], None] | None) -> None:
+        """Divide the steps in which the verdict changes, or something that tells of a change to come."""
+        for i in range(_ROUNDS):
+            if tell is not None:
+                tell(0.1 + 0.15 * i)
+            changes = _changes(self.seen)
+            wide = (
+                [(a, b) for a, b in changes if b - a > _PRECISE * max(abs(a), abs(b))] if len(changes) <= _MOST else []
+            )
+            turns = [(a, b) for a, b in self._steps() if self._share(a, b) > RESOLUTION / 2 and self._turns(a, b)]
+            if not (wide or turns) or self.steps_left < 0:
+                return
+            new = [self.turned.between(a, b, _PARTS) for a, b in wide]
+            self.look(np.concatenate(new + [self.turned.between(a, b, 2) for a, b in turns if (a, b) not in wide]))
+
+    def fill(self) -> None:
+        """Divide the widest steps, until all are as fine as :data:`RESOLUTION` or as the solver's steps that are left allow."""
+        a_point = max(float(np.mean([j.steps for j in self.seen.values()])), 1.0)
+        room = max(int(0.6 * self.steps_left / a_point), 0)  # the rest is for what this finds
+        fine = RESOLUTION
+        while True:
+            new = [
+                self.turned.between(a, b, int(np.ceil(self._share(a, b) / fine)))
+                for a, b in self._steps() if self._share(a, b) > fine
+            ]  # fmt: skip
+            if sum(map(len, new)) <= room or fine > 1:
+                break
+            fine *= 1.25
+        if new and fine <= 1:
+            self.look(np.concatenate(new))
+
+    def beside(self) -> None:
+        """Look at both sides of each change, as far as a boundary's verdicts must hold; again for what that finds."""
+        for _ in range(_CHECKS):
+            groups, known = _groups(_changes(self.seen)), len(self.seen)
+            if 0 < len(groups) <= _MOST:
+                self.look(np.concatenate([_around(self.turned, *group) for group in groups]))
+            if len(self.seen) == known:
+                return
+
+    def resolution(self) -> float:
+        """The widest step between equal verdicts, as a share of the value."""
+        same = [(a, b) for a, b in self._steps() if self.seen[a].verdict == self.seen[b].verdict]
+        return max((self._share(a, b) for a, b in same), default=0.0)
+
+    def _steps(self) -> list[tuple[float, float]]:
+        return list(pairwise(sorted(self.seen)))
+
+    def _share(self, a: float, b: float) -> float:
+        """How wide a step is: of its value; of the larger end of a range that is divided evenly."""
+        if self.turned.by_ratios:
+            return (b - a) / abs(b)
+        return (b - a) / max(abs(self.turned.low), abs(self.turned.high))
+
+    def _turns(self, a: float, b: float) -> bool:
+        """Whether the amplitude of what moves, or the time after which it rests, changes quickly within a step."""
+        one, other = self.seen[a], self.seen[b]
+        if one.verdict != other.verdict:
+            return False
+        if one.quiet:
+            return bool(abs(np.log((1 + one.rested) / (1 + other.rested))) > _TURNS)
+        change = np.log((one.amplitude or 1e-300) / (other.amplitude or 1e-300))
+        return bool(abs(change) > _TURNS)
 
 
 def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import deepcopy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
@@ -20,7 +21,10 @@ from stribeck.scenario import Scenario
 KINDS = ("none", "reference", "measured", "inner_loop", "dither")
 _SHARES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
 _AMPLITUDES = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])  # of a dither, in shares of the friction
-_ROUNDS, _ROUNDS_OF_DITHER = 4, 2
+_ROUNDS = 4  # of bisection between two shares: to 0.016
+MOST_STEPS = 50_000  # of one lane, of which there are hundreds: some 200 slowest time constants of a sampled axis
+_DITHERED = 4 * MOST_STEPS  # under a dither the steps are short, and a body creeps to its target
+_FIRST = 4  # samples that a search begins with, all at their middles, lows and highs first; and so many that limit it are added
 _BELOW = np.geomspace(1e-3, 1.0, 31)  # of v_s
 
 
@@ -124,7 +128,7 @@ def level_of(scenario: Scenario, contact: str) -> float:
 
 
 def compare(
-    loop: Loop, controller: str, samples: dict[str, Array], tell: Callable[[float], None] | None = None
+    loop: Loop, controller: str, samples: dict[str, Array], tell: Callable[[float, str], None] | None = None
 ) -> list[CompensationResult]:
     """Each kind with its largest quiet share and the error that it leaves.
 
@@ -132,82 +136,127 @@ def compare(
         InputError: the measured body has no contact with the ground.
     """
     contact = contact_of(loop.scenario, controller)
-    found = []
     kinds = kinds_of(loop, controller, contact)
+    found, without = (
+        list[CompensationResult](),
+        np.array([j.quiet for j in judge(loop_without(loop, controller), samples, most_steps=MOST_STEPS)]),
+    )
     for i, kind in enumerate(kinds):
-        if kind == "dither":
-            found.append(_dithered(loop, controller, contact, samples))
-            break  # the last
-        made = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, kind, 1.0))
-        path = f"controllers.{controller}.compensation.share" if kind != "none" else None
-        largest = _largest(made, path, samples)
-        share = 0.0 if kind == "none" else min(1.0, largest or 0.0)
-        given = {} if path is None else {path: share}
-        count = len(next(iter(samples.values())))
-        wide = {**samples, **{p: np.full(count, x) for p, x in given.items()}}
-        own = float(reversal_errors(made, controller, {p: np.array([x]) for p, x in given.items()})[0])
-        worst = float(np.nanmax(reversal_errors(made, controller, wide)))
-        table = made.scenario.data["controllers"][controller].get("compensation")
-        table = {**deepcopy(table), "share": share} if table else None
-        found.append(CompensationResult(kind, share, largest, own, worst, made, table=table))
         if tell is not None:
-            tell((i + 1) / len(kinds))
+            tell(i / len(kinds), f"compensation: {kind}")
+        made = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, kind, 1.0))
+        if kind == "none":
+            remedy = _Remedy(made, samples, None, 1.0, without)
+            found.append(_result(remedy, controller, kind, 0.0, 0.0 if without.all() else None))
+        elif kind == "dither":
+            found.append(_dithered(made, controller, samples, without))
+        else:
+            remedy = _Remedy(made, samples, f"controllers.{controller}.compensation.share", 1.0, without)
+            largest = remedy.largest(_SHARES, _ROUNDS)
+            found.append(_result(remedy, controller, kind, min(1.0, largest or 0.0), largest))
     return found
 
 
-def _dithered(loop: Loop, controller: str, contact: str, samples: dict[str, Array]) -> CompensationResult:
+def loop_without(loop: Loop, controller: str) -> Loop:
+    """The loop without any compensation of a controller."""
+    return replace(loop, scenario=with_compensation(loop.scenario, controller, "", "none", 0.0))
+
+
+@dataclass
+class _Remedy:
+    """A loop with a remedy whose share is turned, and which samples of the friction it is quiet with.
+
+    Attributes:
+        path: the number that is turned; None: nothing.
+        unit: that number for a share of 1.
+        without: by sample, whether the loop is quiet without the remedy.
+        most_steps: of the solver for one lane.
+        worst: the samples that limited it so far: all the others are asked at the end.
+    """
+
+    loop: Loop
+    samples: dict[str, Array]
+    path: str | None
+    unit: float
+    without: NDArray[np.bool_]
+    most_steps: int = MOST_STEPS
+    worst: NDArray[np.int64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.worst = np.arange(min(_FIRST, len(self.without)))
+
+    def lanes(self, shares: Array, which: NDArray[np.int64]) -> dict[str, Array]:
+        """Every share with every one of these samples."""
+        found = {p: np.tile(x[which], len(shares)) for p, x in self.samples.items()}
+        return found if self.path is None else found | {self.path: np.repeat(self.unit * shares, len(which))}
+
+    def quiet(self, shares: Array, which: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Whether each share is quiet with each of these samples."""
+        found = np.array([j.quiet for j in judge(self.loop, self.lanes(shares, which), most_steps=self.most_steps)])
+        return found.reshape(len(shares), len(which))
+
+    def errors(self, controller: str, share: float | None, which: NDArray[np.int64]) -> Array:
+        """The errors after reversals with these samples."""
+        return reversal_errors(self.loop, controller, self.lanes(np.array([share or 0.0]), which))
+
+    def holds(self, share: float) -> bool:
+        """Whether it is quiet with every sample; those that are not are kept among the worst."""
+        every = np.arange(len(self.without))
+        bad = np.flatnonzero(~(self.without if share == 0 else self.quiet(np.array([share]), every)[0]))
+        self.worst = np.unique(np.concatenate([self.worst, bad[:_FIRST]]))
+        return not len(bad)
+
+    def largest(self, shares: Array, rounds: int) -> float | None:
+        """The largest share that is quiet with every sample: looked for with the worst ones, and asked of all; None where
+        there is none."""
+        if self.holds(float(shares[-1])):
+            return float(shares[-1])
+        high = np.inf
+        while high > 0:
+            tried = shares[shares < high]
+            quiet = self.quiet(tried, self.worst).all(axis=1)
+            first = len(tried) - 1 if quiet.all() else int(np.argmin(quiet))  # the first that is not
+            low, high = (float(tried[first - 1]) if first else 0.0), float(tried[first])
+            for _ in range(rounds):
+                middle = (low + high) / 2
+                low, high = (middle, high) if self.quiet(np.array([middle]), self.worst).all() else (low, middle)
+            if self.holds(low):
+                return low
+            high = low
+        return None
+
+
+def _result(remedy: _Remedy, controller: str, kind: str, share: float, largest: float | None) -> CompensationResult:
+    """What a remedy leaves at a share."""
+    given = {} if remedy.path is None else {remedy.path: np.array([share])}
+    own = float(reversal_errors(remedy.loop, controller, given)[0])
+    worst = float(np.nanmax(remedy.errors(controller, share, np.arange(len(remedy.without)))))
+    table = remedy.loop.scenario.data["controllers"][controller].get("compensation")
+    table = {**deepcopy(table), "share": share} if table else None
+    return CompensationResult(kind, share, largest, own, worst, remedy.loop, table=table)
+
+
+def _dithered(made: Loop, controller: str, samples: dict[str, Array], without: NDArray[np.bool_]) -> CompensationResult:
     """The amplitudes that stay quiet, and of these the one that leaves the least worst error."""
-    made = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, "dither", 1.0))
-    table, path = made.scenario.data["controllers"][controller]["dither"], f"controllers.{controller}.dither.amplitude"
-    level, count = float(table["amplitude"]), len(next(iter(samples.values())))
-
-    def lanes(shares: Array) -> dict[str, Array]:
-        return {p: np.tile(x, len(shares)) for p, x in samples.items()} | {path: np.repeat(level * shares, count)}
-
-    every = [j.quiet for j in judge(made, lanes(_AMPLITUDES))]
-    quiet = [all(every[i : i + count]) for i in range(0, len(every), count)]
-    last = max((i for i, each in enumerate(quiet) if each), default=0)
-    first = last
+    table = made.scenario.data["controllers"][controller]["dither"]
+    level = float(table["amplitude"])
+    remedy = _Remedy(made, samples, f"controllers.{controller}.dither.amplitude", level, without, _DITHERED)
+    remedy.holds(0.0)
+    some = remedy.worst
+    quiet = np.concatenate([[without.all()], remedy.quiet(_AMPLITUDES[1:], some).all(axis=1)])
+    while quiet.any():  # what is quiet with the worst samples is asked of all
+        last = int(np.flatnonzero(quiet)[-1])
+        if remedy.holds(float(_AMPLITUDES[last])):
+            break
+        quiet[last] = False
+    first = last = max((int(i) for i in np.flatnonzero(quiet)), default=0)
     while first and quiet[first - 1]:
         first -= 1
-    largest = float(_AMPLITUDES[last]) if any(quiet) else None
-    if largest is not None and last + 1 < len(_AMPLITUDES):
-        ends = largest, float(_AMPLITUDES[last + 1])
-        largest = _bisected(made, lambda x: lanes(np.array([x])), *ends, _ROUNDS_OF_DITHER)
-    shares = np.unique([*_AMPLITUDES[first : last + 1], largest or 0.0])
-    errors = np.nanmax(reversal_errors(made, controller, lanes(shares)).reshape(len(shares), count), axis=1)
-    share = float(shares[int(np.argmin(errors))])
-    own = float(reversal_errors(made, controller, {path: np.array([share * level])})[0])
+    shares = _AMPLITUDES[first : last + 1]
+    left = [float(np.nanmax(remedy.errors(controller, float(share), some))) for share in shares]
+    share = float(shares[int(np.argmin(left))])
+    if not remedy.holds(share):
+        share = float(_AMPLITUDES[last])
+    found = _result(remedy, controller, "dither", share, float(_AMPLITUDES[last]) if quiet.any() else None)
     given = {**table, "amplitude": share * level, "least_quiet_share": float(_AMPLITUDES[first])}
-    return CompensationResult("dither", share, largest, own, float(errors.min()), made, given)
-
-
-def _largest(loop: Loop, path: str | None, samples: dict[str, Array]) -> float | None:
-    """The largest share that is quiet with every sample, by bisection between shares looked at."""
-    if path is None:
-        return 0.0 if _quiet(loop, samples) else None
-    count = len(next(iter(samples.values())))
-    wide = {p: np.tile(x, len(_SHARES)) for p, x in samples.items()} | {path: np.repeat(_SHARES, count)}
-    quiet = np.array([j.quiet for j in judge(loop, wide)]).reshape(len(_SHARES), count).all(axis=1)
-    if quiet.all():
-        return float(_SHARES[-1])
-    first = int(np.argmin(quiet))  # the first that is not
-    low, high = (float(_SHARES[first - 1]) if first else 0.0), float(_SHARES[first])
-    if not first and not _quiet(loop, samples | {path: np.zeros(count)}):
-        return None
-    return _bisected(loop, lambda x: samples | {path: np.full(count, x)}, low, high, _ROUNDS)
-
-
-def _bisected(loop: Loop, lanes: Callable[[float], dict[str, Array]], low: float, high: float, rounds: int) -> float:
-    """The largest share found quiet between one that is and one that is not."""
-    for _ in range(rounds):
-        middle = (low + high) / 2
-        if _quiet(loop, lanes(middle)):
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-def _quiet(loop: Loop, values: dict[str, Array]) -> bool:
-    return all(j.quiet for j in judge(loop, values))
+    return replace(found, dither=given, table=None)

@@ -1,33 +1,43 @@
-"""What a loop does in the long run: quiet, creeping, hunting or unstable, told from long simulations."""
+"""What a loop does in the long run: quiet, creeping, hunting or unstable, by simulations that are long enough to tell."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.loops.loop import Loop, a_number, resolution_of
+from stribeck.loops.loop import MOST_STEPS, Loop, a_number, resolution_of
 from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.loops.shaken import swings
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 
-STAYS = 100  # slowest time constants that a body has to stay at rest
 TRAVEL = 1e-6  # of its travel: rest of a body without an encoder
-_ROWS = 2000  # of the window that is judged
-_LONGER = (2, 4, 8, 32)  # windows until the end; the second half is judged
-_WINDS = 0.01  # of the largest output: an integral that still moves so much may yet break away
+# Slowest time constants that are simulated at first once the signals rest: in the first half, every linear mode falls to
+# e**-12 = 6e-6 of itself, about what counts as rest.
+SHORTEST = 24
+LONGEST = 49152  # the same at last: eleven times twice as long; a loop that sticks takes few steps
+_WAITS = 50_000  # steps of a lane that rests while friction is charged so slowly that it never breaks away in its time
+_ROWS = 1000  # of the half that is judged
+_ENOUGH_CYCLES = 8  # of an oscillation that is called sustained: two in each quarter of what is judged
+_KEEPS = 0.003  # from the first quarter to the last: an oscillation that changes by less keeps its size
+_COUNTS = 0.2  # of what counts as rest, such as an encoder's step: by so much more the quarters may differ
+_ALIKE = 0.01  # the quarters of a regular oscillation, among each other
+_STEADY = 0.8  # the second half over the first: creep that slows down more than this may come to rest
+_SLOWS = 0.9  # the same of a contact's force: one that slows down less is taken to go on as it does
+_MOVES_ON = 1e-3  # of F_s, in what is judged: a contact's force that changes by less is constant up to LONGEST
+_NEAR = 0.9  # of F_s: a contact whose force comes nearer may break away
+_FAR = 100.0  # of the move: nothing but instability goes so far
 _AT_LIMIT = 0.999
-_OFTEN = 0.02  # of the window at the limit: the limit is what holds the oscillation
+_OFTEN = 0.02  # of the time at both limits: the limit is what holds the oscillation
 _ONE_WAY = 0.9  # of all that moved, gone one way
-_FEW, _FAR = 6, 10.0  # rows of a run that ended early; how far it had grown from its first third to its last
-_GROWS = 1.15  # from one third of the window to the next
+_FEW, _GREW = 6, 10.0  # rows of a run that ended early; how far it had grown from its first third to its last
+_GROWS = 1.15  # from one third to the next, at the end of the longest run
 
 WINDS = "an integral still winds up behind friction that holds"
 SHAKEN = "rest is what its dither alone moves it"
-SUSTAINED = "the oscillation keeps its size"
 
 Tell = Callable[[float], None]
 
@@ -39,9 +49,11 @@ class Judgement:
     Attributes:
         verdict: "quiet", "creeping", "hunting", "unstable"; "failed" where the simulation ended early.
         body: the body that moves most beyond what counts as rest.
-        amplitude: half of peak to peak of its motion in the window, m or rad.
+        amplitude: half of peak to peak of its motion in the time judged, m or rad.
         period: of its oscillation, s; nan where there is none.
         note: why, in a few words.
+        steps: of the solver, in all runs.
+        rested: time constants from the rest of the signals until the last motion beyond rest; inf where it moves on.
     """
 
     verdict: str
@@ -49,6 +61,8 @@ class Judgement:
     amplitude: float
     period: float
     note: str = ""
+    rested: float = field(default=np.inf, compare=False)
+    steps: int = field(default=0, compare=False)
 
     @property
     def quiet(self) -> bool:
@@ -56,93 +70,239 @@ class Judgement:
         return self.verdict == "quiet"
 
 
-def judge(loop: Loop, values: Mapping[str, ArrayLike] | None = None, tell: Tell | None = None) -> list[Judgement]:
+def judge(
+    loop: Loop,
+    values: Mapping[str, ArrayLike] | None = None,
+    tell: Tell | None = None,
+    slowest: Array | None = None,
+    most_steps: int = MOST_STEPS,
+) -> list[Judgement]:
     """The judgement of each lane of ``values``, as for :func:`stribeck.simulate_ensemble`; of the file without them.
 
-    A lane is simulated until its signals rest, then for twice :data:`STAYS` of the slowest time constants, and the second
-    half of these is judged. Where it moves, or an integral still winds up behind friction that holds, it is simulated for
-    2, 4 and 16 times as long, and the second half of that is judged.
+    A lane is simulated until its signals rest and then for :data:`SHORTEST` of the slowest time constants; the second half
+    of these is judged. Unless that shows what it will go on doing (rest with constant friction, a cycle that keeps its
+    size), it is simulated twice as long, and so on; while an integral winds up, until it may have broken away.
+
+    Args:
+        slowest: the slowest time constant of each lane, s; the loop's unless given.
+        most_steps: of the solver for one lane; one that would need more is judged by the end of what it may take.
     """
     given = {path: np.atleast_1d(np.asarray(x, float)) for path, x in (values or {}).items()}
     count = max((len(x) for x in given.values()), default=1)
-    found: list[Judgement | None] = [None] * count
-    left, swing = np.arange(count), swings(loop, given, count)
-    for i, windows in enumerate(_LONGER):
-        lanes = _simulated(loop, {p: x if len(x) == 1 else x[left] for p, x in given.items()}, windows, len(left))
-        for lane, place in enumerate(left):
-            found[place] = _judged(loop, lanes, lane, swing[place])
-        left = np.array([k for k in left if _worth_longer(found[k])], dtype=int)
+    tau = np.full(count, loop.slowest) if slowest is None else np.asarray(slowest, float)
+    look = _Look(loop, given, tau, swings(loop, given, count), most_steps)
+    left = np.arange(count)
+    while len(left):
+        left = look.further(left)
         if tell is not None:
-            tell(1 - len(left) / count * (1 - (i + 1) / len(_LONGER)))
-        if not len(left):
-            break
-    return [each for each in found if each is not None]
+            tell(look.share_done())
+    return [each for each in look.found if each is not None]
 
 
-def window(loop: Loop, windows: int = 2) -> tuple[float, float, float]:
-    """Start and end of what is judged, and the time between rows, s."""
-    length = windows / 2 * STAYS * loop.slowest
-    step = length / _ROWS
-    end = np.ceil((loop.rest + 2 * length) / step) * step
-    return float(end - length), float(end), step
+class _Look:
+    """Lanes that are simulated until each has shown what it does."""
+
+    def __init__(
+        self, loop: Loop, values: dict[str, Array], tau: Array, swing: list[dict[str, float]], most_steps: int
+    ) -> None:
+        self.loop, self.values, self.tau, self.swing, self.most_steps = loop, values, tau, swing, most_steps
+        self.found: list[Judgement | None] = [None] * len(tau)
+        self.length = np.maximum(
+            SHORTEST * tau, loop.rest / 4
+        )  # no shorter, lest the rows of what comes before are many
+        self.open = np.ones(len(tau), bool)
+        self.steps = np.zeros(len(tau), np.int64)
+
+    def share_done(self) -> float:
+        """Of the lanes; those that are open count by how far they have come."""
+        doublings = np.log2(np.maximum(self.length / (SHORTEST * self.tau), 1.0)) / np.log2(LONGEST / SHORTEST)
+        return float(np.where(self.open, np.minimum(doublings, 0.95), 1.0).mean())
+
+    def further(self, left: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Simulate these lanes to their present lengths, judge them, and choose the lengths of those that stay open."""
+        octave = np.ceil(2 * np.log2(self.length[left])).astype(int)  # lanes of about one length go together
+        for each in np.unique(octave):
+            some, length = left[octave == each], float(2.0 ** (each / 2))  # the same, whichever other lanes there are
+            lanes = _simulated(
+                self.loop, {p: x if len(x) == 1 else x[some] for p, x in self.values.items()}, length, len(some)
+            )
+            for lane, place in enumerate(some):
+                self._judge(int(place), lanes, lane, length)
+        return left[self.open[left]]
+
+    def _judge(self, place: int, lanes: Ensemble, lane: int, length: float) -> None:
+        steps, tau = int(lanes.accepted[lane] + lanes.rejected[lane]), float(self.tau[place])
+        gave_up = lanes.reason[lane] is not None and steps >= MOST_STEPS
+        longer = min(length * self.most_steps / max(steps, 1), LONGEST * tau)  # as far as it may go
+        last = gave_up or longer < 1.5 * length
+        shown = _Shown(self.loop, lanes, lane, tau, self.swing[place], last)
+        self.steps[place] += steps
+        found, wanted = shown.judged()
+        self.found[place] = replace(found, steps=int(self.steps[place]))
+        if shown.waits and wanted > longer:  # it would break away later than can be simulated
+            wanted = 2 * length if 2 * steps < _WAITS else 0.0
+        self.open[place] = wanted > length and not last
+        self.length[place] = min(max(wanted, 2 * length), longer)
 
 
-def _worth_longer(found: Judgement | None) -> bool:
-    if found is None or found.note == SUSTAINED:
-        return False
-    return found.verdict in ("creeping", "hunting") or found.note == WINDS
-
-
-def _simulated(loop: Loop, values: Mapping[str, ArrayLike], windows: int, count: int) -> Ensemble:
-    _, end, step = window(loop, windows)
+def _simulated(loop: Loop, values: Mapping[str, ArrayLike], length: float, count: int) -> Ensemble:
+    """The lanes until ``length`` after the signals rest, with :data:`_ROWS` rows in the second half of that."""
+    step = length / 2 / _ROWS
+    end = float(np.ceil((loop.rest + length) / step) * step)
     if not values:  # one lane: any number that is there stands for it
-        path, x = next(iter(a_number(loop.scenario).items()))
+        path, x = next(iter(a_number(loop.lean).items()))
         values = {path: np.full(count, x)}
-    return simulate_ensemble(loop.scenario, values, t_end=end, step=step)
+    return simulate_ensemble(loop.lean, values, t_end=end, step=step)
 
 
-def _judged(loop: Loop, lanes: Ensemble, lane: int, swing: dict[str, float]) -> Judgement:
-    """The judgement of one lane, by its last rows."""
-    rig = loop.scenario.rig
-    machine = rig.machine
-    main = machine.leader(machine.controllers[0].measures).name
-    if (reason := lanes.reason[lane]) is not None:
-        grew = "finite" in reason or _grew(np.asarray(lanes[f"{main}.y"][lane]))
-        return Judgement("unstable" if grew else "failed", main, np.nan, np.nan, reason)
-    moving = [b.name for b in machine.bodies if b.leader is None and b.driven is None]
-    last = slice(-_ROWS - 1, None)
-    path = {name: np.asarray(lanes[f"{name}.y"][lane]) for name in moving}
-    travel = {name: float(np.ptp(y)) for name, y in path.items()}
-    rest = _rest(loop, travel)
-    rest = {name: x + swing.get(name, 0.0) for name, x in rest.items()}
-    excess = {name: float(np.ptp(path[name][last])) / rest[name] if rest[name] else 0.0 for name in moving}
-    body = main if excess.get(main, 0.0) > 1 else max(excess, key=excess.__getitem__)
-    y, t = path[body][last], lanes.t[last]
-    if max(excess.values()) <= 1:
-        note = _winding(loop, lanes, lane, last) or (SHAKEN if swing else "")
-        return Judgement("quiet", main, float(np.ptp(path[main][last])) / 2, np.nan, note)
-    amplitude, period = (float(x) for x in amplitude_and_period(t, y))
-    if _limited(loop, lanes, lane, last):
-        return Judgement("unstable", body, amplitude, period, "the oscillation is held by a limit")
-    if abs(y[-1] - y[0]) > _ONE_WAY * np.abs(np.diff(y)).sum():
-        return Judgement("creeping", body, amplitude, np.nan)
-    thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)]
-    if thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]:
-        return Judgement("unstable", body, amplitude, period, "the oscillation grows")
-    steady = min(thirds) > 0.97 * max(thirds)
-    return Judgement("hunting", body, amplitude, period, SUSTAINED if steady else "")
+class _Shown:
+    """What one lane shows in the last rows of its run; ``last``: nothing longer will be asked."""
+
+    def __init__(
+        self, loop: Loop, lanes: Ensemble, lane: int, tau: float, swing: dict[str, float], last: bool = False
+    ) -> None:
+        self.loop, self.lanes, self.lane, self.tau, self.swing, self.last = loop, lanes, lane, tau, swing, last
+        machine = loop.scenario.rig.machine
+        self.main = machine.leader(machine.controllers[0].measures).name
+        self.moving = [b.name for b in machine.bodies if b.leader is None and b.driven is None]
+        reached = int(np.isfinite(self.column(f"{self.main}.y")).sum())
+        self.reached = slice(0, reached)
+        kept = _ROWS // 4 if last else _ROWS + 1  # where nothing longer can be asked, the end alone tells
+        self.rows = slice(max(reached - kept, 0), reached)
+        self.t = lanes.t
+        self.waits = False  # at rest, for friction to break away
+
+    def column(self, name: str) -> Array:
+        """A column of the lane."""
+        return np.asarray(self.lanes[name][self.lane])
+
+    def judged(self) -> tuple[Judgement, float]:
+        """The judgement, and how long after the signals' rest to simulate to be surer, s; 0: it is decided."""
+        length = float(self.t[self.rows][-1]) - self.loop.rest if self.reached.stop else 0.0
+        if self._has_gone_far() or (self.lanes.not_finite[self.lane] and self._grew()):
+            return Judgement("unstable", self.main, np.nan, np.nan, "it grows without end"), 0.0
+        if (reason := self.lanes.reason[self.lane]) is not None and not self.last:
+            return Judgement("unstable" if self._grew() else "failed", self.main, np.nan, np.nan, reason), 0.0
+        rest = self._rest()
+        excess = {name: self._spread(name) / rest[name] if rest[name] else 0.0 for name in self.moving}
+        body = self.main if excess.get(self.main, 0.0) > 1 else max(excess, key=excess.__getitem__)
+        breaks = self._breaks_away()
+        if max(excess.values()) <= 1:
+            return self._at_rest(rest, breaks, length)
+        y = self.column(f"{body}.y")[self.rows]
+        if abs(y[-1] - y[0]) > _ONE_WAY * np.abs(np.diff(y)).sum():
+            amplitude = float(np.ptp(y)) / 2
+            first, second = abs(y[len(y) // 2] - y[0]), abs(y[-1] - y[len(y) // 2])
+            steady = second > _STEADY * first and breaks is None and length > 4 * SHORTEST * self.tau
+            return Judgement("creeping", body, amplitude, np.nan), 0.0 if steady else self._longer(breaks, length)
+        return self._oscillates(body, y, rest[body], length)
+
+    def _at_rest(self, rest: dict[str, float], breaks: float | None, length: float) -> tuple[Judgement, float]:
+        """Quiet; longer where what moves within rest grows, or friction that is charged may break away."""
+        main = f"{self.main}.y"
+        note = WINDS if breaks is not None else SHAKEN if self.swing else ""
+        found = Judgement("quiet", self.main, self._spread(self.main) / 2, np.nan, note, self._rested(rest))
+        y = self.column(main)[self.rows]
+        before, after = (float(np.ptp(part)) for part in np.array_split(y, 2))
+        grows = after > 2 * before and after > 0.1 * rest[self.main]
+        self.waits = breaks is not None and not grows
+        return found, self._longer(breaks, length) if breaks is not None or grows else 0.0
+
+    def _oscillates(self, body: str, y: Array, rest: float, length: float) -> tuple[Judgement, float]:
+        """Hunting or unstable; longer until it keeps its size."""
+        amplitude, period = (float(x) for x in amplitude_and_period(self.t[self.rows], y))
+        quarters = [float(np.ptp(part)) for part in np.array_split(y, 4)]
+        spread = max(quarters) - min(quarters)
+        cycles = float(self.t[self.rows][-1] - self.t[self.rows][0]) / period if period > 0 else 0.0
+        change = abs(quarters[3] - quarters[0])
+        keeps = cycles >= _ENOUGH_CYCLES and length > 2 * SHORTEST * self.tau
+        keeps &= spread <= _ALIKE * max(quarters) + _COUNTS * rest and change <= _KEEPS * quarters[0] + _COUNTS * rest
+        wanted = 0.0 if keeps else 2 * length
+        if self._limited():
+            return Judgement("unstable", body, amplitude, period, "the oscillation is held by a limit"), wanted
+        thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)]
+        if self.last and thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]:
+            return Judgement("unstable", body, amplitude, period, "the oscillation grows"), wanted
+        return Judgement("hunting", body, amplitude, period), wanted
+
+    def _longer(self, breaks: float | None, length: float) -> float:
+        """Twice as long, or until a cycle after friction may have broken away."""
+        return max(2 * length, 0.0 if breaks is None else 1.5 * (breaks + length))
+
+    def _spread(self, name: str) -> float:
+        return float(np.ptp(self.column(f"{name}.y")[self.rows]))
+
+    def _rest(self) -> dict[str, float]:
+        """How far each body may move and still be at rest: its encoder's step, what that step makes of the others, or a
+        millionth of its travel; and what a dither alone moves it."""
+        travel = {name: float(np.ptp(self.column(f"{name}.y")[self.reached])) for name in self.moving}
+        rest = at_rest(self.loop, travel)
+        return {name: x + self.swing.get(name, 0.0) for name, x in rest.items()}
+
+    def _rested(self, rest: dict[str, float]) -> float:
+        """Slowest time constants from the rest of the signals until no body leaves the place where it rests."""
+        last = 0.0
+        for name in self.moving:
+            y = self.column(f"{name}.y")[self.reached]
+            away = np.flatnonzero(np.abs(y - y[-1]) > max(rest[name], 1e-300))
+            last = max(last, float(self.t[away[-1]]) if len(away) else 0.0)
+        return max(last - self.loop.rest, 0.0) / self.tau
+
+    def _breaks_away(self) -> float | None:
+        """In how many seconds a contact that is being charged may break away, by its force's mean course; None where the
+        force of none changes, or settles below F_s."""
+        rig, found = self.loop.scenario.rig, list[float]()
+        for contact in rig.machine.contacts:
+            law = rig.laws[contact.law_path]
+            most = float(law.scales(law.p).force)
+            force = self.column(f"{contact.name}.F")[self.rows]
+            means = [float(part.mean()) for part in np.array_split(force, 4)]
+            first, second = means[1] - means[0], means[3] - means[2]
+            if not abs(means[3] - means[0]) > _MOVES_ON * most:
+                continue
+            falls = (
+                second / first if first else np.inf
+            )  # over half of the time judged: the square of that over a quarter
+            if 0 < falls < _SLOWS:
+                settled = means[3] + second * np.sqrt(falls) / (1 - np.sqrt(falls))
+                if abs(settled) < _NEAR * most:
+                    continue
+            room = (most - abs(means[3])) if second * means[3] > 0 else most + abs(means[3])
+            quarter = float(self.t[self.rows][-1] - self.t[self.rows][0]) / 4
+            found.append(max(room, 0.1 * most) / max(abs(second), 1e-300) * quarter)
+        return min(found, default=None)
+
+    def _has_gone_far(self) -> bool:
+        """Whether the measured body went many times as far as its signal and its start ask."""
+        each = self.loop.scenario.rig.machine.controllers[0]
+        y, r = (self.column(name)[self.reached] for name in (f"{each.measures}.y", f"{each.name}.r"))
+        if not len(y):
+            return False
+        size = max(float(np.ptp(r)), abs(float(y[0] - r[-1])), self.loop.travel.get(self.main, 0.0))
+        return bool(size > 0 and np.abs(y - r).max() > _FAR * size)
+
+    def _grew(self) -> bool:
+        """Whether a motion that could not be followed to its end had grown all the time."""
+        y = self.column(f"{self.main}.y")[self.reached]
+        thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)] if len(y) > _FEW else [0.0, 1.0]
+        return thirds[-1] > _GREW * thirds[0]
+
+    def _limited(self) -> bool:
+        """Whether an output stands at its limit for part of the time, on both sides."""
+        rig = self.loop.scenario.rig
+        found = [
+            (self.column(f"{each.name}.u"), rig.values[each.path, "limit"])
+            for each in rig.machine.controllers if "limit" in each.form
+        ]  # fmt: skip
+        found += [
+            (self.column(f"{motor.name}.V"), rig.values[motor.path, "voltage"])
+            for motor in rig.machine.motors if "voltage" in motor.form
+        ]  # fmt: skip
+        return any(_both_sides(x[self.rows], limit) for x, limit in found)
 
 
-def _grew(y: Array) -> bool:
-    """Whether a motion that could not be followed to its end had grown all the time."""
-    y = y[np.isfinite(y)]
-    thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)] if len(y) > _FEW else [0.0]
-    return thirds[-1] > _FAR * thirds[0]
-
-
-def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
-    """How far each body may move and still be at rest: its encoder's step, what that step makes of the others, or a
-    millionth of its travel."""
+def at_rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
+    """How far each body may move and still be at rest, by how far it travelled."""
     rig = loop.scenario.rig
     rest = {name: TRAVEL * max(x, loop.travel.get(name, 0.0)) for name, x in travel.items()}
     for each in rig.machine.controllers:
@@ -152,35 +312,6 @@ def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
             for other, x in travel.items():
                 rest[other] = max(rest[other], step if other == name else step * x / travel[name])
     return rest
-
-
-def _winding(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> str:
-    """:data:`WINDS` where an output still moves one way while the bodies rest; else nothing."""
-    for each in loop.scenario.rig.machine.controllers:
-        u = np.asarray(lanes[f"{each.name}.u"][lane])
-        if each.dither is not None:  # where an integral winds, the mean moves
-            u = u[rows]
-            first, second = (float(x.mean()) for x in np.array_split(u, 2))
-            moved = abs(second - first)
-        else:
-            moved = abs(u[rows][-1] - u[rows][0])
-        if moved > _WINDS * np.abs(u).max():
-            return WINDS
-    return ""
-
-
-def _limited(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> bool:
-    """Whether an output stands at its limit for part of the time, on both sides."""
-    rig = loop.scenario.rig
-    found: list[tuple[Array, float]] = [
-        (lanes[f"{each.name}.u"][lane][rows], rig.values[each.path, "limit"])
-        for each in rig.machine.controllers if "limit" in each.form
-    ]  # fmt: skip
-    found += [
-        (lanes[f"{motor.name}.V"][lane][rows], rig.values[motor.path, "voltage"])
-        for motor in rig.machine.motors if "voltage" in motor.form
-    ]  # fmt: skip
-    return any(_both_sides(x, limit) for x, limit in found)
 
 
 def _both_sides(x: Array, limit: float) -> bool:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from stribeck.scenario.counterpart import as_machine
 from stribeck.signals import KINDS, Signal
 from stribeck.signals.trajectories import Curve
 
+MOST_STEPS = 200_000  # of one lane: some 1 s alone, a tenth of that beside others; a run that would need more ends
 _FAST = 1e3  # natural speeds: fast enough that every contact slides
 _POINTS = 48  # of a wave that is drawn by a spline
 _ZERO = 1e-9  # of the fastest eigenvalue: what counts as no pull at all
@@ -44,6 +46,14 @@ class Loop:
     unstable: bool
     given: Scenario | None = None
     travel: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def lean(self) -> Scenario:
+        """The machine without its energies, each run of at most :data:`MOST_STEPS`."""
+        data = deepcopy(self.scenario.data)
+        data.get("output", {}).pop("energy", None)
+        data["solve"]["max_steps"] = MOST_STEPS
+        return Scenario(data, folder=self.scenario.folder, trust=True)
 
 
 def loop_of(scenario: Scenario) -> Loop:

@@ -20,6 +20,7 @@ from stribeck.simulation.solution import Solution
 _WAVES = 4  # of the sine; the first lets transients die out
 _ROWS = 4000
 _AFTER = 0.125  # of a period, after a reversal: where friction's error shows
+SETTLES = 50  # slowest time constants after the signals rest: until when the file's own error is shown
 _SETTLED = 0.01  # of the move, where no encoder says less
 
 
@@ -115,9 +116,7 @@ def errors(loop: Loop, controller: str) -> dict[str, dict[str, float | None]]:
 
 
 def _of_file(loop: Loop, controller: str) -> dict[str, float | None]:
-    from stribeck.loops.judge import STAYS
-
-    end = loop.rest + STAYS * loop.slowest
+    end = loop.rest + SETTLES * loop.slowest
     scenario = loop.scenario.with_changes({"solve.t_end": end, "output.step": end / _ROWS})
     solution = simulate(scenario)
     e, t = _error(scenario, controller, solution), solution.t

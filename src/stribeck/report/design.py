@@ -144,22 +144,23 @@ def _along(line: PathVerdicts) -> str:
     t = line.turned
     told = [f"{m.path} = {mixed_sentence(m)}" for m in line.mixed]
     if not told and not line.boundaries:
-        return f"{t.path}: {line.found[0].verdict} from {t.low:g} to {t.high:g}, at all {len(line.values)} values simulated."
+        told = [f"{line.found[0].verdict} from {t.low:g} to {t.high:g}"]
     told += ["5 % beside each boundary named the verdicts are the same"] if line.boundaries else []
+    told.append(f"stretches narrower than {100 * line.resolution:.1g} % may be missed")
     return f"{t.path}, {len(line.values)} values simulated: {'; '.join(told)}."
 
 
 def along_sentences(line: PathVerdicts) -> list[str]:
     """What the verdict does along one number, a sentence each."""
+    whole, missed = line.turned, f"stretches narrower than {100 * line.resolution:.1g} % may be missed"
     if not line.boundaries and not line.mixed:
-        whole = line.turned
-        return [f"{line.found[0].verdict} from {whole.path} = {whole.low:g} to {whole.high:g}"]
+        return [f"{line.found[0].verdict} from {whole.path} = {whole.low:g} to {whole.high:g}; {missed}"]
     told = [
         (b.low, f"{b.below} below {b.path} = {b.value:.4g}, {b.above} above (between {b.low:.4g} and {b.high:.4g})")
         for b in line.boundaries
     ]
     told += [(m.low, f"{m.path} = {mixed_sentence(m)}") for m in line.mixed]
-    return [text for _, text in sorted(told)]
+    return [*(text for _, text in sorted(told)), missed]
 
 
 def quiet_range(c: CompensationResult) -> str:

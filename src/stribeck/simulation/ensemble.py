@@ -18,7 +18,7 @@ from stribeck.errors import BuildError, InputError, nearest
 from stribeck.scenario import Scenario, memory
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import lanes
-from stribeck.simulation.result import failure
+from stribeck.simulation.result import NOT_FINITE, failure
 from stribeck.simulation.single import simulate
 from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations, vary
@@ -39,6 +39,7 @@ class Ensemble:
         slips, sticks: for each lane how often \\|v\\| rises, and falls, through v_s; of a machine, at all contacts.
         happened: for each element, and each of its events, how often it came in each lane.
         accepted, rejected: steps of each lane.
+        not_finite: which lanes ended because their equations were no longer finite.
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class Ensemble:
             for kind in ("slip", "stick")
         )
         self.accepted, self.rejected = counts["accepted"], counts["rejected"]
+        self.not_finite = counts["status"] == NOT_FINITE
         self._variations, self._states, self._given = variations, states, columns
 
     def __len__(self) -> int:
@@ -162,7 +164,7 @@ class _Lanes:
         scenario, count = variations.scenario, len(variations)
         width = len(scenario.system.states) + len(scenario.system.held) + len(scenario.system.shown)
         self.states = np.full((count, scenario.rows, width), np.nan)
-        self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
+        self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected", "status")}
         self.counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
 
     @property

@@ -12,6 +12,8 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.scenario import Scenario
 
+NOT_FINITE = -2  # of the statuses that runtime/run.c and lanes.c return
+
 
 class Stats(TypedDict, total=False):
     """What a run took: steps kept and tried again, evaluations of rates and Jacobians, the sizes of steps (s) where the
@@ -59,7 +61,7 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
         return None
     if status == -1:
         return f"at t = {t:.9g} s the step needed for solve.rtol fell below what floating point resolves"
-    if status == -2:
+    if status == NOT_FINITE:
         return f"after t = {t:.9g} s the equations are no longer finite"
     if status == -4:
         return f"at t = {t:.9g} s the steps needed for solve.rtol became so short that the end is 1e12 of them away"
