@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 from flint import fmpq
@@ -25,6 +26,7 @@ from stribeck_verify.expressions import (
     rational,
     read,
     replace,
+    without_roots,
 )
 from stribeck_verify.identities import written_out
 from stribeck_verify.intervals import Range
@@ -42,13 +44,18 @@ class Law:
     dz_dt: Node
     force: Node
 
+    @cached_property
+    def plain(self) -> tuple[Node, Node]:
+        """Both, with roots of squares as absolute values."""
+        return without_roots(self.dz_dt), without_roots(self.force)
+
     def rate(self, s: int, t: int) -> Node:
         """dz/dt where v = s u and z = t w."""
-        return replace(self.dz_dt, {V: signed(s, U), Z_NAME: signed(t, W)})
+        return replace(self.plain[0], {V: signed(s, U), Z_NAME: signed(t, W)})
 
     def load(self, s: int, t: int) -> Node:
         """F where v = s u and z = t w."""
-        return replace(self.force, {RATE: self.rate(s, t), V: signed(s, U), Z_NAME: signed(t, W)})
+        return replace(self.plain[1], {RATE: self.rate(s, t), V: signed(s, U), Z_NAME: signed(t, W)})
 
 
 def signed(s: int, x: Node) -> Node:

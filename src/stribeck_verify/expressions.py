@@ -121,6 +121,30 @@ def by_cases(op: str, a: Node) -> Node:
     return node("where", node("lt", ZERO, a), ONE, below)
 
 
+def without_roots(top: Node) -> Node:
+    """The expression with sqrt(x^2) as |x| and (x^2)^c as |x|^(2 c), where squares are plain."""
+    new: dict[Node, Node] = {}
+    for x in ordered(top):
+        args = tuple(new[a] for a in x.args)
+        new[x] = x if args == x.args else node(x.op, *args)
+        if x.op == "sqrt" and (root := _square_root(args[0])) is not None:
+            new[x] = node("abs", root)
+        elif x.op == "pow" and args[1].op == "number" and (root := _square_root(args[0])) is not None:
+            power = 2 * args[1].value
+            new[x] = node("abs", root) if power == 1 else node("pow", node("abs", root), number(power))
+    return new[top]
+
+
+def _square_root(x: Node) -> Node | None:
+    """A root of a product or quotient of squares; None where an expression is written otherwise."""
+    if x.op == "mul" and x.args[0] is x.args[1]:
+        return x.args[0]
+    if x.op in ("mul", "div"):
+        first, second = (_square_root(a) for a in x.args)
+        return None if first is None or second is None else node(x.op, first, second)
+    return None
+
+
 def ordered(top: Node) -> list[Node]:
     """The node and all below it, arguments first."""
     order: dict[Node, None] = {}

@@ -47,7 +47,7 @@ class Cases:
     order: int = 0
 
     def __post_init__(self) -> None:
-        self.value = known_decided(written_out(self.value))
+        self.value = known_decided(without_extremes(written_out(self.value)))
 
     def comparisons(self) -> Iterator[Node]:
         """Those in the expression, each once."""
@@ -109,6 +109,24 @@ def known_decided(top: Node) -> Node:
             if decided is not None:
                 by[x] = TRUE if decided else FALSE
     return put(top, by)
+
+
+def without_extremes(top: Node) -> Node:
+    """The expression with where(l < r, l, r), and the like, as the one that is the smaller (or larger) for all u, w >= 0."""
+    evaluation = Evaluation({n: (fmpq(0), None) for n in ("u", "w")})
+    new: dict[Node, Node] = {}
+    for x in ordered(top):
+        args = tuple(new[a] for a in x.args)
+        new[x] = x if args == x.args else node(x.op, *args)
+        if x.op == "where" and x.args[0].op in ("lt", "le") and set(x.args[1:]) == set(x.args[0].args):
+            less, more = x.args[0].args
+            with suppress(Refused, KeyError):
+                low, high = evaluation(node("sub", more, less))
+                if low is not None and low >= 0:
+                    new[x] = args[1]  # where the two are equal it does not matter which
+                elif high is not None and high <= 0:
+                    new[x] = args[2]
+    return new[top]
 
 
 def decided_on(top: Node, domain: Mapping[str, Range]) -> Node:
@@ -225,6 +243,6 @@ def agree_on_axis(forms: Sequence[tuple[Cases, int]], axis: Node, exact: Node | 
                 above, below = found[1 if axis is U else 2]
                 slopes.append((side * above, below))
     if exact is not None:
-        values.append(normal(decided_on(known_decided(written_out(exact)), quadrant)))
+        values.append(normal(decided_on(known_decided(without_extremes(written_out(exact))), quadrant)))
     if any(v != values[0] for v in values) or any(s != slopes[0] for s in slopes):
         raise Refused(f"the two sides of {'v' if axis is U else 'z'} = 0 could not be shown to agree")

@@ -284,6 +284,8 @@ def _singular_nowhere(top: Node, shown: list[tuple[Node, bool]]) -> None:
         sign = whole.sign_of(part)
         if sign is not None and sign[1] and (x.op == "div" or sign[0] > 0):
             continue
+        if x.op == "pow" and x.args[1].op == "number" and x.args[1].value > 1 and sign is not None and sign[0] >= 0:
+            continue  # y^e has the derivative e y^(e - 1), which is continuous for y >= 0 too
         key = normal.key(part)
         if key not in (other if x.op == "div" else positive):
             raise Refused(f"{x.op} may be singular")

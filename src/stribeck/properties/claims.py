@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from fractions import Fraction
 
-from stribeck.expressions.graph import Expr, derivative, substitute, symbol, symbols
+from stribeck.expressions.graph import ZERO, Expr, derivative, substitute, symbol, symbols
 from stribeck.expressions.ops import exp
 from stribeck.properties.certificate import Claim
 from stribeck.properties.model import REST, SIGNS, Model, U, V, W, Z
@@ -155,7 +155,7 @@ class ClaimProver:
     def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Json) -> Claim | None:
         """a = b, in what is left of u and w."""
         kept = {n: r for n, r in ranges.items() if n in symbols([a, b])}
-        tree = self._shown(a - b, "=0", kept)
+        tree = self._shown(ZERO if a is b else a - b, "=0", kept)
         if tree is None:
             return None
         return Claim("switching", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
 
@@ -120,8 +121,7 @@ class Model:
     def _switches(self) -> dict[str, set[Fraction]]:
         """The speeds and deflections at which conditions switch, where these are rational."""
         found: dict[str, set[Fraction]] = {"u": set(), "w": set()}
-        axes = (Axis("u", Fraction(0), None), Axis("w", Fraction(0), None))
-        leaf = Leaf(self.ring, Region(axes, axes), Rules(opaque=True), self.inputs)
+        leaf = self._anywhere(Rules(opaque=True))
         for s in SIGNS:
             for t in SIGNS:
                 for node in ordered([self.form(s, t), self.form_of(self.power_force, s, t)]):
@@ -146,10 +146,28 @@ class Model:
         key = (expr, v_side, z_side)
         if key not in self._forms:
             here = {V: _sided(U, v_side), Z: _sided(W, z_side)}
-            self._forms[key] = rewrite(
-                rewrite(substitute([expr], here), lambda node: positive(node, self.values)), as_cases
-            )[0]
+            by_sign = rewrite(substitute([expr], here), lambda node: positive(without_root(node), self.values))
+            self._forms[key] = rewrite(rewrite(by_sign, as_cases), self._settled)[0]
         return self._forms[key]
+
+    def _settled(self, node: Expr) -> Expr:
+        """What is the same for all u, w > 0: conditions, and the smaller or larger of two values."""
+        if node.op in ("lt", "le") and node not in (TRUE, FALSE):
+            with suppress(Unclear):
+                holds = self._anywhere(Rules(opaque=True)).holds(node)
+                return node if holds is None else TRUE if holds else FALSE
+        if node.op == "where" and set(node.args[1:]) == set(node.args[0].args):
+            less, more = node.args[0].args
+            with suppress(Unclear):
+                leaf = self._anywhere(Rules())
+                above, below, _ = leaf.signs(leaf.convert(more - less))
+                return node.args[1 if above else 2] if above or below else node
+        return _without_infinite(node)
+
+    def _anywhere(self, rules: Rules) -> Leaf:
+        """A leaf for all u, w > 0."""
+        axes = (Axis("u", Fraction(0), None), Axis("w", Fraction(0), None))
+        return Leaf(Ring(self.ring.values), Region(axes, axes), rules, self.inputs)
 
 
 def _sided(x: Expr, side: int) -> Expr:
@@ -227,6 +245,25 @@ def positive(node: Expr, values: Mapping[str, Fraction]) -> Expr:
             if a != b:
                 return node.args[1 if a < b else 2]
     return node
+
+
+def without_root(node: Expr) -> Expr:
+    """sqrt(x^2) = |x| and (x^2)^c = |x|^(2 c), where the square is plain."""
+    if node.op == "sqrt" and (x := square_root(node.args[0])) is not None:
+        return abs(x)
+    if node.op == "pow" and node.args[1].op == "constant" and (x := square_root(node.args[0])) is not None:
+        return wrap(abs(x) ** (2 * node.args[1].value))  # type: ignore[operator]
+    return node
+
+
+def square_root(x: Expr) -> Expr | None:
+    """A root of a product of squares; None where an expression is written otherwise."""
+    if x.op == "mul" and x.args[0] is x.args[1]:
+        return x.args[0]
+    if x.op in ("mul", "div"):
+        first, second = (square_root(a) for a in x.args)
+        return None if first is None or second is None else rebuild(x, (first, second))
+    return None
 
 
 def as_cases(node: Expr) -> Expr:

@@ -168,7 +168,9 @@ def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, gu
     def value(at: float) -> Range:
         return Box({**model.inputs, str(x.value): (at, at), str(y.value): (given, given)})(difference)  # type: ignore[no-any-return]
 
-    points = guess * np.geomspace(1e-4, 1e4, 161)
+    hints = model.prover.hints
+    known = np.array([float(a) for a in (hints.speeds if x is U else hints.lengths)])
+    points = np.sort(np.concatenate([guess * np.geomspace(1e-4, 1e4, 161), known * 0.9, known * 1.1]))
     signs = [_sign(value(float(p))) for p in points]
     for i in range(len(points) - 1):
         if signs[i] * signs[i + 1] >= 0:
