@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -11,9 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck import memory
 from stribeck.arrays import Array, of_arrow
-from stribeck.errors import InputError, StribeckError, arg, nearest, needed
-from stribeck.table_layout import commas_twice, encoding_of, is_units, table_begins
+from stribeck.errors import InputError, StribeckError, arg, nearest, needed, note
+from stribeck.table_layout import commas_twice, encoding_of, is_units, table_begins, thousands
+
+Numbers = NDArray[Any]  # of any type
 
 _WIDEST = 1000  # columns of a matrix
 _NUMBERS = ("int", "uint", "float", "double", "halffloat", "bool")  # Arrow's types that are numbers
@@ -37,17 +44,6 @@ def no_column(role: str, name: str, source: Source) -> str:
     return f"{arg(role)}: {name!r}: {source.path} has no such column{guess}"
 
 
-def _matrix_columns(variables: Mapping[str, object]) -> dict[str, object]:
-    """The columns of matrices as variables of their own: q[0], q[1], ...; time runs along the longer side."""
-    found: dict[str, object] = {}
-    for name, x in variables.items():
-        if isinstance(x, np.ndarray) and x.ndim == 2 and min(x.shape) > 1 and x.dtype.kind in "fiu":
-            columns = x if x.shape[0] >= x.shape[1] else x.T
-            if columns.shape[1] <= _WIDEST:
-                found |= {f"{name}[{i}]": columns[:, i] for i in range(columns.shape[1])}
-    return found
-
-
 def read_columns(data: Any, wanted: dict[str, str]) -> dict[str, Array]:
     """The columns of a file or table by role; ``wanted`` has the column's name for each role. Empty cells are NaN.
 
@@ -60,28 +56,67 @@ def read_columns(data: Any, wanted: dict[str, str]) -> dict[str, Array]:
     return source.columns(wanted)
 
 
+@dataclass(frozen=True)
+class Later:
+    """A variable of a file, which is read when it is named.
+
+    Attributes:
+        shape, kind: as of NumPy's arrays and dtypes.
+        read: its numbers.
+        elsewhere: what it is, if its numbers lie in another file; empty otherwise.
+    """
+
+    shape: tuple[int, ...]
+    kind: str
+    read: Callable[[], Numbers]
+    elsewhere: str = ""
+
+
 class Source:
-    """A file or table that is open: the names of its columns and constants, and the columns themselves."""
+    """A file or table that is open: the names of its columns and constants, and the columns themselves.
+
+    A column of a matrix is a column of its own: q[0], q[1], ...; time runs along the matrix's longer side.
+    """
 
     def __init__(self, path: Path | str, variables: Mapping[str, Any]) -> None:
         self.path = path
         self.variables = {name: x for name, x in variables.items() if not name.startswith(("__", "#"))}
-        self.variables |= _matrix_columns(self.variables)
-        sizes = {name: int(np.size(x)) for name, x in self.variables.items()}
-        self.names = [name for name, size in sizes.items() if size > _SCALARS]
+        shapes = {name: x.shape if isinstance(x, Later) else np.shape(x) for name, x in self.variables.items()}
+        kinds = {
+            name: x.kind if isinstance(x, Later) else np.asarray(x).dtype.kind for name, x in self.variables.items()
+        }
+        self._parts = {  # the matrix and the column of each name
+            f"{name}[{i}]": (name, i)
+            for name, shape in shapes.items()
+            if len(shape) == 2 and 1 < min(shape) <= _WIDEST and kinds[name] in "fiu"
+            for i in range(min(shape))
+        }
+        sizes = {name: math.prod(shape) for name, shape in shapes.items()}
+        self.names = [name for name, size in sizes.items() if size > _SCALARS] + list(self._parts)
         self.constants = {
-            name: float(np.ravel(x)[0])
+            name: float(np.ravel(x.read() if isinstance(x, Later) else x)[0])
             for name, x in self.variables.items()
-            if sizes[name] == _SCALARS and np.asarray(x).dtype.kind in "fiu"
+            if sizes[name] == _SCALARS and kinds[name] in "fiu" and not getattr(x, "elsewhere", "")
         }
 
     def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
         """The columns by role, as arrays of their own."""
-        problems, found = [], {}
+        holders = {name: self._parts.get(name, (name, None))[0] for name in wanted.values()}
+        if problems := [
+            f"{arg(role)}: {name!r}: this column of {self.path} lies in another file ({x.elsewhere}); must be in the file"
+            for role, name in wanted.items()
+            if isinstance(x := self.variables[holders[name]], Later) and x.elsewhere
+        ]:
+            raise InputError(problems)
+        self._fits(math.prod(x.shape) for x in map(self.variables.get, set(holders.values())) if isinstance(x, Later))
+        found = {}
+        with _readable(self.path):
+            read = {name: self._read(name) for name in set(holders.values())}
         for role, name in wanted.items():
-            column = np.asarray(
-                self.variables.pop(name) if list(wanted.values()).count(name) == 1 else self.variables[name]
-            )
+            matrix, i = self._parts.get(name, (name, None))
+            column = read[matrix]
+            if i is not None:
+                column = column[:, i] if column.shape[0] >= column.shape[1] else column[i]
             if column.dtype.kind not in "fiub":
                 problems.append(f"{arg(role)}: {name!r}: this column of {self.path} holds text or dates, not numbers")
             elif column.ndim > 1 and max(column.shape) != column.size:
@@ -90,11 +125,40 @@ class Source:
                     f"{arg(role)}: {name!r}: this variable of {self.path} is a matrix, {column.shape}{hint}"
                 )
             else:
-                own = column.base is None and column.dtype == np.float64 and list(wanted.values()).count(name) == 1
-                found[role] = column.ravel() if own else np.array(column.ravel(), float)
+                shared = list(holders.values()).count(matrix) + list(wanted.values()).count(name) > 2
+                found[role] = np.array(column.ravel(), float, copy=True if shared or i is not None else None)
         if problems:
             raise InputError(problems)
         return found
+
+    def _read(self, name: str) -> Numbers:
+        x = self.variables[name]
+        return np.asarray(x.read() if isinstance(x, Later) else x)
+
+    def _fits(self, counts: Iterable[int]) -> None:
+        """Refuse numbers that memory cannot hold, before they are read.
+
+        Raises:
+            InputError: with both sizes.
+        """
+        wanted, free = 8.0 * sum(counts), memory.available()
+        if wanted > free:
+            text = f"the columns take {memory.size(wanted)}, and {memory.size(free)} are free"
+            raise InputError(f"{arg('data')}: '{self.path}': cannot be read: {text}")
+
+
+@contextmanager
+def _readable(path: Path | str) -> Iterator[None]:
+    """Within, whatever a library raises about a damaged file is one line."""
+    try:
+        yield
+    except StribeckError:
+        raise
+    except OSError as error:
+        raise InputError(f"{arg('data')}: '{path}': cannot be read: {error.strerror or error}") from None
+    except Exception as error:  # a damaged file fails in as many ways as there are libraries
+        text = (str(error).splitlines() or [type(error).__name__])[0]
+        raise InputError(f"{arg('data')}: '{path}': cannot be read: {text}") from None
 
 
 def _once(source: Source, wanted: Mapping[str, str]) -> None:
@@ -136,11 +200,17 @@ class CsvSource(Source):
             raise InputError(f"{arg('data')}: '{path}': {text}")
         self.constants = {}
         self.decimal = "," if self.separator != "," and "," in second and "." not in second else "."
+        self.sample = [line.split(self.separator) for line in lines[self.rows_from : -1]]  # the last one may be cut
 
     def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
         """The columns by role, as arrays of their own."""
         _once(self, wanted)
         include = list(dict.fromkeys(wanted.values()))
+        for name in include if self.separator != "," else ():
+            at = self.names.index(name)
+            if cell := thousands([row[at] for row in self.sample if len(row) > at]):
+                text = f"{cell!r} in column {name!r} is read as {cell.replace(',', '.')}, not as a number of thousands"
+                note(f"'{self.path}': {text}: write it without the mark if it is one")
         joined = self._by_arrow(include, wanted) if find_spec("pyarrow") else self._by_lines(include, wanted)
         return {
             role: joined[name] if list(wanted.values()).count(name) == 1 else joined[name].copy()
@@ -226,7 +296,7 @@ def _parquet(path: Path) -> Source:
         def __init__(self) -> None:
             self.path = path
             self.file = parquet.ParquetFile(path, pre_buffer=False)
-            self.names = list(self.file.schema_arrow.names)
+            self.names, self._parts = list(self.file.schema_arrow.names), {}
             self.constants = {}
             if not self.file.metadata.num_rows:
                 raise InputError(f"{arg('data')}: '{path}': has a head but no rows")
@@ -234,14 +304,15 @@ def _parquet(path: Path) -> Source:
         def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
             _once(self, wanted)
             try:
-                self._read(list(dict.fromkeys(wanted.values())))
+                self._read_columns(list(dict.fromkeys(wanted.values())))
             except (OSError, ArrowException) as error:  # damaged behind the head
                 text = (str(error).splitlines() or [type(error).__name__])[0]
                 raise InputError(f"{arg('data')}: '{path}': cannot be read: {text}") from None
             return super().columns(wanted)
 
-        def _read(self, names: list[str]) -> None:
+        def _read_columns(self, names: list[str]) -> None:
             rows, place = self.file.metadata.num_rows, 0
+            self._fits(rows for _ in names)
             self.variables = {}
             for batch in self.file.iter_batches(1 << 18, columns=names, use_threads=False):
                 for name in names:
@@ -258,31 +329,81 @@ def _parquet(path: Path) -> Source:
 
 def _mat(path: Path) -> Source:
     with needed("reading MAT files"):
-        from scipy.io import loadmat
+        from scipy.io import loadmat, whosmat
         from scipy.io.matlab import MatReadError
 
+    def read(name: str) -> Numbers:
+        return np.asarray(loadmat(path, variable_names=[name])[name])
+
     try:
-        return Source(path, loadmat(path))
+        found = whosmat(path)
     except NotImplementedError:  # MATLAB's 7.3 is HDF5
         return Source(path, _hdf5(path))
     except (MatReadError, ValueError, TypeError) as error:
         raise InputError(f"{arg('data')}: '{path}': cannot be read as a MAT file: {error}") from None
+    kinds = {"double": "f", "single": "f", "logical": "u", "char": "U"}
+    variables = {}
+    for name, shape, of in found:
+        kind = kinds.get(of, "i" if "int" in of else "O")
+        variables[name] = Later(tuple(shape), kind, partial(read, name))
+    return Source(path, variables)
 
 
-def _hdf5(path: Path) -> dict[str, object]:
+def _hdf5(path: Path) -> dict[str, Later]:
+    """The numeric variables of a MAT file of version 7.3. What points to another file is not opened."""
     with needed("reading MAT files of version 7.3"):
         import h5py
+
+    def read(name: str) -> Numbers:
+        with h5py.File(path) as file:
+            return np.asarray(file[name][()])
+
+    def within(file: h5py.File, name: str) -> bool:
+        """Whether a path leads through this file alone."""
+        at = file
+        for part in name.strip("/").split("/"):
+            if not isinstance(at, h5py.Group) or not isinstance(at.get(part, getlink=True), h5py.HardLink):
+                return False
+            at = at[part]
+        return True
+
+    found = {}
     with h5py.File(path) as file:
-        return {name: x[()] for name, x in file.items() if isinstance(x, h5py.Dataset) and x.dtype.kind in "fiu"}
+        for name in file:
+            link = file.get(name, getlink=True)
+            target = link.path if isinstance(link, h5py.SoftLink) else name
+            if not within(file, target):
+                found[name] = Later((2,), "f", partial(read, name), "a link")
+            elif isinstance(x := file[target], h5py.Dataset) and x.dtype.kind in "fiu" and x.shape is not None:
+                elsewhere = "a virtual dataset" if x.is_virtual else "external storage" if x.external else ""
+                found[name] = Later(x.shape, x.dtype.kind, partial(read, name), elsewhere)
+    return found
 
 
 def _npz(path: Path) -> Source:
-    from zipfile import is_zipfile
+    from zipfile import ZipFile, is_zipfile
 
     if not is_zipfile(path):
         raise InputError(f"{arg('data')}: '{path}': is no NPZ file")
-    with np.load(path, allow_pickle=False) as data:
-        return Source(path, dict(data))
+
+    def read(name: str) -> Numbers:
+        with np.load(path, allow_pickle=False) as data:
+            return np.asarray(data[name])
+
+    headers = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    variables = {}
+    with ZipFile(path) as archive:
+        for entry in archive.namelist():
+            name, dot, _ = entry.rpartition(".npy")
+            if not dot:
+                continue
+            with archive.open(entry) as file:
+                version = np.lib.format.read_magic(file)
+                if version not in headers:  # 3.0 is for names of fields, and no column
+                    continue
+                shape, _, dtype = headers[version](file)
+            variables[name] = Later(shape, "O" if dtype.hasobject else dtype.kind, partial(read, name))
+    return Source(path, variables)
 
 
 _READERS = {".csv": CsvSource, ".txt": CsvSource, ".tsv": CsvSource, ".dat": CsvSource, ".parquet": _parquet, ".pq": _parquet,
@@ -301,7 +422,7 @@ def opened(data: Any) -> Source:
     return Source("the table", {str(name): _plain(data[name]) for name in names})
 
 
-def _plain(column: object) -> NDArray[Any]:
+def _plain(column: object) -> Numbers:
     """A column of a data frame as an array; pandas' own missing values are NaN."""
     if hasattr(column, "to_numpy") and str(getattr(column, "dtype", "")).startswith(("Int", "Float")):
         return np.asarray(column.to_numpy(dtype=float, na_value=np.nan))
@@ -310,7 +431,7 @@ def _plain(column: object) -> NDArray[Any]:
 
 def _file(path: Path) -> Source:
     kind = path.suffix.lower()
-    try:
+    with _readable(path):
         if path.is_dir():
             raise InputError(f"{arg('data')}: '{path}': cannot be read: it is a folder")
         if kind not in _READERS:
@@ -320,11 +441,3 @@ def _file(path: Path) -> Source:
         if path.stat().st_size == 0:
             raise InputError(f"{arg('data')}: '{path}': is empty")
         return _READERS[kind](path)
-    except StribeckError:
-        raise
-    except OSError as error:
-        raise InputError(f"{arg('data')}: '{path}': cannot be read: {error.strerror or error}") from None
-    except Exception as error:  # a damaged file fails in as many ways as there are libraries
-        raise InputError(
-            f"{arg('data')}: '{path}': cannot be read: {(str(error).splitlines() or [type(error).__name__])[0]}"
-        ) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -59,6 +60,19 @@ def commas_twice(lines: Sequence[str], first: int) -> bool:
     """Whether rows from the line ``first`` on have two cells for each name above, as decimal commas make of them."""
     names, row = (len(line.split(",")) for line in (lines[first - 1], lines[first]))
     return names > 1 and row == 2 * names and "." not in lines[first]
+
+
+def thousands(cells: Sequence[str]) -> str:
+    """A cell such as 1,004 or 1.004 that may mean a thousand and four, or nothing.
+
+    That is so where every mark of the column stands before exactly three digits, and the other cells are whole numbers
+    below a thousand.
+    """
+    texts = [cell.strip() for cell in cells if cell.strip()]
+    marked = [text for text in texts if "," in text or "." in text]
+    grouped = all(re.fullmatch(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", text) for text in marked)
+    whole = all(re.fullmatch(r"[+-]?\d{1,3}", text) for text in texts if text not in marked)
+    return marked[0] if marked and len(marked) < len(texts) and grouped and whole else ""
 
 
 def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:

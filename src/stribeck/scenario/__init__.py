@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from stribeck import memory
 from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
 from stribeck.drives import Drive
@@ -17,7 +18,7 @@ from stribeck.laws.base import Law
 from stribeck.machine.system import MachineSystem
 from stribeck.parameter_sets import read_toml
 from stribeck.plants import Plant
-from stribeck.scenario import memory, tables
+from stribeck.scenario import tables
 from stribeck.scenario.changes import changed, parse_assignment, parse_assignments, plain_table, unfolds
 from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.reader import Reader

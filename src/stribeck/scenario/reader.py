@@ -8,10 +8,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from stribeck import memory
 from stribeck.constants import kind_of, show
 from stribeck.errors import nearest
 from stribeck.plants import Mass
-from stribeck.scenario import memory, tables, trust
+from stribeck.scenario import tables, trust
 from stribeck.scenario.drives import DRIVES, drive_table, find_plant, settings
 from stribeck.scenario.law import LawReader, kind_of_table, no_table, unknown
 from stribeck.scenario.parts import Parts

@@ -11,11 +11,12 @@ from threading import Event
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stribeck import memory
 from stribeck.arrays import Array
 from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, nearest
-from stribeck.scenario import Scenario, memory
+from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import lanes
 from stribeck.simulation.result import NOT_FINITE, failure

@@ -1,0 +1,141 @@
+"""Recorded tables: only what is named is read, and only from the file itself."""
+
+import os
+import tracemalloc
+import zipfile
+
+import numpy as np
+import pytest
+
+from stribeck import memory
+from stribeck.errors import InputError, StribeckNote
+from stribeck.recorded import opened, read_columns
+
+T = np.arange(200) * 1e-3
+WANTED = {"time": "time", "position": "position"}
+
+
+def mat73(path, fill):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["time"] = T
+        fill(h5py, file)
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, HDF5 schema 1.00 .".ljust(116) + bytes(8) + b"\x00\x02IM")
+    return path
+
+
+def zeros_in_npz(path, count):
+    """An NPZ with two short columns and one of zeros, of which nothing is in memory."""
+    np.savez(path, time=T, position=T**2)
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive, archive.open("other.npy", "w") as file:
+        np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": (count,)})
+        for _ in range(count >> 17):
+            file.write(bytes(1 << 20))
+    return path
+
+
+def test_columns_of_matrices_and_constants_of_a_mat_file(tmp_path):
+    savemat = pytest.importorskip("scipy.io").savemat
+    savemat(tmp_path / "a.mat", {"time": T[:, None], "q": np.stack([T, T**2], axis=1), "rate": 200.0, "note": "hello"})
+    source = opened(tmp_path / "a.mat")
+    assert {"time", "q", "q[0]", "q[1]"} <= set(source.names)
+    assert source.constants == {"rate": 200.0}
+    found = source.columns({"time": "time", "one": "q[0]", "two": "q[1]", "again": "q[1]"})
+    assert found["two"].tolist() == (T**2).tolist()
+    found["two"][0] = 7.0
+    assert found["again"][0] == 0.0
+    with pytest.raises(InputError, match=r"is a matrix, \(200, 2\); its columns are q\[0\], q\[1\]"):
+        source.columns({"position": "q"})
+    with pytest.raises(InputError, match="holds text or dates"):
+        source.columns({"position": "note"})
+
+
+@pytest.mark.parametrize("kind", ["npz", "mat"])
+def test_a_column_that_nobody_names_takes_no_memory(tmp_path, kind):
+    count = 1 << 24  # 134 MB
+    if kind == "npz":
+        path = zeros_in_npz(tmp_path / "big.npz", count)
+    else:
+
+        def fill(h5py, file):
+            file["position"] = T**2
+            file.create_dataset("other", shape=(count,), dtype="f8", chunks=(1 << 20,), compression="gzip")
+
+        path = mat73(tmp_path / "big.mat", fill)
+    tracemalloc.start()
+    try:
+        found = read_columns(path, WANTED)
+        assert tracemalloc.get_traced_memory()[1] < 20e6
+    finally:
+        tracemalloc.stop()
+    assert found["position"].tolist() == (T**2).tolist()
+
+
+def test_columns_that_do_not_fit_are_refused_before_they_are_read(tmp_path, monkeypatch):
+    path = zeros_in_npz(tmp_path / "big.npz", 1 << 17)
+    monkeypatch.setattr(memory, "available", lambda: 1e6)
+    assert len(read_columns(path, WANTED)) == 2
+    with pytest.raises(InputError, match=r"cannot be read: the columns take 1\.05 MB, and 1 MB are free"):
+        read_columns(path, {"time": "time", "position": "other"})
+
+
+ELSEWHERE = {
+    "external storage": lambda h5py, file, there: file.create_dataset(
+        "position", shape=(200,), dtype="u1", external=[(str(there), 0, 200)]
+    ),
+    "a link": lambda h5py, file, there: file.__setitem__("position", h5py.ExternalLink(str(there), "/x")),
+    "a virtual dataset": lambda h5py, file, there: file.create_virtual_dataset("position", virtual(h5py, there)),
+}
+
+
+def virtual(h5py, there):
+    layout = h5py.VirtualLayout(shape=(200,), dtype="f8")
+    layout[:] = h5py.VirtualSource(str(there), "x", shape=(200,))
+    return layout
+
+
+@pytest.mark.parametrize("what", list(ELSEWHERE))
+def test_a_column_that_lies_in_another_file_is_refused(tmp_path, what):
+    there = tmp_path / "secret"
+    there.write_bytes(bytes(range(200)) * 8)
+    path = mat73(tmp_path / "a.mat", lambda h5py, file: ELSEWHERE[what](h5py, file, there))
+    with pytest.raises(InputError, match=rf"position: 'position': this column of .* lies in another file \({what}\)"):
+        read_columns(path, WANTED)
+    assert read_columns(path, {"time": "time"})["time"].tolist() == T.tolist()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes by name")
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    path = mat73(
+        tmp_path / "a.mat",
+        lambda h5py, file: ELSEWHERE["external storage"](h5py, file, tmp_path / "pipe"),
+    )
+    with pytest.raises(InputError, match="lies in another file"):
+        read_columns(path, WANTED)
+
+
+def test_a_link_within_the_file_is_followed(tmp_path):
+    def fill(h5py, file):
+        file["group/x"] = T**2
+        file["position"] = h5py.SoftLink("/group/x")
+
+    assert read_columns(mat73(tmp_path / "a.mat", fill), WANTED)["position"].tolist() == (T**2).tolist()
+
+
+@pytest.mark.parametrize("cell", ["1,004", "1.004", "-12,345"])
+def test_a_number_that_may_be_thousands_is_asked_about(tmp_path, cell):
+    path = tmp_path / "a.csv"
+    path.write_text("time;force\n" + "".join(f"{i};{x}\n" for i, x in enumerate(["3", cell, "250", "7", "12"])))
+    with pytest.warns(StribeckNote, match=f"{cell!r} in column 'force' is read as {cell.replace(',', '.')}"):
+        found = read_columns(path, {"time": "time", "force": "force"})
+    assert found["force"][1] == float(cell.replace(",", "."))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("cells", [["0,004", "3", "1,5"], ["1,004", "1,250", "2,000"], ["1,004", "3", "4500"]])
+def test_plain_decimals_are_not_asked_about(tmp_path, cells):
+    path = tmp_path / "a.csv"
+    path.write_text("time;force\n" + "".join(f"{i};{x}\n" for i, x in enumerate([*cells, "0"])))
+    assert len(read_columns(path, {"time": "time", "force": "force"})["force"]) == 4
