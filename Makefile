@@ -24,12 +24,12 @@ setup: $(READY)
 $(READY): pyproject.toml
 	$(call install,dev)
 
-# what the paper's report needs; a developer's .venv has it too
+# what the pages of the report use; a developer's .venv has it too
 $(VENV)/.demo: pyproject.toml
-	$(call install,paper)
+	$(call install,demo)
 
 demo: $(if $(wildcard $(READY)),$(READY),$(VENV)/.demo)
-	$(BIN)/stribeck paper --out stribeck-report
+	$(BIN)/python -m examples.paper --out stribeck-report
 
 # the site: every page, the gallery's scripts run, live explorers, the references of Python and of the commands
 docs: setup

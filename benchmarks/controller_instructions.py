@@ -19,9 +19,8 @@ from measure import RESULTS, first_line, machine, table
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.export.controller.stages import CASES, stage  # noqa: E402
-
 import stribeck  # noqa: E402
+from tests.export.controller.stages import CASES, stage  # noqa: E402
 
 CALLS = 100
 _MAIN = """

@@ -26,11 +26,10 @@ from scipy.integrate import odeint
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.machine.independent import solve  # noqa: E402
-
 import stribeck  # noqa: E402
 from stribeck.arrays import Array  # noqa: E402
 from stribeck.loops.loop import loop_of  # noqa: E402
+from tests.machine.independent import solve  # noqa: E402
 
 AWAY = 0.05
 CONSTANTS_OF_TIME = 200  # simulated after the signals rest; twice that where it is not decided

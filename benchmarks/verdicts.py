@@ -31,10 +31,9 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from tests.properties.nasty import PROPERTIES, cases
-
 import stribeck
 from stribeck.properties.verdicts import refusals
+from tests.properties.nasty import PROPERTIES, cases
 
 MAJORANTS = [f"{law}/{m}" for law in ("lugre_majorant", "elastoplastic_majorant") for m in ("atan", "sqrt", "compact")]
 BUILTIN = ["lugre", "lugre_arctan", "lugre_sobczyk", "elastoplastic", "elastoplastic_sobczyk", "dahl", *MAJORANTS]

@@ -26,7 +26,6 @@ ANY: dict[str, tuple[int, str]] = {
     ),
     "identify": (15, "data frames and mappings of users; MuJoCo has no types"),
     "laws": (6, "constants as users give them; what the exporters above give"),
-    "paper": (3, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
     "properties": (
         6,
@@ -41,6 +40,7 @@ ANY: dict[str, tuple[int, str]] = {
 # Folders of tests that are no room of src/stribeck, and what they test; rooms that other folders test.
 BESIDE_THE_ROOMS = {
     "fuzz": "tools/fuzz",
+    "paper": "examples/paper, which 'make demo' runs",
     "proofs": "proofs/, the Coq developments",
     "properties/nasty": "laws written to mislead, which tests/properties reads",
     "reference": "reference trajectories and published numbers, by others",

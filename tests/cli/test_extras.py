@@ -65,7 +65,6 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
         (("fit", "log.csv", "--law", "lugre", "--time", "t", "--position", "y", "--force", "F"), "fit"),
         (("fit", "--plan", "stroke=0.1,speed=0.1,force=1", "--simulate", "--out", "rig"), "fit"),
         (("export", "lugre", "--parameters", "canudas1995", "--target", "c", "--out", "c"), "export"),
-        (("paper", "--out", "paper"), "paper"),
         (("sweep", examples.path("break_away"), "--vary", "law.k_v=1e6:1e7:2", "--out", "s"), "parquet"),
     ],
     ids=lambda x: str(x[0]) if isinstance(x, tuple) else x,

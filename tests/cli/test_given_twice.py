@@ -68,7 +68,7 @@ def test_one_name_twice_is_refused(stribeck, place, words, text):
     "words",
     [
         "run rig.toml --out", "run rig.toml --keep-c", "run rig.toml --law lugre --out", "new rig --out",
-        "sweep rig.toml --vary plant.mass=1:2:2 --out", "explore rig.toml --out", "paper --out", "run rig.toml --show --out",
+        "sweep rig.toml --vary plant.mass=1:2:2 --out", "explore rig.toml --out", "run rig.toml --show --out",
         "export lugre --parameters canudas1995 --target c --out", "design machine.toml --out",
         "check lugre --parameters canudas1995 --certificate", "check lugre --parameters canudas1995 --out",
         "import mujoco machine.toml --out", "fit log.csv --out",

@@ -176,7 +176,6 @@ def test_places_that_cannot_be_written(stribeck, scenario, tmp_path, which):
     refused(stribeck("run", scenario, "--out", out), "--out: ")
     refused(stribeck("run", scenario, "--law", "lugre", "--out", out), "--out: ")
     refused(stribeck("sweep", scenario, "--vary", "plant.mass=1:2:2", "--out", out), "--out: ")
-    refused(stribeck("paper", "--out", out), "--out: ")
     for target in ("c", "fmu", "table"):
         words = ("lugre", "--parameters", "canudas1995", "--target", target)
         refused(stribeck("export", *words, "--out", out), "--out: ")

@@ -6,8 +6,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,7 +13,7 @@ import pytest
 import tomli_w
 
 import stribeck
-from stribeck import examples, paper
+from stribeck import examples
 from stribeck.cli import _status, actuator
 from stribeck.files import together, write_text
 from stribeck.identify.actuator import page
@@ -243,83 +241,6 @@ def test_a_signal_while_a_library_is_imported_is_not_lost(name, seconds, scenari
     assert done.stderr in ("stribeck: interrupted\n", "stribeck: terminated\n")
     assert (done.stdout == "imported\n") == (seconds < 1)
     assert content(tmp_path / "out") == {}
-
-
-PAPER = """
-import os, signal, subprocess, sys, tempfile
-signal.signal(signal.SIGINT, signal.default_int_handler)
-from pathlib import Path
-from stribeck import paper
-CALLED = "import os, sys, time; open(os.path.join(sys.argv[1], str(os.getpid())), 'w').close(); time.sleep(600)"
-def slow(name, done):
-    Path(sys.argv[2], str(os.getpid())).touch()
-    while True:
-        with tempfile.TemporaryDirectory(dir=sys.argv[3]):
-            subprocess.run([sys.executable, "-c", CALLED, sys.argv[2]])
-paper._chapter = slow
-from stribeck.cli import main
-main(["paper", "--out", sys.argv[1]])
-"""
-
-
-def alive(pid):
-    try:
-        os.kill(pid, 0)
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-    except ProcessLookupError:
-        return False
-    except FileNotFoundError:
-        return Path("/proc").is_dir() is False
-
-
-@needs_signals
-@pytest.mark.skipif(sys.version_info >= (3, 14), reason="the workers are forked from the test's process")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_paper_leaves_no_workers(number, tmp_path):
-    """Nor compilers that they called, nor temporary files, unless killed."""
-    workers, out, below = tmp_path / "workers", tmp_path / "out", tmp_path / "tmp"
-    workers.mkdir()
-    below.mkdir()
-    process = subprocess.Popen(
-        [sys.executable, "-c", PAPER, str(out), str(workers), str(below)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    while len(list(workers.iterdir())) < 2 * min(2, os.cpu_count() or 1):
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.05)
-    process.send_signal(number)
-    if number == signal.SIGKILL:  # it can end nothing that its workers called
-        process.wait()
-        for called in workers.iterdir():
-            words = ["ps", "-ww", "-o", "command=", "-p", called.name]
-            if b"time.sleep(600)" in subprocess.run(words, check=False, capture_output=True).stdout:
-                os.kill(int(called.name), signal.SIGKILL)
-    _, error = process.communicate(timeout=60)  # which also waits until nobody holds its output
-    assert not list(below.iterdir()) or number == signal.SIGKILL
-    assert process.returncode == (-number if number == signal.SIGKILL else 128 + number), error
-    for worker in workers.iterdir():
-        for _ in range(200):  # the last of it may take a moment
-            if not alive(int(worker.name)):
-                break
-            time.sleep(0.05)
-        assert not alive(int(worker.name))
-    assert "Traceback" not in error
-    assert content(out) == {}
-
-
-def test_a_signal_while_paper_starts_its_workers(monkeypatch):
-    """It ended in a RuntimeError, after all that the workers had begun: 107 s."""
-    from concurrent.futures import process
-    from multiprocessing import active_children
-
-    def stopped(thread):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(process._ExecutorManagerThread, "start", stopped)
-    others = set(active_children())
-    with pytest.raises(KeyboardInterrupt):
-        paper._compute(None)
-    assert set(active_children()) <= others
 
 
 def test_lanes_one_by_one_end_soon(monkeypatch, scenario):

@@ -210,7 +210,7 @@ def test_a_valve_that_is_always_at_its_limit():
 
 @needs_compiler
 def test_the_report_finds_stick_slip_only_where_the_seal_sticks():
-    from stribeck.paper import servo as chapter
+    from examples.paper import servo as chapter
 
     without, compensated, example = (chapter._stick_slips(s) for s in chapter._slow().values())
     assert without >= 10

@@ -16,7 +16,8 @@ from stribeck.report.page import html
 from tests.absent import site_without
 from tests.pages import Page
 
-# what the extra [paper] installs
+# what the extra [demo] installs
+ROOT = Path(__file__).parents[2]
 BROUGHT = {"matplotlib", "jinja2", "markupsafe", "pyarrow", "flint"}
 
 
@@ -50,15 +51,15 @@ def report(tmp_path_factory, worker_id):
     folder = (own if worker_id == "master" else own.parent) / "paper-report"
     with alone(folder.with_suffix(".lock")):
         if not folder.exists():
-            words = [sys.executable, "-m", "stribeck", "paper", "--out", str(folder), "--json"]
+            words = [sys.executable, "-m", "examples.paper", "--out", str(folder)]
             # with what 'make demo' installs and no more
             site = site_without(set(EXTRAS) - BROUGHT, folder.with_name("paper-site"))
             paths = [str(site), *filter(None, [os.environ.get("PYTHONPATH")])]
             env = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
-            done = subprocess.run(words, capture_output=True, text=True, env=env)
+            done = subprocess.run(words, capture_output=True, text=True, env=env, cwd=ROOT)
             assert done.returncode == 0, done.stderr
-            (folder.parent / "paper-report.json").write_text(done.stdout)
-    return Report(folder, json.loads((folder.parent / "paper-report.json").read_text()))
+            assert done.stdout == f"open {folder / 'report.html'}\n"
+    return Report(folder, json.loads((folder / "summary.json").read_text()))
 
 
 @pytest.fixture
@@ -66,7 +67,7 @@ def chapter(tmp_path):
     """Makes one chapter that needs no other: its numbers, and its tables as a page shows them."""
 
     def made(name):
-        done = importlib.import_module(f"stribeck.paper.{name}").chapter({})
+        done = importlib.import_module(f"examples.paper.{name}").chapter({})
         (tmp_path / "report.html").write_text(html("", "", (), [done]), encoding="utf-8")
         return Report(tmp_path, {"chapters": {done.key: done.numbers}})
 

@@ -1,4 +1,4 @@
-"""The page of `stribeck paper`: what it leaves, and its numbers."""
+"""The page of `make demo`: what it leaves, and its numbers."""
 
 import json
 import re

@@ -7,10 +7,10 @@ import warnings
 from collections import Counter
 
 import numpy as np
-from tests.simulation import independent
-from tests.simulation.random_rigs import random_rig
 
 from stribeck import Scenario, simulate
+from tests.simulation import independent
+from tests.simulation.random_rigs import random_rig
 
 _AGREE = 1e-5  # of the peak: what the second solver itself is good for
 

@@ -25,12 +25,11 @@ _EXTRA = {
     "export": "export",
     "check": "check",
     "design": "check",
-    "paper": "paper",
     "explore": "explore",
 }
 _BEYOND = {"fit": ("logs",), "explore": ("fit", "logs")}  # extras that hold what the command's own does not
 # Commands that may solve large linear systems.
-_LINEAR_ALGEBRA = ("fit", "predict", "validate", "design", "paper")
+_LINEAR_ALGEBRA = ("fit", "predict", "validate", "design")
 _YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
 _PLAIN = "stribeck"  # how what cannot be encoded is written
 _GRACE = 5.0  # s, to clear away what has been begun

@@ -56,16 +56,3 @@ def explore(
     from stribeck.cli import explore as command
 
     return command.explore(what, out, law, report, set_ or [], trust, json)
-
-
-@app.command(epilog="Example: stribeck paper --out report")
-def paper(
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", parser=place, help="Folder for the report.")] = Path(
-        "stribeck-report"
-    ),
-    json: Json = False,
-) -> int:
-    """Simulate the phenomena of the paper and leave one page with the plots."""
-    from stribeck.cli import paper as command
-
-    return command.paper(out, json)

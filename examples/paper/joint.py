@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from examples.paper.common import Done
 from stribeck.constants import SHOWN
 from stribeck.errors import StribeckError
-from stribeck.paper.common import Done
 from stribeck.properties import WORK, Verdict
 from stribeck.properties.level import largest_v_d, passive_always
 from stribeck.properties.ranges import of_contact

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from examples.paper.common import PAPER, PROPOSED, REFERENCE, Done, Variant, scenario, solve
 from stribeck.loops.oscillation import first_maximum
-from stribeck.paper.common import PAPER, PROPOSED, REFERENCE, Done, Variant, scenario, solve
 from stribeck.report import plots
 from stribeck.report.page import Chapter, Table
 

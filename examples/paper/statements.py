@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stribeck.paper.common import PROPOSED, REFERENCE, Done, solve
+from examples.paper.common import PROPOSED, REFERENCE, Done, solve
 from stribeck.report.cells import percent
 from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from examples.paper.common import STEEPNESSES, Done
 from stribeck.expressions.ops import Value
 from stribeck.laws.terms import S_0, S_1, S_2, m
-from stribeck.paper.common import STEEPNESSES, Done
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import prefixed

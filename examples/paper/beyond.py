@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from examples.paper.break_away import break_away_force
+from examples.paper.common import REFERENCE, Done, Variant, solve_all
 from stribeck.analysis.comparison import deviations
-from stribeck.paper.break_away import break_away_force
-from stribeck.paper.common import REFERENCE, Done, Variant, solve_all
 from stribeck.report import plots
 from stribeck.report.cells import percent
 from stribeck.report.overview import curves

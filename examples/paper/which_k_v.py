@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from examples.paper.common import Done
 from stribeck import examples, laws
-from stribeck.paper.common import Done
 from stribeck.properties.steepness import Steepness, Tolerated, smallest_steepness
 from stribeck.report.page import Chapter, Table
 from stribeck.report.steepness import steepness_figure

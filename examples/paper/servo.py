@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from examples.paper.common import Done, record, solve
 from stribeck import examples
 from stribeck.arrays import Array
 from stribeck.loops.lyapunov import rises
-from stribeck.paper.common import Done, record, solve
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.scenario import Scenario

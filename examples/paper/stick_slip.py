@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from examples.paper import sketches
+from examples.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
 from stribeck.analysis.comparison import deviations
-from stribeck.paper import sketches
-from stribeck.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
 from stribeck.report import plots
 from stribeck.report.cells import percent
 from stribeck.report.overview import curves

@@ -7,10 +7,10 @@ from math import pi, tan
 
 import numpy as np
 
+from examples.paper.common import BRISTLES, STEEPNESSES, Done, Variant, solve
+from examples.paper.statements import passivity_cycle
 from stribeck import laws
 from stribeck.laws.terms import g
-from stribeck.paper.common import BRISTLES, STEEPNESSES, Done, Variant, solve
-from stribeck.paper.statements import passivity_cycle
 from stribeck.properties.cycles import integrate
 from stribeck.properties.steepness.search import with_k_v
 from stribeck.properties.steepness.steady import Creep

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from examples.paper.common import PROPOSED, REFERENCE, Done, record, scenario, solve, solve_all
 from stribeck.analysis.comparison import deviations
-from stribeck.paper.common import PROPOSED, REFERENCE, Done, record, scenario, solve, solve_all
 from stribeck.report import plots
 from stribeck.report.cells import percent
 from stribeck.report.overview import curves

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from examples.paper.common import PAPER, PROPOSED, REFERENCE, Done
 from stribeck.laws import law
-from stribeck.paper.common import PAPER, PROPOSED, REFERENCE, Done
 from stribeck.report import plots
 from stribeck.report.page import Chapter, Table
 from stribeck.report.quantities import prefixed

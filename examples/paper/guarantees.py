@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from examples.paper.common import BRISTLES, Done
+from examples.paper.statements import passivity_cycle
 from stribeck import laws
 from stribeck.constants import DECIDED
 from stribeck.laws.base import Law
-from stribeck.paper.common import BRISTLES, Done
-from stribeck.paper.statements import passivity_cycle
 from stribeck.properties import NAMES, Verdicts, check
 from stribeck.properties.storage import storage_interval
 from stribeck.report import plots

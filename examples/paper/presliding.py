@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from examples.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
 from stribeck.analysis.comparison import deviations
-from stribeck.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
 from stribeck.report import plots
 from stribeck.report.cells import percent
 from stribeck.report.overview import curves

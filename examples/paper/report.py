@@ -1,4 +1,4 @@
-"""The paper as a report: one module a chapter, each with a function ``chapter(done)``."""
+"""The report: every chapter, and the page and files that they make."""
 
 from __future__ import annotations
 
@@ -6,12 +6,8 @@ import importlib
 import os
 import pkgutil
 import signal
-import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
-from multiprocessing import parent_process
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 from stribeck.files import together, write_columns, write_json
@@ -24,13 +20,15 @@ _LISTED = (
     "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "servo", "statements",
     "beyond", "guarantees", "evidence", "which_k_v", "joint",
 )  # fmt: skip
-_NO_CHAPTERS = ("common", "sketches")
-_GRACE = 1.0  # s for a worker to clear away what it began
+_NO_CHAPTERS = ("__main__", "common", "report", "sketches")
 
 
 def chapters() -> tuple[str, ...]:
     """The names of the chapters' modules."""
-    return (*_LISTED, *sorted({m.name for m in pkgutil.iter_modules(__path__)} - {*_LISTED, *_NO_CHAPTERS}))
+    return (
+        *_LISTED,
+        *sorted({m.name for m in pkgutil.iter_modules([str(Path(__file__).parent)])} - {*_LISTED, *_NO_CHAPTERS}),
+    )
 
 
 CHAPTERS = chapters()
@@ -47,15 +45,12 @@ _INTRODUCTION = (
 )
 
 
-def write(
-    folder: Path, progress: Callable[[float, str], None] | None = None, command: str = "stribeck paper"
-) -> dict[str, Any]:
+def write(folder: Path, progress: Callable[[float, str], None] | None = None) -> dict[str, Any]:
     """Compute every chapter and write report.html, figures/*.svg and *.png, data/*.parquet and summary.json.
 
     Args:
         folder: where they go.
         progress: told the share of the chapters done and a word on it, as each is done.
-        command: what the page's button copies.
 
     Returns:
         The summary.
@@ -72,7 +67,9 @@ def write(
         for chapter in chapters:
             if chapter.data:
                 write_columns(_new(place / "data" / f"{chapter.key}.parquet"), chapter.data)
-        page = html(TITLE, f"Made by Stribeck {__version__}.", [_in_short(chapters), *_INTRODUCTION], chapters, command)
+        page = html(
+            TITLE, f"Made by Stribeck {__version__}.", [_in_short(chapters), *_INTRODUCTION], chapters, "make demo"
+        )
         (place / "report.html").write_text(page, encoding="utf-8")
         names = [str(path.relative_to(place)) for path in sorted(place.rglob("*")) if path.is_file()]
         names = ["report.html", *(name for name in names if name != "report.html"), "summary.json"]
@@ -110,54 +107,28 @@ def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter
     independent = [name for name in CHAPTERS if name not in _READS_OTHERS]
     independent.sort(key=lambda name: _SLOWEST_FIRST.index(name) if name in _SLOWEST_FIRST else len(_SLOWEST_FIRST))
     done: dict[str, Chapter] = {}
-    others = set(active_children())
-    pool = ProcessPoolExecutor(min(2, os.cpu_count() or 1), initializer=_begin_worker)
-    try:
-        futures = {pool.submit(_worked, name): name for name in independent}
-        if progress is not None:
-            progress(0.0, f"{len(CHAPTERS)} chapters")
-        for future in as_completed(futures):
-            done[futures[future]] = future.result()
-            if progress is not None:
-                progress(len(done) / len(CHAPTERS), f"{len(done)} of {len(CHAPTERS)} chapters, {futures[future]} done")
-    except BaseException:  # Ctrl-C too: a chapter takes up to a minute, and nobody waits for it any more
-        mine = set(active_children()) - others
-        for child in mine:
-            child.terminate()
-        for child in mine:  # a compiler that it called is ended, and temporary files are cleared away
-            child.join(_GRACE)
-            child.kill()
-        raise
-    finally:  # it waits for its thread: left running that could trip over the interpreter's end
-        with suppress(RuntimeError):  # of a thread that a signal kept from being started
-            pool.shutdown()
+    with ProcessPoolExecutor(min(2, os.cpu_count() or 1), initializer=_leave_ctrl_c_to_the_parent) as pool:
+        futures = {pool.submit(_chapter, name, {}): name for name in independent}
+        try:
+            for future in as_completed(futures):
+                done[futures[future]] = future.result()
+                if progress is not None:
+                    progress(
+                        len(done) / len(CHAPTERS), f"{len(done)} of {len(CHAPTERS)} chapters, {futures[future]} done"
+                    )
+        except BaseException:  # a chapter takes up to a minute: nobody waits for it after Ctrl-C or a failure
+            for child in active_children():
+                child.terminate()
+            raise
     for name in _READS_OTHERS:
         done[name] = _chapter(name, done)
     return {name: done[name] for name in CHAPTERS}
 
 
-def _begin_worker() -> None:
-    """In a process of the pool: leave Ctrl-C to the parent, and end when it ends, however that was."""
+def _leave_ctrl_c_to_the_parent() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-
-    def follow() -> None:
-        parent = parent_process()
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    Thread(target=follow, daemon=True).start()
-
-
-def _worked(name: str) -> Chapter:
-    """A chapter, in a process of the pool: the pool would take up the next one after SIGTERM."""
-    try:
-        return _chapter(name, {})
-    except SystemExit:
-        os._exit(1)
 
 
 def _chapter(name: str, done: dict[str, Chapter]) -> Chapter:
-    made: Chapter = importlib.import_module(f"{__name__}.{name}").chapter(done)
+    made: Chapter = importlib.import_module(f"examples.paper.{name}").chapter(done)
     return made
