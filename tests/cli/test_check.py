@@ -58,6 +58,22 @@ def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
     )
 
 
+def test_equations_that_make_no_sense_and_claims_that_are_refuted_are_named(stribeck, tmp_path):
+    file = tmp_path / "mylaw.py"
+    claims = "    claims = Claims(smooth=True)\n\n    @staticmethod"
+    named = MY_LAW.replace("import BristleLaw", "import BristleLaw, Claims").replace("    @staticmethod", claims)
+    for size, words in (
+        ("v**2 + 1e-14", ""),
+        ("v**2", "claims: smooth: True: is refuted"),
+        ("v**2 - 1e-14", "is not finite"),
+    ):
+        file.write_text(named.replace("v**2 + 1e-14", size))
+        found = stribeck("check", f"{file}:MyLaw", "--parameters", "canudas1995")
+        assert found.status == 0
+        assert words in found.err
+        assert bool(words) == bool(found.err)
+
+
 def test_without_parameters_the_usual_set_is_taken_and_named(stribeck):
     result = stribeck("check", "dahl", "--json")
     assert json.loads(result.out)["constants"] == {"sigma_0": 1e5, "F_c": 1.0}

@@ -208,6 +208,8 @@ def _law(
         verdicts = _with_steepness(law, tolerated, bounds, asked.v_max, find_k_v=open_k_v)
     else:
         verdicts = decide(law, asked.v_max, level=bounds)
+    if ":" in name:
+        _note_what_makes_no_sense(law, verdicts)
     if asked.verify:
         verdicts.verify()
     written = _Written()
@@ -226,6 +228,17 @@ def _law(
         _print(verdicts)
         written.tell()
     return 0
+
+
+def _note_what_makes_no_sense(law: Law, verdicts: Verdicts) -> None:
+    """Equations of a user that are not finite, not odd or not differentiable, and claims that are refuted."""
+    from stribeck.laws import sanity
+
+    for line in sanity.problems(law):
+        note(f"{law.name}: {line}")
+    for name, claimed in law.guarantees().items():
+        if claimed and name in verdicts.properties and verdicts[name].holds is False:
+            note(f"{law.name}: claims: {name}: True: is refuted")
 
 
 def _machine(file: Path, assignments: list[str], forces: list[str], trust: bool, asked: _Asked) -> int:
