@@ -1,11 +1,11 @@
 """`stribeck design` on machines that it has not seen, against long simulations by SciPy on equations written apart: the
-verdict on both sides of every boundary that it names, 5 % away, and the factor by which compensation lowers the error after
-a reversal.
+verdict of the file, from other starts, along a range and on both sides of every boundary named, 5 % away; and the factor by
+which compensation lowers the error after a reversal.
 
-    python benchmarks/design_attack.py [--machines N] [--seed S] [--out FILE]
+    python benchmarks/design_attack.py [--machines N] [--axes N] [--seed S] [--out FILE]
 
-The equations of the boundaries' machines stand here, those of the factors are tests/machine/independent.py; what counts as rest
-is judged here anew. Takes minutes.
+The equations and the judgement of the verdicts' machines stand here, the equations of the factors are
+tests/machine/independent.py. Takes minutes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import sys
 import time
 from copy import deepcopy
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from measure import RESULTS, machine
@@ -32,8 +32,12 @@ from stribeck.loops.loop import loop_of  # noqa: E402
 from tests.machine.independent import solve  # noqa: E402
 
 AWAY = 0.05
-CONSTANTS_OF_TIME = 200  # simulated after the signals rest; twice that where it is not decided
-ROWS = 6000
+POINTS = 10  # of each machine
+CHUNK = 25  # slowest time constants between two looks of the judgement apart
+ROWS = 250  # of a chunk
+REST = 1e-6  # of its travel: rest of a body without an encoder
+LONGEST, LONGEST_SAMPLED = 40_000, 1_500  # slowest time constants that are simulated, at rest
+MOVING = 1_500  # the same of what moves on, alike or not
 Data = dict[str, Any]
 
 
@@ -63,34 +67,36 @@ def axis(random: np.random.Generator, controller: Data, contact: Data | None = N
 
 
 def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, str]]:
-    """Machines, each with a number to vary: what delay, integral, stiction and gain do."""
+    """Machines, each with a number to vary: what integral, stiction, damping, delay and encoder do."""
     found = []
     for i in range(count):
-        kind = ("integral", "stiction", "damping", "delay")[i % 4]
+        kind = ("integral", "stiction", "damping", "delay", "encoder")[i % 5]
         w, damping = 10 ** random.uniform(0.3, 1.0), random.uniform(0.7, 1.2)
         data = axis(random, {"kind": "pid"})
-        m = data["bodies"]["a"]["mass"]
-        own = data["controllers"]["hold"]
+        m, own = data["bodies"]["a"]["mass"], data["controllers"]["hold"]
+        law = data["contacts"]["guide"]["law"]["parameters"]
         own |= {"K_p": m * w**2, "K_d": 2 * damping * w * m}
-        F_s = data["contacts"]["guide"]["law"]["parameters"]["F_s"]
-        own["signal"]["value"] = float(random.uniform(8, 20) * F_s / own["K_p"])  # enough to break away
-        viscous = data["contacts"]["guide"]["law"]["parameters"]["sigma_2"]
-        routh = own["K_p"] * (own["K_d"] + viscous) / m
+        own["signal"]["value"] = float(random.uniform(8, 20) * law["F_s"] / own["K_p"])  # enough to break away
+        routh = own["K_p"] * (own["K_d"] + law["sigma_2"]) / m
         if kind == "delay":
             period = 0.05 / w
             own |= {"sampling": {"period": period, "delay": period}, "limit": 1e3 * m * w**2}
             vary = f"controllers.hold.sampling.delay={period / 2}:{2 / w}"
+        elif kind == "encoder":
+            period = 0.02 / w
+            own |= {"K_i": random.uniform(0.02, 0.3) * routh, "limit": 50 * law["F_s"]}
+            own["sampling"] = {"period": period, "delay": period / 2, "resolution": own["signal"]["value"] / 5000}
+            vary = f"controllers.hold.K_d={0.3 * own['K_d']}:{10 * own['K_d']}"
         elif kind == "integral":
             own |= {"K_i": 0.3 * routh}
-            vary = f"controllers.hold.K_i={0.3 * routh}:{3 * routh}"
+            vary = f"controllers.hold.K_i={0.03 * routh}:{3 * routh}"
         elif kind == "stiction":
             own |= {"K_i": 0.25 * routh}
-            F_c = data["contacts"]["guide"]["law"]["parameters"]["F_c"]
-            data["contacts"]["guide"]["law"]["parameters"]["F_s"] = 1.3 * F_c
-            vary = f"contacts.guide.law.parameters.F_s={F_c}:{2 * F_c}"
+            law["F_s"] = 1.3 * law["F_c"]
+            vary = f"contacts.guide.law.parameters.F_s={law['F_c']}:{2 * law['F_c']}"
         else:
             own |= {"K_i": 0.2 * routh}
-            vary = f"controllers.hold.K_d={own['K_d']}:{30 * own['K_d']}"
+            vary = f"controllers.hold.K_d={0.3 * own['K_d']}:{30 * own['K_d']}"
         found.append((kind, data, vary))
     return found
 
@@ -108,64 +114,101 @@ def changed(data: Data, path: str, value: float) -> Data:
     return data
 
 
-def follow(data: Data, end: float) -> Array:
-    """The body's position at ROWS times: mass, LuGre, PID, written here in plain floats and solved by SciPy's LSODA."""
-    m, c = data["bodies"]["a"]["mass"], data["controllers"]["hold"]
-    p = data["contacts"]["guide"]["law"]["parameters"]
-    s0, s1, s2, F_c, F_s, v_s = (p[n] for n in ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s"))
-    r, K_p, K_i, K_d, limit = (
-        c["signal"]["value"],
-        c["K_p"],
-        c.get("K_i", 0.0),
-        c.get("K_d", 0.0),
-        c.get("limit", math.inf),
-    )
+class Apart:
+    """The machine's motion from a start: mass, LuGre, PID, written here in plain floats and solved by SciPy's LSODA."""
 
-    def rates(x: Array, t: float, u: float | None = None) -> list[float]:
+    how: ClassVar[dict[str, Any]] = {"rtol": 1e-8, "atol": [1e-11, 1e-11, 1e-13, 1e-11], "mxstep": 1_000_000}
+
+    def __init__(self, data: Data, y: float = 0.0, v: float = 0.0) -> None:
+        self.m, self.c = data["bodies"]["a"]["mass"], data["controllers"]["hold"]
+        self.p = data["contacts"]["guide"]["law"]["parameters"]
+        self.r, self.limit = self.c["signal"]["value"], self.c.get("limit", math.inf)
+        self.x, self.t, self.u = np.array([y, v, 0.0, 0.0]), 0.0, 0.0
+        self.last: float | None = None
+        self.total, self.taken, self.asked = 0.0, 0, list[tuple[float, float]]()
+
+    def rates(self, x: Array, _: float, u: float | None = None) -> list[float]:
+        """Of position, speed, deflection and the error's integral, under a held output or the controller's own."""
+        p, c = self.p, self.c
         y, v, z, total = x
         if u is None:
-            u = -K_p * (y - r) - K_i * total - K_d * v
-        dz = v - s0 * abs(v) / (F_c + (F_s - F_c) * math.exp(-min((v / v_s) ** 2, 700.0))) * z
-        return [v, (u - s0 * z - s1 * dz - s2 * v) / m, dz, y - r]
+            u = -c["K_p"] * (y - self.r) - c.get("K_i", 0.0) * total - c["K_d"] * v
+        g = p["F_c"] + (p["F_s"] - p["F_c"]) * math.exp(-min((v / p["v_s"]) ** 2, 700.0))
+        dz = v - p["sigma_0"] * abs(v) / g * z
+        return [v, (u - p["sigma_0"] * z - p["sigma_1"] * dz - p["sigma_2"] * v) / self.m, dz, y - self.r]
 
-    t = np.linspace(0.0, end, ROWS + 1)
-    how = {"rtol": 1e-9, "atol": [1e-10, 1e-10, 1e-13, 1e-10], "mxstep": 100000}
-    if "sampling" not in c:
-        return np.asarray(odeint(rates, [0.0] * 4, t, **how)[:, 0])
-    period, delay = c["sampling"]["period"], c["sampling"]["delay"]
-    instants = sorted([(k * period, 0, k) for k in range(int(end / period) + 1)]
-                      + [(k * period + delay, 1, k) for k in range(int(end / period) + 1)])  # fmt: skip
-    x, now, u, last, asked, found = np.zeros(4), 0.0, 0.0, None, {}, [(0.0, 0.0)]
-    for at, acts, k in instants:
-        if at > now:
-            x = odeint(rates, x, [now, at], (u,), **how)[-1]
-            now = at
-            found.append((now, float(x[0])))
-        if acts:
-            u = asked.pop(k)
-        else:
-            v = 0.0 if last is None else (x[0] - last) / period
-            last = float(x[0])
-            asked[k] = float(np.clip(-K_p * (x[0] - r) - K_d * v, -limit, limit))
-        if abs(x[0]) > 1e8:
-            break
-    times, y = np.array(found).T
-    return np.asarray(np.interp(t[t <= times[-1]], times, y))
+    def on(self, seconds: float) -> tuple[Array, float]:
+        """The positions over the next seconds, and the mean output in the second half of these less that in the first."""
+        if "sampling" in self.c:
+            return self._sampled(seconds)
+        x = odeint(self.rates, self.x, np.linspace(0.0, seconds, ROWS + 1), **self.how)
+        self.x, self.t = x[-1], self.t + seconds
+        total = x[:, 3]
+        return x[:, 0], float(self.c.get("K_i", 0.0) * (total[ROWS // 2 :].mean() - total[: ROWS // 2].mean()))
+
+    def _sampled(self, seconds: float) -> tuple[Array, float]:
+        T, delay, end = self.c["sampling"]["period"], self.c["sampling"]["delay"], self.t + seconds
+        found, outputs = [], []
+        while self.t < end and abs(self.x[0]) < 1e8:
+            sample, act = self.taken * T, self.asked[0][0] if self.asked else math.inf
+            to = min(sample, act)
+            if to > self.t:
+                self.x = odeint(self.rates, self.x, [self.t, to], (self.u,), **self.how)[-1]
+                self.t = to
+            if sample <= act:
+                self.asked.append((self.t + delay, self._output(T)))
+                self.taken += 1
+                found.append(self.x[0])
+                outputs.append(self.asked[-1][1])
+            else:
+                self.u = self.asked.pop(0)[1]
+        half = len(outputs) // 2
+        return np.array(found), float(np.mean(outputs[half:]) - np.mean(outputs[:half]))
+
+    def _output(self, T: float) -> float:
+        c, step, y = self.c, self.c["sampling"].get("resolution", 0.0), float(self.x[0])
+        y = step * round(y / step) if step else y
+        v, self.last = 0.0 if self.last is None else (y - self.last) / T, y
+        push = -c.get("K_i", 0.0) * (y - self.r)
+        u = -c["K_p"] * (y - self.r) - c.get("K_i", 0.0) * self.total - c["K_d"] * v
+        if not (abs(u) > self.limit and push * u > 0):
+            self.total += T * (y - self.r)
+        return float(np.clip(u, -self.limit, self.limit))
 
 
-def verdict(data: Data, slowest: float, windows: int = 1) -> tuple[str, float]:
-    """What the independent solution does in the second half of its time: its word and its peak to peak."""
-    y = follow(data, CONSTANTS_OF_TIME * slowest * windows)
-    if not np.isfinite(y).all() or np.abs(y).max() > 1e6:
-        return "unstable", float("inf")
-    late = y[len(y) // 2 :]
-    third = [float(np.ptp(part)) for part in np.array_split(late, 3)]
-    if third[-1] <= 1e-6 * np.ptp(y):
-        return "quiet", third[-1]
-    if abs(late[-1] - late[0]) > 0.9 * np.abs(np.diff(late)).sum():
-        return "creeping", third[-1]
-    grows = third[2] > 1.1 * third[1] > 1.2 * third[0]
-    return ("unstable" if grows else "hunting"), third[-1]
+def verdict(data: Data, slowest: float, start: tuple[float, float] = (0.0, 0.0)) -> tuple[str, float]:
+    """What the independent solution goes on doing: its word, and its peak to peak at the end.
+
+    It rests when it has not moved for half of all the time that was simulated and friction holds an output that has stopped;
+    it hunts when sixteen stretches in a row swing alike; otherwise it is simulated on.
+    """
+    motion, c = Apart(data, *start), data["controllers"]["hold"]
+    F_s, move = data["contacts"]["guide"]["law"]["parameters"]["F_s"], abs(start[0] - c["signal"]["value"])
+    resolution = c.get("sampling", {}).get("resolution", 0.0)
+    longest = (LONGEST_SAMPLED if "sampling" in c else LONGEST) * slowest
+    low, high, swings, moved = start[0], start[0], list[float](), 0.0
+    stretch = CHUNK * slowest
+    while motion.t < longest:
+        y, charged = motion.on(stretch)
+        if not np.isfinite(y).all() or np.abs(y - c["signal"]["value"]).max() > 1e3 * max(move, 1e-3):
+            return "unstable", math.inf
+        low, high = min(low, float(y.min())), max(high, float(y.max()))
+        rest, swing = max(REST * (high - low), resolution), float(np.ptp(y))
+        if swing > rest:
+            moved, stretch = motion.t, CHUNK * slowest
+            swings.append(swing)
+            far = swings[-16:]
+            if len(far) == 16 and motion.t > 400 * slowest and max(far) < 1.02 * min(far) + 0.2 * rest:
+                limit = c.get("limit", math.inf)
+                return ("unstable" if swing > 0.1 * limit / c["K_p"] else "hunting"), swing
+            if motion.t > MOVING * slowest:
+                return ("unstable" if far[-1] > 2 * far[0] else "hunting"), swing
+            continue
+        swings = []
+        if motion.t > 2 * moved + 200 * slowest and abs(charged) * longest / stretch < 0.5 * F_s:
+            return "quiet", swing
+        stretch = min(1.5 * stretch, 1e3 * slowest)
+    return ("quiet" if not swings else "hunting"), swing
 
 
 def same(expected: str, found: str, strict: bool) -> bool:
@@ -175,34 +218,46 @@ def same(expected: str, found: str, strict: bool) -> bool:
     return expected == found or (not strict and expected in moves and found in moves)
 
 
-def boundaries(kind: str, data: Data, vary: str) -> list[Data]:
-    """Rows, one for each side of each boundary."""
-    found = stribeck.design(stribeck.Scenario(data), vary=[vary])
-    rows = []
-    for line in found.lines:
-        for b in line.boundaries:
+def verdicts(kind: str, data: Data, vary: str, random: np.random.Generator) -> list[Data]:
+    """Rows: the file's own verdict, three starts, both sides of each boundary named, and points of the range."""
+    scenario = stribeck.Scenario(data)
+    found = stribeck.design(scenario, vary=[vary])
+    line, rest = found.lines[0], data["controllers"]["hold"]["signal"]["value"]
+    asked: list[tuple[str, Data, tuple[float, float], str, bool]] = [("file", data, (0.0, 0.0), found.verdict, False)]
+    for i in random.choice(len(found.starts), 3, replace=False):
+        begun = found.starts[i]
+        asked.append(
+            (
+                f"start {begun.off:.3g} {begun.speed:.3g}",
+                data,
+                (rest + begun.off, begun.speed),
+                begun.judgement.verdict,
+                False,
+            )
+        )
+    sides = [(b, 1 - AWAY, b.below) for b in line.boundaries] + [(b, 1 + AWAY, b.above) for b in line.boundaries]
+    for b, share, said in sides[: POINTS - len(asked)]:
+        if line.turned.low <= share * b.value <= line.turned.high:
             strict = {b.below, b.above} == {"hunting", "unstable"}
-            for share, expected in ((1 - AWAY, b.below), (1 + AWAY, b.above)):
-                if not line.turned.low <= share * b.value <= line.turned.high:
-                    continue  # outside of the range that was asked for, where a number may not be allowed
-                other = changed(data, b.path, share * b.value)
-                slowest = loop_of(stribeck.Scenario(other)).slowest
-                slowest = max(slowest, found.loop.slowest)
-                got, size = verdict(other, slowest)
-                windows = 1
-                while (
-                    not same(expected, got, strict) and windows < 8
-                ):  # an integral may wind up for long before it breaks away
-                    windows *= 4
-                    got, size = verdict(other, slowest, windows)
-                rows.append(
-                    {"kind": kind, "path": b.path, "value": b.value, "at": share * b.value, "said": expected, "found": got,
-                     "agrees": same(expected, got, strict), "sure": b.sure, "windows": windows,
-                     "peak_to_peak": size if math.isfinite(size) else None}
-                )  # fmt: skip
-                print(json.dumps(rows[-1]), flush=True)
-    if not rows:
-        print(json.dumps({"kind": kind, "vary": vary, "none": [j.verdict for j in found.lines[0].found]}), flush=True)
+            asked.append(
+                (f"{b.path} = {share * b.value:.6g}", changed(data, b.path, share * b.value), (0.0, 0.0), said, strict)
+            )
+    clear = [i for i, x in enumerate(line.values) if not any(m.low <= x <= m.high for m in line.mixed)]
+    for i in random.permutation(clear)[: POINTS - len(asked)]:
+        x = float(line.values[i])
+        path = line.turned.path
+        asked.append((f"{path} = {x:.6g}", changed(data, path, x), (0.0, 0.0), line.found[i].verdict, False))
+    rows = []
+    for what, machine_, start, said, strict in asked:
+        begun_at = time.process_time()
+        got, size = verdict(machine_, loop_of(stribeck.Scenario(machine_)).slowest, start)
+        rows.append(
+            {"kind": kind, "at": what, "said": said, "found": got, "agrees": same(said, got, strict),
+             "peak_to_peak": size if math.isfinite(size) else None, "seconds": round(time.process_time() - begun_at, 1)}
+        )  # fmt: skip
+        if not rows[-1]["agrees"]:
+            rows[-1] |= {"machine": machine_, "start": start}
+        print(json.dumps(rows[-1]), flush=True)
     return rows
 
 
@@ -252,7 +307,7 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
 def main() -> None:
     """Run both, print rows as they come, and write them."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--machines", type=int, default=12)
+    parser.add_argument("--machines", type=int, default=20)
     parser.add_argument("--axes", type=int, default=3)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=RESULTS / "design_attack.json")
@@ -263,15 +318,15 @@ def main() -> None:
 
     def keep() -> None:
         about = {"machine": machine(), "seed": options.seed, "seconds": round(time.process_time() - begun)}
-        options.out.write_text(json.dumps({**about, "boundaries": rows, "factors": factors}, indent=1) + "\n")
+        options.out.write_text(json.dumps({**about, "verdicts": rows, "factors": factors}, indent=1) + "\n")
 
     for i in range(options.axes):
         factors += compensation(random, sampled=bool(i % 2))
         keep()
     for kind, data, vary in machines(random, options.machines):
-        rows += boundaries(kind, data, vary)
+        rows += verdicts(kind, data, vary, random)
         keep()
-    print(f"{sum(r['agrees'] for r in rows)} of {len(rows)} points 5 % away agree; "
+    print(f"{sum(r['agrees'] for r in rows)} of {len(rows)} verdicts agree; "
           f"{sum(r['agrees'] for r in factors)} of {len(factors)} factors within 20 %")  # fmt: skip
 
 

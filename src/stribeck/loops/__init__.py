@@ -13,7 +13,7 @@ from stribeck.loops import boundary, compensation
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, loop_of
-from stribeck.loops.moves import Moves, errors, moves_of
+from stribeck.loops.moves import Moves, Tracked, errors, moves_of
 from stribeck.loops.servo import ServoDesign, design_servo
 from stribeck.loops.starts import Start, from_starts, starts_row
 from stribeck.loops.uncertainty import friction_intervals, friction_samples
@@ -35,7 +35,7 @@ class Design:
         loop: the machine with its signals brought to rest, and its slowest time constant.
         controller: the name of the controller that is judged.
         judgement: the verdict: "quiet", "creeping", "hunting", "unstable" or "failed", with amplitude and period.
-        errors: by move ("file", "sine", "slow_ramp", "step"): peak, rms, reversal, standstill (m or rad), settling (s).
+        tracked: by move ("file", "sine", "slow_ramp", "step") how it is followed.
         lines: the verdict along each path that was varied, with its boundaries.
         compensations: what may be done against friction, with the largest quiet share and the error left.
         why_not: why compensations were not compared; empty where they were.
@@ -47,7 +47,7 @@ class Design:
     loop: Loop
     controller: str
     judgement: Judgement
-    errors: dict[str, dict[str, float | None]]
+    tracked: dict[str, Tracked]
     lines: list[boundary.PathVerdicts]
     compensations: list[compensation.CompensationResult]
     why_not: str
@@ -64,6 +64,11 @@ class Design:
     def failed(self) -> str | None:
         """Why the simulation failed."""
         return self.judgement.note if self.verdict == "failed" else None
+
+    @property
+    def errors(self) -> dict[str, dict[str, float | None]]:
+        """By move: peak, rms, reversal, standstill (m or rad), settling (s)."""
+        return {name: each.errors for name, each in self.tracked.items()}
 
     def to_json(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""

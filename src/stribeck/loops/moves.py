@@ -14,8 +14,6 @@ from stribeck.machine.parts import ControllerPart
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
-from stribeck.simulation.single import simulate
-from stribeck.simulation.solution import Solution
 
 _WAVES = 4  # of the sine; the first lets transients die out
 _ROWS = 4000
@@ -74,7 +72,7 @@ def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:
     return {
         "sine": ({"kind": "sine", "amplitude": A, "frequency": 1 / T}, _WAVES * T),
         "slow_ramp": ({"kind": "points", "t": [0.0, slow / 2, slow * 3 / 2], "value": [0.0, A, -A]}, slow * 3 / 2),
-        "step": ({"kind": "step", "value": A, "time": 0.0}, max(T, 0.0)),
+        "step": ({"kind": "points", "t": [0.0, T], "value": [A, A]}, T),  # of one kind with the ramp: compiled once
     }
 
 
@@ -82,26 +80,31 @@ def reversal_errors(loop: Loop, controller: str, values: Mapping[str, ArrayLike]
     """The largest error within an eighth of a period after the reversals of the standard sine, for each lane."""
     moves = moves_of(loop, controller)
     signal, end = signals_of(moves)["sine"]
-    changed = replaced(loop.scenario, controller, signal)
-    lanes = simulate_ensemble(changed, values or a_number(changed), t_end=end, step=end / _ROWS)
-    error = _error(changed, controller, lanes)
-    if error.ndim == 1:
-        error = error[np.newaxis]
+    lanes = _lanes(loop, replaced(loop.lean, controller, signal), end, values)
     near = _after_reversals(lanes.t, moves.period)
-    found = np.abs(error[:, near]).max(axis=1)
+    found = np.abs(_error(lanes.scenario, controller, lanes)[:, near]).max(axis=1)
     return np.where([reason is None for reason in lanes.reason], found, np.nan)
 
 
-def errors(loop: Loop, controller: str) -> dict[str, dict[str, float | None]]:
+@dataclass(frozen=True)
+class Tracked:
+    """How a move is followed: signal and position of the measured body at times, and its errors."""
+
+    t: Array
+    r: Array
+    y: Array
+    errors: dict[str, float | None]
+
+
+def errors(loop: Loop, controller: str) -> dict[str, Tracked]:
     """Peak, root mean square, error after reversals and at rest, and settling time: of the file's signal ("file") and
     of the standard moves."""
-    found: dict[str, dict[str, float | None]] = {"file": _of_file(loop, controller)}
+    found = {"file": _of_file(loop, controller)}
     moves = moves_of(loop, controller)
     for name, (signal, end) in signals_of(moves).items():
-        scenario = replaced(loop.scenario, controller, signal)
-        scenario = scenario.with_changes({"solve.t_end": end, "output.step": end / _ROWS})
-        solution = simulate(scenario)
-        e, t = _error(scenario, controller, solution), solution.t
+        lanes = _lanes(loop, replaced(loop.lean, controller, signal), end)
+        t, r, y = _courses(lanes, controller)
+        e = r - y
         row: dict[str, float | None] = _sizes(e)
         if name == "sine":
             row["reversal"] = float(np.abs(e[_after_reversals(t, moves.period)]).max(initial=0.0))
@@ -111,27 +114,43 @@ def errors(loop: Loop, controller: str) -> dict[str, dict[str, float | None]]:
         if name == "step":
             row["settling"] = _settling(t, e, _tolerance(loop, controller, moves.amplitude))
             row["standstill"] = float(np.abs(e[-len(e) // 20 :]).max(initial=0.0))
-        found[name] = row if solution.status == "done" else {**row, "failed_at": float(t[-1]) if len(t) else 0.0}
+        if lanes.reason[0] is not None:
+            row["failed_at"] = float(t[-1]) if len(t) else 0.0
+        found[name] = Tracked(t, r, y, row)
     return found
 
 
-def _of_file(loop: Loop, controller: str) -> dict[str, float | None]:
-    end = loop.rest + SETTLES * loop.slowest
-    scenario = loop.scenario.with_changes({"solve.t_end": end, "output.step": end / _ROWS})
-    solution = simulate(scenario)
-    e, t = _error(scenario, controller, solution), solution.t
-    rest = t >= loop.rest
+def _of_file(loop: Loop, controller: str) -> Tracked:
+    lanes = _lanes(loop, loop.lean, loop.rest + SETTLES * loop.slowest)
+    t, r, y = _courses(lanes, controller)
+    e, rest = r - y, t >= loop.rest
     tolerance = _tolerance(loop, controller, moves_of(loop, controller).amplitude)
-    moving = e
+    moving = t, r, y
     if loop.held and loop.given is not None:  # held, it would be asked for what the file does not ask
-        as_given = simulate(loop.given)
-        moving = _error(loop.given, controller, as_given)
-    return {
-        **_sizes(moving),
+        moving = _courses(_lanes(loop, loop.given, loop.given.solve.t_end), controller)
+    row = {
+        **_sizes(moving[1] - moving[2]),
         "standstill": float(np.abs(e[t >= t[-1] - (t[-1] - loop.rest) / 4]).max(initial=0.0)),
         "settling": _settling(t[rest] - loop.rest, e[rest], tolerance),
         "tolerance": tolerance,
     }
+    return Tracked(*moving, row)
+
+
+def _lanes(loop: Loop, scenario: Scenario, end: float, values: Mapping[str, ArrayLike] | None = None) -> Ensemble:
+    """The motion in lanes, of which the first are shared: what is simulated here is compiled once for all remedies."""
+    scenario = scenario.with_changes({"solve.max_steps": loop.scenario.solve.max_steps})
+    return simulate_ensemble(
+        scenario, values or {p: [x] for p, x in a_number(scenario).items()}, t_end=end, step=end / _ROWS
+    )
+
+
+def _courses(lanes: Ensemble, controller: str) -> tuple[Array, Array, Array]:
+    """Times, signal and measured position of the first lane, as far as it came."""
+    each = controller_of(lanes.scenario, controller)
+    r, y = (np.asarray(lanes[name][0], float) for name in (f"{controller}.r", f"{each.measures}.y"))
+    reached = np.isfinite(y)
+    return lanes.t[reached], r[reached], y[reached]
 
 
 def _sizes(e: Array) -> dict[str, float | None]:
@@ -151,9 +170,9 @@ def _tolerance(loop: Loop, controller: str, amplitude: float) -> float:
     return max(2 * step, _SETTLED * amplitude)
 
 
-def _error(scenario: Scenario, controller: str, columns: Solution | Ensemble) -> Array:
+def _error(scenario: Scenario, controller: str, lanes: Ensemble) -> Array:
     each = controller_of(scenario, controller)
-    return np.asarray(np.asarray(columns[f"{controller}.r"]) - columns[f"{each.measures}.y"], float)
+    return np.asarray(lanes[f"{controller}.r"] - lanes[f"{each.measures}.y"], float)
 
 
 def _after_reversals(t: Array, period: float) -> NDArray[np.bool_]:

@@ -88,13 +88,18 @@ def _held(loop: Loop) -> Loop:
     rig, data = loop.scenario.rig, deepcopy(loop.scenario.data)
     for each in rig.machine.controllers:
         table = data["controllers"][each.name]
-        table["signal"] = {"kind": "step", "time": 0.0, "value": _last(loop, each.name)}
-        table.pop("feedforward", None)  # the second derivative that it is for is 0
-        if table.get("compensation"):
-            table["compensation"].pop("lead", None)
+        table["signal"] = _constant(str(table["signal"]["kind"]), _last(loop, each.name))
     scenario = Scenario(data, folder=loop.scenario.folder, trust=True)
     rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
     return replace(loop, scenario=scenario, rest=rest)
+
+
+def _constant(kind: str, value: float) -> dict[str, object]:
+    """A signal that has a value from t = 0 on, of a kind: what is compiled for that kind serves."""
+    if kind == "step":
+        return {"kind": kind, "time": 0.0, "value": value}
+    kind = kind if kind in ("point_to_point", "spline") else "points"
+    return {"kind": kind, "t": [0.0, 1.0, 2.0], "value": [value] * 3}
 
 
 def _last(loop: Loop, controller: str) -> float:
