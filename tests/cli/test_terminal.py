@@ -65,6 +65,14 @@ def test_help_shows_an_example_and_fits(command, stribeck, monkeypatch):
     assert command in example[1]
 
 
+@pytest.mark.parametrize("command", sorted(set(COMMANDS) - {"fit", "predict", "validate"}))
+def test_help_shows_what_most_need_first(command, stribeck):
+    text = stribeck(command, "--help").out
+    usual = text.partition("Options:")[2].partition("Advanced:")[0].partition("Steepness:")[0]
+    assert 1 <= len(re.findall(r"^  -", usual, re.M)) <= 12
+    assert "Advanced:" not in text or re.findall(r"^  -", text.partition("Advanced:")[2], re.M)
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_is_installed(shell, tmp_path):
     # the variable names the shell in the place of looking at the process that started this one

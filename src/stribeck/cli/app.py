@@ -6,12 +6,13 @@ from copy import copy
 
 from typer import Typer
 
-from stribeck.cli.shared import Json, app
+from stribeck.cli.shared import Json, PlainCommand, app
 
 # isort: off
 from stribeck.cli import run as run
 from stribeck.cli import sweep as sweep
 from stribeck.cli.commands import scenarios as scenarios
+from stribeck.cli import explore as explore
 from stribeck.cli import check as check
 from stribeck.cli import design as design
 from stribeck.cli.commands import export as export
@@ -29,6 +30,10 @@ def doctor(json: Json = False) -> int:
     from stribeck.cli import doctor as command
 
     return command.doctor(json)
+
+
+for _each in app.registered_commands:
+    _each.cls = PlainCommand
 
 
 def with_command(name: str) -> Typer:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _DEFAULT_SET = "canudas1995"
 # What an older check leaves: scenarios as _write_scenarios begins them, and pictures of them, which say by name what they are.
 _COUNTEREXAMPLES = {"*.toml": r"# \S+ is not \w+: "} | {f"*not_*.{kind}": "" for kind in ("svg", "png", "pdf")}
-STEEPNESS = "Steepness: the smallest k_v that meets a tolerance"
+STEEPNESS = "Steepness"
 _BESIDE = 23  # columns, where the words of a verdict begin
 
 # Tolerances, and what belongs to them: the smallest k_v that meets them is found.

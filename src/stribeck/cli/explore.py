@@ -4,22 +4,46 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from stribeck.cli import show
+from stribeck.cli.shared import Json, Set, Trust, Undetermined, app, place
 from stribeck.errors import InputError
-from stribeck.explore import explore as write
-from stribeck.explore.beside import Report
-from stribeck.explore.report import of_folder
-from stribeck.explore.variants import subject
-from stribeck.scenario import parse_assignments
 
 
+@app.command(epilog="Example: stribeck explore my_rig.toml --out my_rig.html")
 def explore(
-    what: str | None, out: Path | None, laws: list[str] | None, report: Path | None, assignments: list[str],
-    trust: bool, json: bool,
-) -> int:  # fmt: skip
-    """Write the page, say where it is."""
-    changes = parse_assignments(assignments)
+    what: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.html", parser=place, help="The page; NAME.html unless given.")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option("--law", metavar="NAME", help="Offer this law beside the scenario's own; every law unless given."),
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's or fit's folder.")
+    ] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Write a page that simulates the scenario in a browser while its numbers are turned; it needs no network."""
+    from stribeck.explore import explore as write
+    from stribeck.explore.beside import Report
+    from stribeck.explore.report import of_folder
+    from stribeck.explore.variants import subject
+    from stribeck.scenario import parse_assignments
+
+    changes = parse_assignments(set_ or [])
     if report is not None and what is not None:
         raise InputError(
             f"--report: {str(report)!r}: must stand alone: the folder holds the scenario ({what} is given too)"
@@ -32,7 +56,7 @@ def explore(
         raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
     show.check_file("--out", out, *([Path(what)] if what is not None else []))
     with show.progress("writing the page") as tell:
-        write(scenario, out, laws, show.command_line(), tell, made.intervals, made.measured)
+        write(scenario, out, law, show.command_line(), tell, made.intervals, made.measured)
     if json:
         show.print_json({"status": "done", "scenario": scenario.name, "files": [str(out)]})
     else:

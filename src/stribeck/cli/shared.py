@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 import stribeck
+
+ADVANCED = "Advanced"  # the section of --help for options that few need
 
 app = typer.Typer(
     help="Friction models that you can simulate, prove, fit and ship.",
@@ -16,6 +19,24 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help: nothing folds within a word
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+class PlainCommand(TyperCommand):
+    """A command whose plain --help shows the options that most need first, then each other section."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write arguments and options, a section for each panel."""
+        sections: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
+        for parameter in self.get_params(ctx):
+            if (record := parameter.get_help_record(ctx)) is not None:
+                usual = "Arguments" if parameter.param_type_name == "argument" else "Options"
+                panel = getattr(parameter, "rich_help_panel", None) or usual
+                sections.setdefault(panel, []).append(record)
+        for title, records in sections.items():
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
+
 
 ScenarioFile = Annotated[
     Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario file; 'stribeck new' writes one.")
@@ -43,7 +64,12 @@ Set = Annotated[
     typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),
 ]
 Trust = Annotated[
-    bool, typer.Option("--trust", help="Let the scenario run laws (FILE.py:NAME) that lie outside its folder.")
+    bool,
+    typer.Option(
+        "--trust",
+        rich_help_panel=ADVANCED,
+        help="Let the scenario run laws (FILE.py:NAME) that lie outside its folder.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
 ControllerName = Annotated[
@@ -67,7 +93,7 @@ def _allow(allowed: bool) -> None:
 Undetermined = Annotated[
     bool,
     typer.Option(
-        "--allow-undetermined", callback=_allow,
+        "--allow-undetermined", callback=_allow, rich_help_panel=ADVANCED,
         help="Use the best values of a fit's parameters.toml that its data do not determine.",
     ),
 ]  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import ControllerName, Json, Trust, Undetermined, app, place
+from stribeck.cli.shared import ADVANCED, ControllerName, Json, Trust, Undetermined, app, place
 
 ExportTarget = Annotated[
     str,
@@ -39,7 +39,12 @@ ExportPart = Annotated[
 
 ExportScenario = Annotated[
     Path | None,
-    typer.Option("--scenario", metavar="FILE", help="A scenario: mass, controller, and law unless given."),
+    typer.Option(
+        "--scenario",
+        metavar="FILE",
+        rich_help_panel=ADVANCED,
+        help="A scenario: mass, controller, and law unless given.",
+    ),
 ]
 
 ExportContact = Annotated[
@@ -48,7 +53,12 @@ ExportContact = Annotated[
 
 ExportStep = Annotated[
     float | None,
-    typer.Option("--step", metavar="S", help="The time step that the tool will take: what is lost is said."),
+    typer.Option(
+        "--step",
+        metavar="S",
+        rich_help_panel=ADVANCED,
+        help="The time step that the tool will take: what is lost is said.",
+    ),
 ]
 
 
@@ -75,7 +85,9 @@ def export(
     contact: ExportContact = None,
     controller: ControllerName = None,
     step: ExportStep = None,
-    self_test: Annotated[bool, typer.Option("--self-test", help="With a program that checks the C.")] = False,
+    self_test: Annotated[
+        bool, typer.Option("--self-test", rich_help_panel=ADVANCED, help="With a program that checks the C.")
+    ] = False,
     fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
     trust: Trust = False,
     json: Json = False,
