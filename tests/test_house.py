@@ -33,7 +33,8 @@ ANY: dict[str, tuple[int, str]] = {
     ),
     "report": (8, "certificates as JSON; Matplotlib's options"),
     "sweeps": (2, "columns of any type"),
-    "scenario": (14, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),
+    "machine": (62, "`Held`, declared once; Pydantic's hooks, whose arguments are its own; a file's tables"),
+    "scenario": (22, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),
     "simulation": (9, "SciPy's solver; statistics read by their keys; a file's tables"),
     "": (8, "data frames and mappings of users; JSON files; `stribeck.NAME`; a signal's piece or its constants"),
 }

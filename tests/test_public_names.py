@@ -108,7 +108,7 @@ def test_sweep(tmp_path, law):
     found = st.sweep(SMALL, {"law.parameters.F_s": [1.5, 2.0]}, tmp_path / "one", summary=True)
     assert found.parts == 1
     assert found.files == [str(tmp_path / "one" / name) for name in ("_manifest.json", "part-000000.parquet")]
-    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Load.signal("p", "a", st.Sine(2.0, 1.0)))
+    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Load.follow("p", "a", st.Sine(2.0, 1.0)))
     varied = machine.vary({"bodies.a.mass": [0.5, 1.0, 2.0]})
     assert len(st.sweep(varied, out=tmp_path / "two", t_end=0.1, step=0.01).lanes) == 3
 

@@ -17,26 +17,18 @@ if TYPE_CHECKING:
     from stribeck.laws.base import BristleLaw, Claims, Law
     from stribeck.laws.library import library
     from stribeck.loops import design
+    from stribeck.machine.elements.bodies import Body
+    from stribeck.machine.elements.contacts import Contact
+    from stribeck.machine.elements.controllers import Controller
+    from stribeck.machine.elements.links import Link
+    from stribeck.machine.elements.loads import Load
+    from stribeck.machine.elements.motors import Motor
+    from stribeck.machine.signal import File, Points, PointToPoint, Ramp, Sine, Spline, Step
     from stribeck.parameter_sets import allow_undetermined
     from stribeck.properties import Verdict, Verdicts, check
     from stribeck.properties.ports import MachineVerdicts
     from stribeck.scenario import Scenario
-    from stribeck.scenario.objects import (
-        Body,
-        Contact,
-        Controller,
-        File,
-        Link,
-        Load,
-        Machine,
-        Motor,
-        Points,
-        PointToPoint,
-        Ramp,
-        Sine,
-        Spline,
-        Step,
-    )
+    from stribeck.scenario.objects import Machine
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
     from stribeck.sweeps.job import sweep
 
@@ -67,25 +59,14 @@ _HOME = {
     "library": "stribeck.laws.library",
     "allow_undetermined": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",
-    **dict.fromkeys(
-        (
-            "Body",
-            "Contact",
-            "Controller",
-            "File",
-            "Link",
-            "Load",
-            "Machine",
-            "Motor",
-            "PointToPoint",
-            "Points",
-            "Ramp",
-            "Sine",
-            "Spline",
-            "Step",
-        ),
-        "stribeck.scenario.objects",
-    ),
+    "Body": "stribeck.machine.elements.bodies",
+    "Contact": "stribeck.machine.elements.contacts",
+    "Controller": "stribeck.machine.elements.controllers",
+    "Link": "stribeck.machine.elements.links",
+    "Load": "stribeck.machine.elements.loads",
+    "Motor": "stribeck.machine.elements.motors",
+    **dict.fromkeys(("File", "PointToPoint", "Points", "Ramp", "Sine", "Spline", "Step"), "stribeck.machine.signal"),
+    "Machine": "stribeck.scenario.objects",
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }
 _EXTRA = {"export": "export", "fit": "fit", "read_log": "fit"}  # where one package alone would not be enough

@@ -11,12 +11,18 @@ from collections.abc import Iterable
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
-from typing import TypeVar
+from typing import TypeGuard, TypeVar
 
 from stribeck.errors import InputError, said_by
 from stribeck.files import read_file
 
 T = TypeVar("T")
+
+
+def in_a_file(name: object) -> TypeGuard[str]:
+    """True for the name of a law or an element in a file, FILE.py:NAME."""
+    return isinstance(name, str) and ".py:" in name
+
 
 _loading = threading.RLock()  # another thread must not meet a module that is half loaded
 _OF_FILE = "_stribeck_user_"  # how the modules of users' files are called

@@ -149,7 +149,7 @@ def test_adaptation_recovers(factor, middle, late):
 BAD = {
     "plant.stroke": ({"drive__signal__amplitude": 0.6}, "drive.signal: the path reaches y = "),
     "supply": ({"plant__supply_pressure": 1.5e5}, "plant.supply_pressure: 150000.0: the path needs a pressure"),
-    "vacuum": ({"plant__supply_pressure": 9e4}, "must be above plant.atmospheric_pressure"),
+    "vacuum": ({"plant__supply_pressure": 9e4}, "must be above atmospheric_pressure"),
     "ramp": ({"drive__signal": {"kind": "ramp", "rate": 0.1}}, "must be one of sine, point_to_point, spline"),
     "observer": ({"drive__observer": {"name": "lugre"}}, "cannot be an observer, which needs dF/dt"),
     "elasto": ({"drive__observer": {"name": "elastoplastic", "z_ba": 1e-3}}, "cannot be an observer"),

@@ -37,14 +37,14 @@ EVERY = machine(
         "arm": {"inertia": 0.1},
         "flange": {"inertia": 0.01, "tied_to": "arm", "ratio": 2.0},
         "slide": {"mass": 2.0},
-        "belt": {"velocity": {"signal": WAVE}},
+        "belt": {"velocity": {"signal": WAVE}, "rotary": True},
     },
     0.4,
     energy=False,
     links={"gear": {"from": "rotor", "to": "arm", "ratio": 0.1, "stiffness": 50.0, "damping": 0.2, "gap": 1e-3}},
     contacts={
         "mesh": {"from": "arm", "to": "ground", "ratio": 3.0, "law": RUB, "loads": LOADS, "factors": FACTORS},
-        "rub": {"from": "rotor", "to": "belt", "law": law()},
+        "rub": {"from": "rotor", "to": "belt", "law": law(), "initial": {"z": 1e-6}},
     },
     loads={
         "weight": {"on": "arm", "kind": "pendulum", "amplitude": 0.4, "phase": 0.1},

@@ -1,7 +1,5 @@
 """The step of a sampled observer is exact at the speed held, also where the law is not linear in z."""
 
-from types import SimpleNamespace
-
 import pytest
 from scipy.integrate import solve_ivp
 
@@ -9,9 +7,9 @@ import stribeck as st
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import symbol
 from stribeck.expressions.names import Names
-from stribeck.machine import sampled
-from stribeck.machine.parts import CompensationPart
-from tests.simulation.independent import friction
+from stribeck.machine.law import Friction
+from stribeck.machine.observed import observed
+from tests.simulation import independent
 
 P = {"sigma_0": 6e3, "sigma_1": 5.0, "sigma_2": 1.0, "F_c": 0.8, "F_s": 0.95, "v_s": 0.05}
 Z = P["F_s"] / P["sigma_0"]
@@ -22,12 +20,12 @@ Z = P["F_s"] / P["sigma_0"]
 )
 def test_step(name, own):
     law = st.law(name, **own, parameters=P)
-    compensation = CompensationPart(type(law), law.form, "law", "measured")
+    friction = Friction(type(law), law.form, type(law).symbolic(lambda n: symbol(f"law.{n}"), law.form))
     z, v, period, called = symbol("z"), symbol("v"), symbol("period"), Names()
-    rate = type(law).dz_dt(compensation.symbolic(called), v, z)
-    after = sampled.observed(SimpleNamespace(compensation=compensation), rate, z, v, period, called)
+    rate = type(law).dz_dt(friction.told(called.term), v, z)
+    after = observed(friction, rate, z, v, period, called)
     step = python_function(("z", "v", "period", *(f"law.{n}" for n in law.p.numbers)), [after])
-    rates = friction(name, {**P, **own})
+    rates = independent.friction(name, {**P, **own})
     for speed in (0.003, -0.1):
         for far in (0.3, 1.0, 3.0, 15.0, 100.0):  # how far the contact goes in a period, in Z
             for start in (-0.9 * Z, 0.0, Z):

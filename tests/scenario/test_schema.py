@@ -8,8 +8,9 @@ import tomllib
 import pytest
 from jsonschema import Draft202012Validator
 
-from stribeck import laws, parameters
+from stribeck import laws
 from stribeck.examples import names, path
+from stribeck.parameter_sets import parameters
 from stribeck.scenario import schema
 from tests.scenario.valid_scenarios import CANUDAS, MAKKAR, VALID, allowed, edited, examples, keys, optional
 

@@ -30,7 +30,7 @@ PLUGIN = """
 from pathlib import Path
 Path("{mark}").write_text("executed")
 from stribeck.laws.lugre import LuGre
-from stribeck.machine.links import Link
+from stribeck.machine.elements.links import Link
 class OwnLaw(LuGre): pass
 class OwnLink(Link): pass
 """

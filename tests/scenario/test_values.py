@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stribeck import Scenario, parameters
+from stribeck import Scenario
+from stribeck.parameter_sets import parameters
 from tests.scenario.valid_scenarios import CANUDAS, VALID, edited
 
 SPRING = VALID["spring_ramp"]

@@ -5,9 +5,8 @@ import sympy as sp
 
 from stribeck import law
 from stribeck.laws import builtin
-from stribeck.laws.form import Form
-from stribeck.machine.links import LinkElement
-from stribeck.machine.loads import Pendulum
+from stribeck.machine.elements.links import Link
+from stribeck.machine.elements.loads import Pendulum
 from tests.theory.test_proofs import FORMS, constants, majorant, numeric
 
 s0, s1, s2, F_c, F_s, v_s, k_v, v, x = sp.symbols("sigma_0 sigma_1 sigma_2 F_c F_s v_s k_v v x", positive=True)
@@ -100,22 +99,19 @@ def test_23_a_stiffness_that_changes_gives_energy_at_no_cost():
 
 def test_24_links_and_pendulums_lose_nothing_that_is_not_damped():
     """f w - dE/dt = f_d w, and a damper limited to |f_c| has the sign of w."""
-    k, damping, gap = sp.symbols("k c gap", positive=True)
-    names = {"stiffness": k, "damping": damping, "gap": gap}
-    free = LinkElement.symbolic(names.__getitem__, Form(("damping",)))
-    stored = LinkElement.stored_energy(free, d)
-    assert sp.expand(LinkElement.force(free, d, w) * w - sp.diff(stored, d) * w - damping * w**2) == 0
+    k, damping = sp.symbols("k c", positive=True)
+    free = Link("k", "a", stiffness=1.0, damping=1.0).model_copy(update={"stiffness": k, "damping": damping})
+    assert sp.expand(free.force(d, w) * w - sp.diff(free.stored_energy(d), d) * w - damping * w**2) == 0
     for k_, c_, gap_ in ((3.0, 2.0, 0.2), (100.0, 1e-3, 1e-6)):
-        given = {"stiffness": k_, "damping": c_, "gap": gap_}
-        p = LinkElement.symbolic(given.__getitem__, Form(("damping", "gap")))
+        link = Link("k", "a", stiffness=k_, damping=c_, gap=gap_)
         for at in (-1.0, -0.11, 0.0, 0.09, 0.1, 0.5):
             for speed in (-10.0, -0.1, 0.0, 0.1, 10.0):
-                e = LinkElement.stretch(p, at)
+                e = link.stretch(at)
                 spring = k_ * e * speed if abs(at) > gap_ / 2 else 0.0  # dE/dt, with de/dt = w beyond the play
-                assert LinkElement.force(p, at, speed) * speed - spring >= -1e-12
+                assert link.force(at, speed) * speed - spring >= -1e-12
     amplitude, phase, y = sp.symbols("amplitude phase y", positive=True)
-    pendulum = Pendulum.symbolic({"amplitude": amplitude, "phase": phase}.__getitem__, Form())
-    assert sp.simplify(Pendulum.force(pendulum, 0, y, v) + sp.diff(Pendulum.stored_energy(pendulum, y), y)) == 0
+    pendulum = Pendulum("g", "a", amplitude=1.0).model_copy(update={"amplitude": amplitude, "phase": phase})
+    assert sp.simplify(pendulum.force(0, y, v) + sp.diff(pendulum.stored_energy(y), y)) == 0
 
 
 def test_25_forces_and_speeds_of_elements_conserve_power():

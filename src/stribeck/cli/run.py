@@ -216,7 +216,7 @@ def _print_comparison(comparison: Comparison, files: list[str]) -> None:
 
 def _show(scenario: Scenario, *, out: Path | None, json: bool) -> int:
     """Print the machine as a schematic; with --out also as DIR/machine.svg."""
-    from stribeck.report import schematic
+    from stribeck.scenario import schematic
     from stribeck.scenario.counterpart import as_machine
 
     machine, files = as_machine(scenario), list[str]()

@@ -10,7 +10,7 @@ from stribeck.drives.base import Column, Drive
 from stribeck.expressions.ops import Value, where
 
 
-class Pid(Drive):
+class PidDrive(Drive):
     """A PID controller whose derivative acts on the measured velocity (the paper's Fig. 8)."""
 
     kind, meaning = "pid", "the signal is the setpoint of a PID position controller, m"

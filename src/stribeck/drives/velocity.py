@@ -8,7 +8,7 @@ from stribeck.drives.base import Action, Column, Drive, Motion
 from stribeck.expressions.names import Names
 
 
-class Velocity(Drive):
+class VelocityDrive(Drive):
     """The signal is the velocity; the mass plays no part."""
 
     kind, meaning = "velocity", "the signal is the velocity of the body, m/s"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import fields, replace
+from dataclasses import fields
 from types import SimpleNamespace
 
 from stribeck.codegen.emitted import Added
@@ -17,8 +17,8 @@ from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
 from stribeck.laws.evaluation import steady_force
 from stribeck.laws.values import Constants
-from stribeck.machine.parts import ContactPart, symbols_of
-from stribeck.machine.system import MachineSystem
+from stribeck.machine.elements.contacts import Contact
+from stribeck.machine.system import E_STORED, MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation.native import share_of
 
@@ -30,9 +30,9 @@ def appendix(scenario: Scenario) -> dict[str, Added]:
     """The functions of a body under a law: columns of a row, friction at a speed that is held, tolerances, claims."""
     system = scenario.system
     (contact,) = system.contacts
-    law, q = contact.law, contact.law.symbolic(symbols_of(contact.law_path), contact.form)
+    law, q = contact.friction.kind, contact.friction.p
     p = [f"{group}.{name}" for group, name in system.parameters]
-    whole = replace(system, energy=True)  # the page shows the energy stored, whether the file asks for it or not
+    whole = system.with_energy()  # the page shows the energy stored, whether the file asks for it or not
     values = whole.outputs
     outputs = [wrap(values[column.name]) for column in columns(system)]
     now = {
@@ -55,11 +55,8 @@ def machine_appendix(machine: MachineSystem) -> dict[str, Added]:
     p = [f"{owner}.{name}" for owner, name in machine.parameters]
     states = [*(state.name for state in machine.states), *(f"segment.{name}" for name in machine.held)]
     states += [f"memory.{name}" for name in machine.shown]
-    values = machine.balance(exact=True).outputs()
-    held = [
-        _holds(relation, contact.law.symbolic(symbols_of(contact.law_path), contact.form))
-        for contact, relation in machine_relations(machine)
-    ]
+    values = machine.outputs
+    held = [_holds(relation, contact.friction.p) for contact, relation in machine_relations(machine)]
     now = {"p": p, "s": [f"segment.{name}" for name in machine.piece_fields], "x": states}
     return {
         "system_columns": Added("p s t x out", "iidii", [values[c.name] for c in machine.columns], now),
@@ -67,15 +64,14 @@ def machine_appendix(machine: MachineSystem) -> dict[str, Added]:
     }
 
 
-def machine_relations(machine: MachineSystem) -> list[tuple[ContactPart, Relation]]:
+def machine_relations(machine: MachineSystem) -> list[tuple[Contact, Relation]]:
     """The conditions between constants that the page tests of each contact, in the order of the C."""
-    return [(contact, each) for contact in machine.contacts for each in relations(contact.law)]
+    return [(contact, each) for contact in machine.contacts for each in relations(contact.friction.kind)]
 
 
 def columns(system: MachineSystem) -> tuple[Column, ...]:
     """The columns that the page takes: those of the output, and the energy stored."""
-    stored = next(c for c in replace(system, energy=True).columns if c.name == "E_stored")
-    return system.columns if system.energy else (*system.columns, stored)
+    return system.columns if system.energy else (*system.columns, E_STORED)
 
 
 def relations(law: type[Law]) -> list[Relation]:
@@ -90,11 +86,9 @@ def _setup(scenario: Scenario) -> list[Expr]:
     share = share_of(rig.damping())
     least = 1e-13 / rtol  # simulation/native.py: below it rounding is the larger error
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
-    draft = object.__new__(Scenario)
-    draft.__dict__.update({**scenario.__dict__, "solve": SimpleNamespace(rtol=rtol, atol=scenario.solve.atol)})
     atol: Mapping[str, Expr | float]
     try:
-        atol = draft.atol(rig)
+        atol = scenario.atol(rig, rtol)
     except TypeError:  # a law of the user's whose scales are no equations: they stay those of the file
         atol = {n: x / scenario.solve.rtol * rtol for n, x in scenario.atol().items()}
     longest: Value = scenario.signal.longest_step

@@ -8,7 +8,7 @@ from stribeck.drives.base import Column
 from stribeck.explore.appendix import machine_relations
 from stribeck.explore.figures import Chart, Series
 from stribeck.explore.measured import Arrays, Measured
-from stribeck.machine.parts import ContactPart
+from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 
@@ -65,7 +65,7 @@ def _label(column: Column) -> str:
     return _LABELS.get(last) or _BY_UNIT.get(column.unit, "force")
 
 
-def _contact(machine: MachineSystem, contact: ContactPart) -> tuple[Column, Column]:
+def _contact(machine: MachineSystem, contact: Contact) -> tuple[Column, Column]:
     """The columns of a contact's sliding speed and friction; of a single body its velocity is the first."""
     dot = f"{contact.name}." if contact.name else ""
     return _column(machine, f"{dot}w" if dot else "v"), _column(machine, f"{dot}F")

@@ -155,8 +155,8 @@ def refuse_losses(scenario: Scenario, contact: str | None = None) -> None:
     """
     path = law_path(scenario, contact)
     (part,) = (each for each in scenario.rig.machine.contacts if each.law_path == path)
-    lost = [f"{part.path}.loads"] if part.levels else []
-    lost += [f"{part.path}.factors.{factor.of}" for factor in part.factors]
+    lost = [f"{part.path}.loads"] if part.loads else []
+    lost += [f"{part.path}.factors.{of}" for of in part.factors]
     if lost:
         text = "would be lost: the law alone does not have it; part 'machine' (targets c and fmu) does"
         raise InputError(f"{', '.join(lost)}: {text}")

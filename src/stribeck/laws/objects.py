@@ -58,6 +58,10 @@ class AsObject:
         """
         return type(self)({**self._numbers, **constants}, self.rotary)  # type: ignore[call-arg]
 
+    def of_motion(self, rotary: bool) -> Self:
+        """The same law in a machine that turns, or in one that does not: its units are others, its numbers are not."""
+        return self if self.rotary == rotary else type(self)(self._numbers, rotary)  # type: ignore[call-arg]
+
     def to_dict(self) -> dict[str, object]:
         """The table ``[law]`` of a scenario (``[contacts.NAME.law]`` of a machine) that describes this law."""
         table: dict[str, object] = importlib.import_module("stribeck.laws").table(self)

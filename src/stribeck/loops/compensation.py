@@ -73,8 +73,7 @@ def contact_of(scenario: Scenario, controller: str) -> str:
     rig = scenario.rig
     each = controller_of(scenario, controller)
     for contact in rig.machine.contacts:
-        span = contact.span
-        if span.start == each.measures and span.end is None and rig.values.get((contact.path, "ratio"), 1.0) == 1:
+        if contact.ends == (each.measures,) and rig.values.get((contact.path, "ratio"), 1.0) == 1:
             return contact.name
     raise InputError(
         f"controllers.{controller}.measures: {each.measures}: no contact between it and the ground whose friction could be "
@@ -87,7 +86,7 @@ def kinds_of(loop: Loop, controller: str, contact: str) -> list[str]:
     rig = loop.scenario.rig
     each = controller_of(loop.scenario, controller)
     law = rig.laws[f"contacts.{contact}.law"]
-    smooth = law.differentiable and (rig.signals[each.signal].smooth or rig.signals[each.signal].kind == "ramp")
+    smooth = law.differentiable and (rig.signals[each.use].smooth or rig.signals[each.use].kind == "ramp")
     return [kind for kind in KINDS if kind != "inner_loop" or (smooth and lag_of(loop.scenario, controller) > 0)]
 
 
@@ -96,7 +95,7 @@ def lag_of(scenario: Scenario, controller: str) -> float:
     rig = scenario.rig
     each = controller_of(scenario, controller)
     motor = next((m for m in rig.machine.motors if m.name == each.on), None)
-    lag = rig.values[motor.path, "current_time"] if motor is not None and motor.has_inductance else 0.0
+    lag = rig.values[motor.path, "current_time"] if motor is not None and motor.L is not None else 0.0
     if each.sampling is not None:
         own = f"{each.path}.sampling"
         lag += rig.values[own, "delay"] + rig.values[own, "period"] / 2

@@ -10,14 +10,14 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.loops.compensation import contact_of, with_compensation
 from stribeck.loops.loop import controller_of
-from stribeck.machine.controllers import Cascade, PidController
+from stribeck.machine.elements.controllers import Cascade, Pid
 from stribeck.scenario import Scenario
 from stribeck.simulation.single import simulate
 
 BEYOND = 0.05  # of the share, in the run that shows it
 _SPEEDS = 400
 _DECADES = (1e-2, 1e3)  # of v_s
-_OFF = {PidController: ("K_p", "K_i", "K_d"), Cascade: ("K_p", "K_v")}
+_OFF = {Pid: ("K_p", "K_i", "K_d"), Cascade: ("K_p", "K_v")}
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def excess(scenario: Scenario, controller: str, samples: dict[str, Array]) -> Ex
     each = controller_of(made, controller)
     assert each.compensation is not None
     law = made.rig.laws[f"contacts.{contact}.law"]
-    own = made.rig.laws[each.compensation.path]
+    own = made.rig.laws[each.friction_path]
     scale = law.scales(law.p).speed
     v = scale * np.geomspace(*_DECADES, _SPEEDS)
     added = np.asarray(own.steady_force(v))
@@ -92,7 +92,7 @@ def _counterexample(
 ) -> tuple[Scenario | None, float, float]:
     """The machine let go at a speed, with nothing but its friction and the compensation; its speed at first and at last."""
     each = controller_of(made, controller)
-    gains, rig = _OFF.get(each.kind), made.rig
+    gains, rig = _OFF.get(type(each)), made.rig
     if gains is None:
         return None, speed, speed
     data = deepcopy(made.with_changes(sample).data)

@@ -163,8 +163,8 @@ class _Shown:
     ) -> None:
         self.loop, self.lanes, self.lane, self.tau, self.swing, self.last = loop, lanes, lane, tau, swing, last
         machine = loop.scenario.rig.machine
-        self.main = machine.leader(machine.controllers[0].measures).name
-        self.moving = [b.name for b in machine.bodies if b.leader is None and b.driven is None]
+        self.main = machine.leader(machine.controllers[0].body).name
+        self.moving = [b.name for b in machine.bodies if b.free]
         reached = int(np.isfinite(self.column(f"{self.main}.y")).sum())
         self.reached = slice(0, reached)
         kept = _ROWS // 4 if last else _ROWS + 1  # where nothing longer can be asked, the end alone tells
@@ -292,11 +292,11 @@ class _Shown:
         rig = self.loop.scenario.rig
         found = [
             (self.column(f"{each.name}.u"), rig.values[each.path, "limit"])
-            for each in rig.machine.controllers if "limit" in each.form
+            for each in rig.machine.controllers if each.limit is not None
         ]  # fmt: skip
         found += [
             (self.column(f"{motor.name}.V"), rig.values[motor.path, "voltage"])
-            for motor in rig.machine.motors if "voltage" in motor.form
+            for motor in rig.machine.motors if motor.voltage is not None
         ]  # fmt: skip
         return any(_both_sides(x[self.rows], limit) for x, limit in found)
 
@@ -307,7 +307,7 @@ def at_rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
     rest = {name: TRAVEL * max(x, loop.travel.get(name, 0.0)) for name, x in travel.items()}
     for each in rig.machine.controllers:
         step = resolution_of(loop.scenario, each)
-        name = rig.machine.leader(each.measures).name
+        name = rig.machine.leader(each.body).name
         if step and travel.get(name):
             for other, x in travel.items():
                 rest[other] = max(rest[other], step if other == name else step * x / travel[name])

@@ -11,9 +11,9 @@ from functools import cached_property
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.drives.pid import Pid
+from stribeck.drives.pid import PidDrive
 from stribeck.errors import InputError
-from stribeck.machine.parts import ControllerPart
+from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
 from stribeck.scenario.counterpart import as_machine
 from stribeck.signals import KINDS, Signal
@@ -62,7 +62,7 @@ def loop_of(scenario: Scenario) -> Loop:
     Raises:
         InputError: there is no controller, or a servo's, whose loop is not judged.
     """
-    if scenario.rig.single and scenario.drive is not Pid:
+    if scenario.rig.single and scenario.drive is not PidDrive:
         raise InputError(
             f"drive.kind: {scenario.drive.kind!r}: must be 'pid': this asks about a position controller's loop"
         )
@@ -176,7 +176,7 @@ def _sliding(scenario: Scenario) -> Array:
     """A state in which every contact slides fast with its steady deflection, and every play is taken up."""
     rig = scenario.rig
     machine = rig.machine
-    gaps = [rig.values[link.path, "gap"] for link in machine.links if "gap" in link.form]
+    gaps = [rig.values[link.path, "gap"] for link in machine.links if link.gap is not None]
     state = dict.fromkeys((s.name for s in machine.states), 0.0)
     for i, body in enumerate(machine.bodies):
         share = 1 + 0.377 * i  # so that no two move alike
@@ -188,7 +188,7 @@ def _sliding(scenario: Scenario) -> Array:
     held = {name: np.zeros(1) for name in machine.held}
     columns = rig.columns(np.zeros(1), arrays, held, rig.pieces(scenario.end))
     for contact in machine.contacts:
-        if contact.law.has_z:
+        if contact.has_z:
             w = float(np.ravel(columns[f"{contact.name}.w"])[0])
             state[f"{contact.name}.z"] = float(rig.laws[contact.law_path].steady_deflection(w))
     return np.array([state[s.name] for s in machine.states])
@@ -206,12 +206,12 @@ def replaced(scenario: Scenario, controller: str, signal: dict[str, object]) -> 
     return Scenario(data, folder=scenario.folder, trust=True)
 
 
-def controller_of(scenario: Scenario, name: str) -> ControllerPart:
+def controller_of(scenario: Scenario, name: str) -> Controller:
     """The controller of that name."""
     return next(c for c in scenario.rig.machine.controllers if c.name == name)
 
 
-def resolution_of(scenario: Scenario, controller: ControllerPart) -> float:
+def resolution_of(scenario: Scenario, controller: Controller) -> float:
     """The step of a controller's encoder, 0 where it has none."""
     return scenario.rig.values.get((f"{controller.path}.sampling", "resolution"), 0.0)
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
 from stribeck.loops.loop import Loop, a_number, controller_of, replaced, resolution_of, rests_at
-from stribeck.machine.parts import ControllerPart
+from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
@@ -47,10 +47,10 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     t = np.linspace(0.0, end, 4001)
     r = signal.at(t)
     step = resolution_of(loop.scenario, each)
-    starts = loop.scenario.initial.get(f"{rig.machine.leader(each.measures).name}.y", 0.0)
-    begins = abs(float(r[0]) - starts) / 2 if each.measures == rig.machine.leader(each.measures).name else 0.0
+    starts = loop.scenario.initial.get(f"{rig.machine.leader(each.body).name}.y", 0.0)
+    begins = abs(float(r[0]) - starts) / 2 if each.measures == rig.machine.leader(each.body).name else 0.0
     amplitude = (
-        float(np.ptp(r)) / 2 or begins or 1e3 * step or rig.scales[rig.machine.leader(each.measures).name].length * 100
+        float(np.ptp(r)) / 2 or begins or 1e3 * step or rig.scales[rig.machine.leader(each.body).name].length * 100
     )
     rates = np.abs(np.diff(r)) / (t[1] - t[0])
     fastest = float(np.quantile(rates, 0.98)) if not signal.smooth else float(rates.max())
@@ -58,10 +58,10 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     return Moves(amplitude, fastest if fastest > 0.1 * slow else slow)
 
 
-def given_signal(loop: Loop, each: ControllerPart) -> Signal:
+def given_signal(loop: Loop, each: Controller) -> Signal:
     """A controller's signal as it was given, not as it is held: the spline that comes to rest also begins at rest."""
     rig = (loop.given or loop.scenario).rig
-    return next(signal for use, signal in rig.signals.items() if use.path == each.signal.path)
+    return next(signal for use, signal in rig.signals.items() if use.path == each.use.path)
 
 
 def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:

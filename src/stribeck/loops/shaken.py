@@ -32,7 +32,7 @@ def swings(loop: Loop, values: Mapping[str, Array], count: int) -> list[dict[str
         sliding, known = SlidingLoop(loop.scenario, each.name), dict[float, dict[str, float]]()
         first = _SQUARE if each.dither.kind == "square" else 1.0
         amplitude, frequency = (
-            np.broadcast_to(values.get(f"{each.dither.path}.{n}", rig.values[each.dither.path, n]), (count,))
+            np.broadcast_to(values.get(f"{each.path}.dither.{n}", rig.values[f"{each.path}.dither", n]), (count,))
             for n in ("amplitude", "frequency")
         )
         for lane in range(count):
@@ -49,7 +49,7 @@ def frequency_for(scenario: Scenario, controller: str, slowest: float) -> float:
     the sampling's."""
     rig = scenario.rig
     each = controller_of(scenario, controller)
-    sliding, name = SlidingLoop(scenario, controller), rig.machine.leader(each.measures).name
+    sliding, name = SlidingLoop(scenario, controller), rig.machine.leader(each.body).name
     grid = _GRID / (2 * np.pi * slowest)
     answer = np.array([sliding.response(float(f)).get(name, 0.0) for f in grid])
     after = int(np.argmax(answer))

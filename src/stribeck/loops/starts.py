@@ -46,9 +46,9 @@ def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | Non
     held = _held(loop)
     rig = held.scenario.rig
     each = controller_of(held.scenario, controller)
-    main = rig.machine.leader(each.measures).name
+    main = rig.machine.leader(each.body).name
     last = _last(loop, controller)
-    at = _together(held.scenario, each.measures)
+    at = _together(held.scenario, each.body)
     held = replace(held, travel={name: 2 * abs(share) * moves.amplitude for name, share in at.items()})
     wanted = _wanted(moves, main, [name for name in at if name != main])
     lanes: dict[str, list[float]] = {f"bodies.{name}.initial.y": [] for name in at}
@@ -105,14 +105,14 @@ def _constant(kind: str, value: float) -> dict[str, object]:
 def _last(loop: Loop, controller: str) -> float:
     """Where a controller's signal rests in the end."""
     rig = loop.scenario.rig
-    signal = rig.signals[controller_of(loop.scenario, controller).signal]
+    signal = rig.signals[controller_of(loop.scenario, controller).use]
     return float(signal.at(np.array([max(rests_at(signal), 0.0) + 1.0]))[0])
 
 
 def _together(scenario: Scenario, measured: str) -> dict[str, float]:
     """How far each body that obeys forces goes by the measured one while no link is stretched; the leader's first."""
-    bodies = scenario.rig.machine.body
-    return {name: x for name, x in scenario.rig.carried(measured).items() if bodies[name].driven is None}
+    bodies = scenario.rig.machine.elements.bodies
+    return {name: x for name, x in scenario.rig.carried(measured).items() if bodies[name].velocity is None}
 
 
 def starts_row(found: list[Start], own: Judgement) -> dict[str, object]:

@@ -6,108 +6,139 @@ become those of its body and of its own tables.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-from stribeck.drives.base import Action, Course, Motion, course
+from stribeck.constants import Constant
+from stribeck.drives.base import Action, Column, Course, Drive, Motion, course
 from stribeck.equations import Sample
 from stribeck.expressions.graph import ZERO, Expr, substitute, symbol, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, where
-from stribeck.machine.parts import BodyPart, ContactPart, DrivePart, joined, symbols_of
+from stribeck.machine.signal import SignalUse
+from stribeck.machine.table import joined
 from stribeck.plants import Mass
 
 if TYPE_CHECKING:
-    from stribeck.machine.balance import Balance
+    from stribeck.machine.assembly import Assembly
+    from stribeck.machine.elements.bodies import Body
+    from stribeck.machine.elements.contacts import Contact
 
 _T = symbol("t")
 
 
 @dataclass(frozen=True)
-class Driven:
-    """How a body moves: dv/dt, the rates of its own states and of its drive's, what the output shows, and its energy."""
+class DrivePart:
+    """What moves a body, and gives what that takes: a force, or the voltage of a cylinder's valve."""
 
-    acceleration: Expr
-    rates: dict[str, Expr]
-    shown: dict[str, Expr]
-    power: Expr
-    lost: Expr
-    stored: Expr
+    name: str
+    drive: Drive
+    on: str
+    signal: SignalUse
+
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"controllers.{self.name}" if self.name else "drive"
+
+    def table(self, owner: str) -> str:
+        """The path of one of the drive's tables (:attr:`Drive.tables`)."""
+        if not self.name:
+            return owner
+        return self.path if owner == "drive" else f"{self.path}.{owner}"
+
+    def constants(self) -> dict[str, dict[str, Constant]]:
+        """The constants of a run by table."""
+        return {self.table(owner): constants for owner, constants in self.drive.tables.items()}
+
+    @property
+    def output(self) -> str:
+        """What its held output is called."""
+        return joined(self.name, "u", "_")
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """What the output has of one with a name, beside the body's columns: the signal, the output, and the rest."""
+        motion = tuple(Column(n, "", "") for n in ("y", "v", "z", "F"))
+        own = [c for c in self.drive.listed(motion, ()) if c.name not in ("y", "v", "z", "F", "u")]
+        return (replace(self.drive.signal, name="r"), self.drive.gives, *own)
 
 
-def act(balance: Balance, body: BodyPart, drive: DrivePart | None) -> Driven:
-    """A free body under the forces on it and what its drive does."""
-    y, v = balance.motion(body.name)
-    F = wrap(-balance.force[body.name])  # what holds it back: friction, links, less the loads
-    inner = tuple(symbol(joined(body.name, state.name)) for state in body.plant.states)
-    p, u = _constants(balance, body), ZERO
+def act(a: Assembly, body: Body) -> None:
+    """A free body under the forces on it and what its drive does: its rates, what the output shows, and its energy."""
+    y, v = a.motion(body.name)
+    drive, plant = a.drive_on(body.name), body.plant
+    F = wrap(-a.force[body.name])  # what holds it back: friction, links, less the loads
+    inner = tuple(symbol(body.of(state.name)) for state in plant.states)
+    p, u = _constants(a, body), ZERO
     rates: dict[str, Expr] = {}
-    shown: dict[str, Expr] = {}
     if drive is not None:
-        action, rename = _action(balance, body, drive, F)
+        action, rename = _action(a, body, drive, F)
         own = {n: rename.one(x) for n, x in vars(_symbols(drive, "drive")).items()}
         p = drive.drive.obeyed(p, SimpleNamespace(**own))
         u = rename.one(action.u)
-        balance.called.give(u, joined(drive.name, "u", "_"))
+        a.called.give(u, joined(drive.name, "u", "_"))
         shown = {joined(drive.name, name): rename.one(x) for name, x in action.shown.items()}
         shown |= {joined(drive.name, state.name): symbol(joined(drive.name, state.name)) for state in drive.drive.kept}
         first = drive.drive.signal.name if not drive.name else "r"
-        shown = {joined(drive.name, first): wrap(drive.signal.reference(_T).value), **shown, joined(drive.name, "u"): u}
+        signal = wrap(drive.signal.reference(_T).value)
+        a.k |= {joined(drive.name, first): signal, **shown, joined(drive.name, "u"): u}
         rates = {joined(drive.name, s.name): rename.one(x) for s, x in zip(drive.drive.kept, action.rates, strict=True)}
-    acceleration = wrap(body.plant.acceleration(p, u, F, inner))
-    if (inside := body.plant.inside(p, y)) is not None:
+    acceleration = wrap(plant.acceleration(p, u, F, inner))
+    if (inside := plant.inside(p, y)) is not None:
         acceleration = wrap(where(inside, acceleration, float("nan")))
-    inside_rates = body.plant.rates(p, y, v, u, F, inner)
-    rates |= {joined(body.name, s.name): wrap(x) for s, x in zip(body.plant.states, inside_rates, strict=True)}
-    if not balance.machine.energy:
-        return Driven(acceleration, rates, shown, ZERO, ZERO, ZERO)
-    lost, stored = body.plant.lost_power(p, y, v, u, inner), body.plant.stored_energy(p, y, v, inner)
-    return Driven(acceleration, rates, shown, wrap(u * v), wrap(lost), wrap(stored))
+    a.rates[body.of("v")] = acceleration
+    inner_rates = plant.rates(p, y, v, u, F, inner)
+    a.rates |= rates | {body.of(s.name): wrap(x) for s, x in zip(plant.states, inner_rates, strict=True)}
+    if a.system.energy:
+        a.power_in = a.power_in + wrap(u * v)
+        a.lost = a.lost + wrap(plant.lost_power(p, y, v, u, inner))
+        a.stored = a.stored + wrap(plant.stored_energy(p, y, v, inner))
 
 
-def _constants(balance: Balance, body: BodyPart) -> SimpleNamespace:
+def _constants(a: Assembly, body: Body) -> SimpleNamespace:
     """A body's constants; its mass is that of all that is tied to it, seen from it."""
-    own = vars(body.p)
-    if body.inertia_name in own or body.plant is Mass:
-        own = {**own, "mass": balance.inertia[body.name]}
+    own: dict[str, Value] = body.constants
+    if "mass" in own or body.plant is Mass:
+        own = {**own, "mass": a.inertia[body.name]}
     return SimpleNamespace(**own)
 
 
-def _action(balance: Balance, body: BodyPart, drive: DrivePart, F: Expr) -> tuple[Action, _Renamed]:
+def _action(a: Assembly, body: Body, drive: DrivePart, F: Expr) -> tuple[Action, _Renamed]:
     """What a drive does, and how its names become the machine's."""
-    called = balance.called if not drive.name else None
-    rename = _Renamed(drive, body, balance.called)
-    motion = measured(balance, body, drive, F)
-    balance.called.give(motion.acceleration, joined(body.name, "acceleration", "_"))
+    called = a.called if not drive.name else None
+    rename = _Renamed(drive, body, a.called)
+    motion = measured(a, body, drive, F)
+    a.called.give(motion.acceleration, joined(body.name, "acceleration", "_"))
     return drive.drive.act(_symbols(drive, "drive"), motion, called), rename
 
 
-def measured(balance: Balance, body: BodyPart, drive: DrivePart, F: Expr) -> Motion:
+def measured(a: Assembly, body: Body, drive: DrivePart, F: Expr) -> Motion:
     """What a drive may measure: not what depends on what it does at the same instant."""
-    y, v = balance.motion(body.name)
+    y, v = a.motion(body.name)
     inner = tuple(symbol(joined(body.name, state.name)) for state in body.plant.states)
     own = tuple(symbol(joined(drive.name, state.name)) for state in drive.drive.kept)
-    p = _constants(balance, body)
+    p = _constants(a, body)
     before = body.plant.acceleration(p, 0.0, F, inner) if body.plant.states else 0.0
-    contact = contact_of(balance, body.name)
-    z = None if contact is None or not contact.law.has_z else balance.k[joined(contact.name, "z")]
-    law = SimpleNamespace() if contact is None else contact.law.symbolic(symbols_of(contact.law_path), contact.form)
+    contact = contact_of(a, body.name)
+    z = None if contact is None or not contact.has_z else a.k[contact.of("z")]
+    law = SimpleNamespace() if contact is None else contact.friction.p
     r = drive.signal.reference(_T).value
     return Motion(r, y, v, inner, own, z, F, before, p, law)
 
 
-def contact_of(balance: Balance, body: str) -> ContactPart | None:
+def contact_of(a: Assembly, body: str) -> Contact | None:
     """The first contact of a body with the ground."""
-    found = (x for x in balance.machine.contacts if x.span.start == body and x.span.end is None)
+    found = (x for x in a.system.contacts.values() if x.start == body and x.end == "ground")
     return next(found, None)
 
 
-def sample_of(balance: Balance, drive: DrivePart, called: Names) -> Sample:
+def sample_of(a: Assembly, drive: DrivePart, called: Names) -> Sample:
     """What a sampled drive does at its instants."""
-    body = balance.machine.body[drive.on]
+    body = a.system.bodies[drive.on]
     rename = _Renamed(drive, body, called)
-    motion = measured(balance, body, drive, wrap(-balance.force[body.name]))
+    motion = measured(a, body, drive, wrap(-a.force[body.name]))
     path: Course = course(wrap(drive.signal.reference(_T).value), _T)
     u, after = drive.drive.sample(path, motion, called)
     memory = {joined(drive.name, n, "_"): rename.one(after[n]) for n in drive.drive.memory}
@@ -122,7 +153,7 @@ def _symbols(drive: DrivePart, owner: str) -> SimpleNamespace:
 class _Renamed:
     """The plain names of a drive's equations as those of its body, its tables, its states and its memory."""
 
-    def __init__(self, drive: DrivePart, body: BodyPart, called: Names) -> None:
+    def __init__(self, drive: DrivePart, body: Body, called: Names) -> None:
         self.known: dict[Expr, Expr] = {}
         self.called = called
         if not drive.name:

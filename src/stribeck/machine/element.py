@@ -1,25 +1,38 @@
-"""What an element of a machine is: constants, states of its own, and equations written once, like a law's.
-
-An element is a class. Its constants are class attributes, its equations static methods over the operations of
-:mod:`stribeck.expressions.ops`; ``p`` holds the constants by name. From them come the compiled equations, the output,
-the energy and the validation of the file. docs/adding-an-element.md shows a whole one.
-"""
+"""What an element of a machine is: a table with a name, and the equations by which it takes part."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from types import SimpleNamespace
-from typing import ClassVar
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from stribeck.constants import Constant
+from pydantic import Field
+
+from stribeck.drives.base import Column
+from stribeck.equations import Events
+from stribeck.expressions.graph import Expr
 from stribeck.expressions.ops import Value
-from stribeck.laws.form import Form
+from stribeck.laws.base import Scales
+from stribeck.machine.family import Family
+from stribeck.machine.signal import SignalTable, SignalUse
+from stribeck.machine.table import FileTable, Held, Loc, Refers, annotation, below, joined, quantity, within
+
+if TYPE_CHECKING:
+    from stribeck.machine.assembly import Assembly
+    from stribeck.machine.machine import Elements
+    from stribeck.machine.reading import Draft
+
+GROUND = "ground"
+BodyName = Annotated[str, Refers(("bodies",))]
+BodyOrGround = Annotated[str, Refers(("bodies",), (GROUND,))]
+Own = Mapping[str, Value]  # states by name, or their rates
+NONE: Own = MappingProxyType({})  # of an element without states
 
 
 @dataclass(frozen=True)
 class State:
-    """A state of an element: its name, its unit and meaning, and where it starts."""
+    """A state of an element beside its body's: its name, its unit and meaning, and where it starts."""
 
     name: str
     unit: str
@@ -27,62 +40,153 @@ class State:
     start: float = 0.0
 
 
-@dataclass(frozen=True)
-class Many:
-    """Constants that come as lists of equal length, such as the amplitudes of a ripple: what each number is."""
+class Element(Family):
+    """The base of bodies, links, contacts, loads, motors and controllers."""
 
-    constant: Constant
-
-    def one(self, i: int) -> Constant:
-        """The declaration of the i-th number."""
-        return replace(self.constant, meaning=f"{self.constant.meaning}, number {i + 1}")
-
-
-class Element:
-    """The base of links, loads, motors and controllers."""
-
-    kind: ClassVar[str] = ""
+    section: ClassVar[str]
     states: ClassVar[tuple[State, ...]] = ()
+    positional: ClassVar[tuple[str, ...]] = ("name",)
+    kind: str = ""
+    name: str = Field("", exclude=True)
 
     @classmethod
-    def constants(cls) -> dict[str, Constant]:
-        """Every constant that is a number, by name."""
-        return {name: x for name, x in cls._declared().items() if isinstance(x, Constant)}
+    def _place(cls, values: tuple[object, ...], named: Mapping[str, object]) -> str:
+        return joined(cls.section, str(named.get("name", values[0] if values else "")))
 
-    @classmethod
-    def lists(cls) -> dict[str, Many]:
-        """Every constant that is a list, by name."""
-        return {name: x for name, x in cls._declared().items() if isinstance(x, Many)}
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"{self.section}.{self.name}"
 
-    @classmethod
-    def _declared(cls) -> dict[str, object]:
-        names = dict.fromkeys(name for base in reversed(cls.__mro__) for name in vars(base))
-        return {name: getattr(cls, name) for name in names}
+    def of(self, word: str, by: str = ".") -> str:
+        """What one of its quantities is called: ``gear.f``; ``f`` of an element without a name."""
+        return joined(self.name, word, by)
 
-    @classmethod
-    def numbers(cls, form: Form) -> dict[str, Constant]:
-        """The run-time constants in that form of the equations."""
-        found = {n: c for n, c in cls.constants().items() if not c.optional or n in form}
-        for name, count in form.counts:
-            found |= {f"{name}_{i}": cls.lists()[name].one(i) for i in range(count)}
-        return found
+    # -- what it says of itself: structure -------------------------------------------------------------------------
 
-    @classmethod
-    def symbolic(cls, make: Callable[[str], Value], form: Form) -> SimpleNamespace:
-        """The constants made by name; optional ones that are off are None, lists are tuples."""
-        made: dict[str, object] = {n: None for n, c in cls.constants().items() if c.optional and n not in form}
-        made |= dict.fromkeys(cls.lists(), ())
-        for name, count in form.counts:
-            made[name] = tuple(make(f"{name}_{i}") for i in range(count))
-        return SimpleNamespace(**made, **{n: make(n) for n, c in cls.constants().items() if n not in made})
+    def own_states(self, m: Elements) -> tuple[State, ...]:
+        """The states that the equations have in this form."""
+        return self.states
 
-    @classmethod
-    def form_of(cls, values: dict[str, object]) -> Form:
-        """The form of the equations for given values."""
-        on = tuple(n for n, c in cls.constants().items() if c.optional and values.get(n) is not None)
-        return Form(on, counts=tuple((n, len(x)) for n in cls.lists() if isinstance(x := values[n], list | tuple)))
+    def columns(self, m: Elements) -> list[Column]:
+        """What the output has of it."""
+        return []
 
-    @staticmethod
-    def rates(p: SimpleNamespace, *arguments: Value) -> tuple[Value, ...]:
-        """The time derivatives of the element's own states, from what its force is made of."""
-        return ()
+    def heading(self, m: Elements) -> str:
+        """What it is, for the head of the generated code."""
+        return ""
+
+    def turning(self, m: Elements) -> bool:
+        """Whether its forces are N m."""
+        return False
+
+    def whole(self) -> bool:
+        """Whether nothing of it was left aside because it is in a file of code."""
+        return True
+
+    # -- what it does: equations -----------------------------------------------------------------------------------
+
+    def equations(self, a: Assembly) -> None:
+        """Take part: name quantities, act on bodies, give the rates of the states, account for energy."""
+
+    def watches(self, a: Assembly) -> tuple[Events, Expr] | None:
+        """A quantity whose passing of a level is an event, and what the events are called."""
+        return None
+
+    def level(self) -> Value:
+        """That level; None where nothing is watched."""
+        return None
+
+    # -- what it is worth: numbers ---------------------------------------------------------------------------------
+
+    def natural(self, scales: Mapping[str, Scales], m: Elements) -> dict[str, Value]:
+        """Natural magnitudes of its states, for the default tolerances."""
+        return {}
+
+    def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
+        """What is wrong with it among the others: place below its table, message."""
+        return []
+
+    def signals(self) -> Iterator[SignalUse]:
+        """How the equations refer to every signal in its table; only of a structure."""
+        yield from (x for _, x in everything(self, self.path) if isinstance(x, SignalUse))
+
+    @property
+    def use(self) -> SignalUse:
+        """How the equations refer to its first signal; only of a structure."""
+        return next(self.signals())
+
+    def followed(self) -> Iterator[SignalTable]:
+        """Every signal in its table, in the same order."""
+        yield from (x for _, x in everything(self, self.path) if isinstance(x, SignalTable))
+
+    def references(self) -> Iterator[tuple[str, str, Refers]]:
+        """The names of other elements in its table: path, name, which sections may have it."""
+        tables = [(self.path, self), *((p, x) for p, x in everything(self, self.path) if isinstance(x, FileTable))]
+        for path, table in tables:
+            for field, info in type(table).model_fields.items():
+                refers, value = annotation(info, Refers), getattr(table, field)
+                if refers is None:
+                    continue
+                for name in value if isinstance(value, dict) else [value] if isinstance(value, str) else ():
+                    yield below(path, (info.alias or field,)), name, refers
+
+
+def everything(value: Held, path: str) -> Iterator[tuple[str, Held]]:
+    """Whatever stands within a table, however deep, by its path as messages have it."""
+    for at, each in within(value, path):
+        yield at, each
+        yield from everything(each, at)
+
+
+class FarEnd(FileTable):
+    """The far end of a link, where that is moved."""
+
+    signal: SignalTable = Field(description="a table with kind and its constants")
+
+
+class BetweenBodies(Element):
+    """An element between two bodies, along d = ratio y_from - y_to."""
+
+    positional = ("name", "start", "end")
+    if TYPE_CHECKING:  # each kind says what its ends may be
+        start: Any
+        end: str
+        ratio: Any
+
+    @property
+    def far(self) -> Any:
+        """The signal of the far end, where it has one."""
+        return None if isinstance(self.start, str) else self.start.signal
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """The bodies at its ends: at the start first."""
+        return tuple(x for x in (self.start, self.end) if isinstance(x, str) and x != GROUND)
+
+    def turning(self, m: Elements) -> bool:
+        """By the body at the end, or else at the start."""
+        return next((m.bodies[x].turns for x in reversed(self.ends) if x in m.bodies), False)
+
+    def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
+        """Both ends on one body."""
+        same = self.start == self.end
+        return [(("to",), f"{self.end!r}: must be another body than from, or 'ground'")] if same else []
+
+    def between(self) -> str:
+        """From where to where."""
+        return f"{self.start if self.far is None else f'the signal {self.far.name}'} to {self.end}"
+
+
+RATIO = "how far `from` counts: d = ratio y_from - y_to; 1 unless given"
+RATIO_LARGEST = 1e30  # and its inverse the smallest: squares of it, times a mass, stay numbers
+
+
+def ratio_constant(meaning: str = RATIO) -> Held:
+    """A ratio, which takes part in the equations where it is given."""
+    return quantity("", meaning, optional=True, largest=RATIO_LARGEST)
+
+
+def force_unit(rotary: bool) -> str:
+    """Of a force or a torque."""
+    return "N m" if rotary else "N"

@@ -78,7 +78,7 @@ class Cylinder(Plant):
                 allowed = f"within the stroke, 0 to {p.stroke:g} m" if name == "y" else "an absolute pressure >= 0 Pa"
                 found.append((f"initial.{name}", f"{show(initial[name])}: must be {allowed}"))
         if p.supply_pressure <= p.atmospheric_pressure:
-            text = f"must be above plant.atmospheric_pressure ({p.atmospheric_pressure:g} Pa)"
+            text = f"must be above atmospheric_pressure ({p.atmospheric_pressure:g} Pa)"
             found.append(("supply_pressure", f"{show(p.supply_pressure)}: {text}"))
         return found
 

@@ -11,8 +11,8 @@ from stribeck.constants import SHOWN, Constant, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
-from stribeck.machine.links import LinkElement
-from stribeck.machine.loads import Pendulum
+from stribeck.machine.elements.links import Link
+from stribeck.machine.elements.loads import Pendulum
 from stribeck.plants import Mass
 from stribeck.properties import check_law
 from stribeck.properties.claims import NULL
@@ -189,17 +189,17 @@ def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerd
 def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
     rig = scenario.rig
     machine = rig.machine
-    found.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.driven is not None}
-    found.ports |= {x.path: "its far end is moved" for x in machine.links if not isinstance(x.span.start, str)}
-    found.ports |= {x.path: f"a force on {x.on} ({x.kind.kind})" for x in machine.loads if x.kind is not Pendulum}
+    found.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.velocity is not None}
+    found.ports |= {x.path: "its far end is moved" for x in machine.links if x.far is not None}
+    found.ports |= {x.path: f"a force on {x.on} ({x.kind})" for x in machine.loads if type(x) is not Pendulum}
     found.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
     found.ports |= {
         b.path: "a cylinder: its gas is an energy of its own" for b in machine.bodies if b.plant is not Mass
     }
     on = [(x.path, x.on) for x in machine.controllers] + [(x.path, x.on) for x in machine.drives]
     found.ports |= {path: f"a controller on {body}: active" for path, body in on}
-    found.undecided += [x.path for x in machine.links if x.kind is not LinkElement]
-    bodies = {(c.span.start, c.span.end) for c in machine.contacts}
+    found.undecided += [x.path for x in machine.links if type(x) is not Link]
+    bodies = {c.ends for c in machine.contacts}
     alone = len(machine.bodies) == 1 and len(machine.contacts) == 1 == len(bodies) and not machine.links
     _judge(found, alone and not found.ranges[machine.contacts[0].name])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
 from itertools import pairwise
 from math import ceil, comb, floor, pi, sin
@@ -10,9 +10,10 @@ from math import ceil, comb, floor, pi, sin
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.machine.links import LinkElement
-from stribeck.machine.loads import Follower, Pendulum, Ripple
-from stribeck.machine.parts import ContactPart, Factor, Level, MotorPart
+from stribeck.machine.elements.contacts import Contact, Factor, Raise, Weights
+from stribeck.machine.elements.links import Link
+from stribeck.machine.elements.loads import Follower, Pendulum, Ripple
+from stribeck.machine.elements.motors import Motor
 from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.worst import Varied
 from stribeck.scenario.rig import Rig
@@ -120,22 +121,18 @@ def of_force(rig: Rig, name: str, t_end: float, stated: Mapping[str, float]) -> 
     machine, values = rig.machine, rig.values
     for load in machine.loads:
         if load.name == name:
-            if load.kind is Follower and load.signal is not None:
-                ends = of_signal(rig.signals[load.signal], t_end)
+            if isinstance(load, Follower):
+                ends = of_signal(rig.signals[next(load.signals())], t_end)
                 gain = Fraction(values.get((load.path, "gain"), 1.0))
                 return min(gain * x for x in ends), max(gain * x for x in ends)
-            if load.kind not in (Pendulum, Ripple):
+            if type(load) not in (Pendulum, Ripple):
                 return OPEN
             given = [x for (path, n), x in values.items() if path == load.path and n.startswith("amplitude")]
             size = sum((abs(Fraction(x)) for x in given), Fraction(0))
             return -size, size
     for link in machine.links:
         if link.name == name:
-            still = (
-                link.kind is LinkElement
-                and not values[link.path, "stiffness"]
-                and not values.get((link.path, "damping"))
-            )
+            still = type(link) is Link and not values[link.path, "stiffness"] and not values.get((link.path, "damping"))
             return (Fraction(0), Fraction(0)) if still else OPEN
     for motor in machine.motors:
         if motor.name == name:
@@ -143,10 +140,10 @@ def of_force(rig: Rig, name: str, t_end: float, stated: Mapping[str, float]) -> 
     return OPEN
 
 
-def _of_motor(rig: Rig, motor: MotorPart) -> Ends:
+def _of_motor(rig: Rig, motor: Motor) -> Ends:
     """A motor whose current follows, with no limit of the voltage: its torque is within the controller's limit."""
     for each in rig.machine.controllers:
-        if each.on == motor.name and "limit" in each.form and "voltage" not in motor.form:
+        if each.on == motor.name and each.limit is not None and motor.voltage is None:
             limit = Fraction(rig.values[each.path, "limit"])
             return -limit, limit
     return OPEN
@@ -163,11 +160,12 @@ def _size(ends: Ends) -> ExactRange:
     return least, None if low is None or high is None else max(abs(low), abs(high))
 
 
-def _weighted(rig: Rig, level: Level, t_end: float, stated: Mapping[str, float]) -> Ends:
+def _weighted(rig: Rig, level: Raise, path: str, t_end: float, stated: Mapping[str, float]) -> Ends:
     low: Fraction | None = Fraction(0)
     high: Fraction | None = Fraction(0)
-    for source in level.sources:
-        weight = Fraction(rig.values[level.path, f"weight_{source}"]) if level.weighted else Fraction(1)
+    for source in level.weights:
+        weighted = isinstance(level.force, Weights)
+        weight = Fraction(rig.values[path, f"weight_{source}"]) if weighted else Fraction(1)
         a, b = of_force(rig, source, t_end, stated) if weight else (Fraction(0), Fraction(0))
         a, b = (a, b) if weight > 0 else (b, a)
         low = None if low is None or a is None else low + weight * a
@@ -175,10 +173,11 @@ def _weighted(rig: Rig, level: Level, t_end: float, stated: Mapping[str, float])
     return low, high
 
 
-def _factor(rig: Rig, factor: Factor, t_end: float) -> tuple[Fraction, Fraction]:
+def _factor(rig: Rig, factor: Factor, path: str, t_end: float) -> tuple[Fraction, Fraction]:
     if factor.signal is not None:
-        return of_signal(rig.signals[factor.signal], t_end)
-    size = sum((abs(Fraction(rig.values[factor.path, f"amplitude_{i}"])) for i in range(factor.waves)), Fraction(0))
+        return of_signal(next(x for use, x in rig.signals.items() if use.path == f"{path}.signal"), t_end)
+    count = len(factor.waves or ())
+    size = sum((abs(Fraction(rig.values[path, f"amplitude_{i}"])) for i in range(count)), Fraction(0))
     return 1 - size, 1 + size
 
 
@@ -186,29 +185,30 @@ def _times(a: ExactRange, b: ExactRange) -> ExactRange:
     return a[0] * b[0], None if a[1] is None or b[1] is None else a[1] * b[1]
 
 
-def of_contact(rig: Rig, contact: ContactPart, t_end: float, stated: Mapping[str, float]) -> Varied:
+def of_contact(rig: Rig, contact: Contact, t_end: float, stated: Mapping[str, float]) -> Varied:
     """The contact's law with the ranges that factors and loads give its constants."""
     law = rig.laws[contact.law_path]
-    factors = {factor.of: _factor(rig, factor, t_end) for factor in contact.factors}
+    factors = {of: _factor(rig, x, f"{contact.path}.factors.{of}", t_end) for of, x in contact.factors.items()}
     found: dict[str, ExactRange] = {}
     for name, value in law.values.items():
         if value is None:
             continue
         now = _times((Fraction(value), Fraction(value)), factors.get(name, _ONE))
         if name in ("F_c", "F_s"):
-            now = _times(_raised(rig, contact.levels, name, now, t_end, stated), factors.get("level", _ONE))
+            now = _times(_raised(rig, contact, name, now, t_end, stated), factors.get("level", _ONE))
         if name in factors or now[0] != value or now[1] != value:
             found[name] = now
     return Varied(law, found)
 
 
 def _raised(
-    rig: Rig, levels: Sequence[Level], name: str, now: ExactRange, t_end: float, stated: Mapping[str, float]
+    rig: Rig, contact: Contact, name: str, now: ExactRange, t_end: float, stated: Mapping[str, float]
 ) -> ExactRange:
-    for level in levels:
-        gain = Fraction(rig.values[level.path, name]) if name in level.gains else Fraction(0)
+    for i, level in enumerate(contact.loads):
+        path = f"{contact.path}.loads.{i}"
+        gain = Fraction(rig.values.get((path, name), 0.0))
         if gain:
-            least, most = _size(_weighted(rig, level, t_end, stated))
+            least, most = _size(_weighted(rig, level, path, t_end, stated))
             if level.against is not None:
                 least, most = Fraction(0), None if most is None else most * most
             now = now[0] + gain * least, None if now[1] is None or most is None else now[1] + gain * most

@@ -14,7 +14,7 @@ from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult, with_compensation
 from stribeck.loops.judge import Judgement
 from stribeck.loops.starts import Start, kinds
-from stribeck.machine.parts import ControllerPart
+from stribeck.machine.elements.controllers import Controller
 from stribeck.report import chapters, design_figures
 from stribeck.report.cells import digits
 from stribeck.report.files import write_figure, write_summary
@@ -100,7 +100,7 @@ def excess_sentence(found: Design) -> str:
     return f"{text}; let go there at 5 % more, the body runs up to {human(e.ends, unit + '/s')} by itself (overcompensated.toml)"
 
 
-def _controllers(found: Design) -> tuple[ControllerPart, ...]:
+def _controllers(found: Design) -> tuple[Controller, ...]:
     rig = found.loop.scenario.rig
     return rig.machine.controllers
 
@@ -295,9 +295,9 @@ def _period(j: Judgement) -> str:
 
 def position_unit(found: Design) -> str:
     """The unit of the measured body's position."""
-    return _unit(found, next(c.measures for c in _controllers(found) if c.name == found.controller))
+    return _unit(found, next(c.body for c in _controllers(found) if c.name == found.controller))
 
 
 def _unit(found: Design, body: str) -> str:
     rig = found.loop.scenario.rig
-    return "rad" if rig.machine.body[body].rotary else "m"
+    return "rad" if rig.machine.elements.bodies[body].turns else "m"

@@ -11,7 +11,7 @@ def panels(machine: MachineSystem) -> tuple[Panel, ...]:
     found: list[Panel] = []
     followed = {each.measures: each.name for each in machine.controllers} | {x.on: x.name for x in machine.drives}
     for body in machine.bodies:
-        if body.leader is None:  # what is tied moves in proportion
+        if body.tied_to is None:  # what is tied moves in proportion
             tied = [other.name for other in machine.bodies if machine.leader(other.name) is body and other is not body]
             title = f"{body.name} (tied to it: {', '.join(tied)})" if tied else body.name
             beside = (f"{followed[body.name]}.r",) if body.name in followed else ()
@@ -21,7 +21,7 @@ def panels(machine: MachineSystem) -> tuple[Panel, ...]:
             found += [Panel(f"{body.name}.{s.name}", f"{body.name}: {s.meaning}") for s in body.plant.states]
     for contact in machine.contacts:
         force, slip = f"{contact.name}.F", f"{contact.name}.w"
-        found.append(Panel(force, f"{contact.name}: friction, {contact.law.name}"))
+        found.append(Panel(force, f"{contact.name}: friction, {contact.friction.kind.name}"))
         found.append(Panel(force, f"{contact.name}: friction against sliding speed", x=slip, near_rest=True))
     forces = [*(link.name for link in machine.links), *(load.name for load in machine.loads)]
     found += [Panel(f"{name}.f", f"{name}: force") for name in forces]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Collection, Mapping
+from copy import copy
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,9 @@ from stribeck.drives import Drive
 from stribeck.errors import InputError, arg, printable
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
+from stribeck.machine.machine import Elements
 from stribeck.machine.system import MachineSystem
+from stribeck.machine.table import FileTable
 from stribeck.parameter_sets import read_toml
 from stribeck.plants import Plant
 from stribeck.scenario import tables
@@ -61,7 +64,8 @@ class Scenario:
         given = {"schema": 1, **tables_} if data is None else {**data, **tables_}
         if isinstance(law := given.get("law"), Law) and law.rotary:
             given.setdefault("rotary", True)
-        reader = Reader(plain_table(given), Path(folder) if folder is not None else Path(), _trusted(trust))
+        objects = {name: x for name, x in given.items() if _holds_objects(x)}
+        reader = Reader(plain_table(given), Path(folder or ""), _trusted(trust), objects)
         _refuse(reader.read())
         self._set(reader.data, reader.folder, reader.parts)
 
@@ -89,7 +93,8 @@ class Scenario:
         ``data`` stay as they are."""
         if "mass" in values:
             values["plant_values"] = {**self.plant_values, "mass": values.pop("mass")}
-        other = object.__new__(Scenario)
+        other = copy(self)
+        other.__dict__.clear()  # what it found out about itself it finds anew
         other._set(self.data, self.folder, dataclasses.replace(self.parts, **values))
         return other
 
@@ -157,6 +162,8 @@ class Scenario:
     drive_values: dict[str, float]
     solve: tables.Solve
     output: tables.Output
+
+    elements: Elements  # of a machine
 
     @cached_property
     def rig(self) -> Rig:
@@ -254,19 +261,26 @@ class Scenario:
         """The system's run-time constants by (group, name)."""
         return self.rig.values
 
-    def atol(self, rig: Rig | None = None) -> dict[str, float]:
+    def atol(self, rig: Rig | None = None, rtol: Value = None) -> dict[str, Any]:
         """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
 
-        With ``rig`` it is that of the same machine with other values.
+        With ``rig`` it is that of the same machine with other values, with ``rtol`` that of another relative tolerance.
         """
-        return dict(self._own_atol) if rig is None else self._atol(rig.natural())
+        if rig is None and rtol is None:
+            return dict(self._own_atol)
+        return self._atol((self.rig if rig is None else rig).natural(), self.solve.rtol if rtol is None else rtol)
 
     @cached_property
-    def _own_atol(self) -> dict[str, float]:
-        return self._atol(self.rig.natural())
+    def _own_atol(self) -> dict[str, Any]:
+        return self._atol(self.rig.natural(), self.solve.rtol)
 
-    def _atol(self, natural: dict[str, Value]) -> dict[str, float]:
-        return {n: self.solve.atol.get(n, _ATOL_SHARE * self.solve.rtol * x) for n, x in natural.items()}
+    def _atol(self, natural: dict[str, Value], rtol: Value) -> dict[str, Any]:
+        return {n: self.solve.atol.get(n, _ATOL_SHARE * rtol * x) for n, x in natural.items()}
+
+
+def _holds_objects(section: object) -> bool:
+    """Whether elements in a section were made in Python, and checked there."""
+    return isinstance(section, Mapping) and any(isinstance(x, FileTable) for x in section.values())
 
 
 def _only_single(name: str) -> str:

@@ -23,11 +23,13 @@ from stribeck.drives.base import course
 from stribeck.errors import InputError, NotDifferentiable
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import symbol, wrap
+from stribeck.kinds import in_a_file
 from stribeck.laws.base import PARAMETERS, BristleLaw, Law
 from stribeck.laws.form import USUAL
-from stribeck.machine.parts import DrivePart, joined
+from stribeck.machine.driving import DrivePart
+from stribeck.machine.table import joined
 from stribeck.plants.cylinder import Cylinder
-from stribeck.scenario import tables, trust
+from stribeck.scenario import tables
 from stribeck.scenario.parts import Courses, Parts, Settings
 from stribeck.scenario.tables import Problem
 from stribeck.signals import Signal
@@ -44,6 +46,17 @@ _MOST_SWINGS = 25  # turns of the valve in a quarter of a run that need no word
 def cascade_of(scenario: Scenario) -> CascadeSettings | None:
     """What the cascade of a scenario is made of, for what is about that controller; None under another drive."""
     return scenario.settings if isinstance(scenario.settings, CascadeSettings) else None
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the tables of a servo stand in the file: in one of schema 1 at the top."""
+
+    drive: str = "drive"
+    plant: str = "plant"
+
+
+_HERE = Places()
 
 
 @dataclass(frozen=True)
@@ -87,16 +100,16 @@ class CascadeSettings(Settings):
     @classmethod
     def read(
         cls, values: tables.StrictTable | None, table: Mapping[str, object], law: Law | None,
-        plant: tables.StrictTable | None, folder: Path, executes: bool,
+        plant: object, folder: Path, executes: bool, at: Places = _HERE,
     ) -> tuple[Settings | None, list[Problem]]:  # fmt: skip
         """The observer with the plant's parameters where it gives none, and the rest of [drive]."""
         observer, found, known = None, list[Problem](), True
         if isinstance(own := table.get("observer"), dict):
-            known = executes or not trust.in_a_file(own.get("name"))
-            observer, found = read_observer(own, law, folder) if known else (None, [])
+            known = executes or not in_a_file(own.get("name"))
+            observer, found = read_observer(own, law, folder, f"{at.drive}.observer") if known else (None, [])
         own_values = None if values is None else dict(values)
         if own_values is not None:
-            found += misplaced(own_values, observer if known and not found else ...)
+            found += misplaced(own_values, observer if known and not found else ..., at.drive)
         if found or own_values is None or plant is None:
             return None, found
         given = {n: x for n in Cylinder.constants if (x := getattr(own_values["model"], n)) is not None}
@@ -141,7 +154,7 @@ class CascadeSettings(Settings):
         sampled = self._sampled.numbers if self._sampled else {}
         return found | {(SAMPLING, n): x for n, x in (self.sampling or {}).items() if n in sampled}
 
-    def judge(self, parts: Parts) -> list[Problem]:
+    def judge(self, parts: Parts, at: Places = _HERE) -> list[Problem]:
         """What is wrong with the time between samples, and with the path."""
         assert parts.solve is not None
         assert parts.law is not None
@@ -151,8 +164,8 @@ class CascadeSettings(Settings):
         period = self.sampling["period"] if self.sampling is not None else t_end
         if period < t_end / _MOST_INSTANTS:
             text = f"must be at least solve.t_end/{_MOST_INSTANTS:g} ({t_end / _MOST_INSTANTS:g} s)"
-            found.append(("drive.sample_time", f"{show(period)}: {text}"))
-        return found + _path_problems(SimpleNamespace(**parts.plant_values or {}), parts.law, parts.signal, t_end)
+            found.append((f"{at.drive}.sample_time", f"{show(period)}: {text}"))
+        return found + _path_problems(SimpleNamespace(**parts.plant_values or {}), parts.law, parts.signal, t_end, at)
 
     def sampling_of(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed, where it samples."""
@@ -164,9 +177,10 @@ class CascadeSettings(Settings):
         return found + (_swinging(scenario, solution, drive) if self.sampling is not None else [])
 
 
-def read_observer(table: dict[str, object], plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
+def read_observer(
+    table: dict[str, object], plant: Law | None, folder: Path, path: str
+) -> tuple[Law | None, list[Problem]]:
     """The law of [drive.observer] with the plant's parameters where it gives none, and what is wrong with it."""
-    path = "drive.observer"
     name = table.get("name")
     if "name" not in table:
         return None, [(f"{path}.name", f"missing: must be given (the name of a smooth law, or {NONE!r})")]
@@ -237,20 +251,20 @@ def not_adaptable(law: Law | None) -> str | None:
     return f"cannot adapt the observer: {reason}" if reason else None
 
 
-def _path_problems(p: SimpleNamespace, law: Law, signal: Signal, t_end: float) -> list[Problem]:
+def _path_problems(p: SimpleNamespace, law: Law, signal: Signal, t_end: float, place: Places) -> list[Problem]:
     """Where the path cannot be followed, whatever the gains."""
     room = p.supply_pressure - p.atmospheric_pressure
     if room <= 0:
         return []  # which the plant says
     if not signal.smooth:
         text = f"{show(signal.kind)}: has no three derivatives, which the controller needs"
-        return [("drive.signal.kind", f"{text}; must be one of sine, point_to_point, spline")]
+        return [(f"{place.drive}.signal.kind", f"{text}; must be one of sine, point_to_point, spline")]
     t, (y, v, a, _) = path_of(signal, t_end)
     outside = np.flatnonzero((y < 0) | (y > p.stroke))
     if outside.size:
         i = int(outside[0])
         where = f"the path reaches y = {y[i]:.6g} m at t = {t[i]:.4g} s"
-        return [("drive.signal", f"{where}: must stay within the stroke, 0 to {p.stroke:g} m")]
+        return [(f"{place.drive}.signal", f"{where}: must stay within the stroke, 0 to {p.stroke:g} m")]
     friction = law.steady_force(v)
     if "F_s" in law.machine:  # lugre_arctan's steady force grows without limit as v -> 0, which no motion waits for
         most = law.machine["F_s"] + law.machine.get("sigma_2", 0.0) * abs(v)
@@ -262,7 +276,7 @@ def _path_problems(p: SimpleNamespace, law: Law, signal: Signal, t_end: float) -
             f"{show(p.supply_pressure)}: the path needs a pressure difference of {needed[i]:.4g} Pa at t = {t[i]:.4g} s"
         )
         text += f", and {room:.4g} Pa above the atmosphere are all there is; must be higher, or the path slower"
-        return [("plant.supply_pressure", text)]
+        return [(f"{place.plant}.supply_pressure", text)]
     return []
 
 
@@ -287,18 +301,18 @@ def _course(signal: object, names: tuple[str, ...]) -> Callable[..., tuple[Array
     return python_function(("t", *(f"signal.{n}" for n in names)), path)
 
 
-def misplaced(values: Mapping[str, object], observer: Law | EllipsisType | None) -> list[Problem]:
+def misplaced(values: Mapping[str, object], observer: Law | EllipsisType | None, path: str) -> list[Problem]:
     """What the valid table [drive] asks for that does not go together; ``observer`` is ... where it is not known."""
     found: list[Problem] = []
     if values["sample_time"] is None:
-        text = "needs drive.sample_time: without it the controller is continuous and measures exactly"
+        text = f"needs {path}.sample_time: without it the controller is continuous and measures exactly"
         keys = [key for key in ("delay", "noise", "quantisation", "bandwidth") if values[key]]
-        found += [(f"drive.{key}", f"{show(values[key])}: {text}") for key in keys]
+        found += [(f"{path}.{key}", f"{show(values[key])}: {text}") for key in keys]
     elif (values["noise"] or values["quantisation"]) and values["bandwidth"] is None:
         text = "missing: must be given with noise or quantisation (rad/s; of the filter that estimates v and dv/dt)"
-        found.append(("drive.bandwidth", text))
+        found.append((f"{path}.bandwidth", text))
     if values["adaptive"] and observer is not ... and (reason := not_adaptable(observer)):
-        found.append(("drive.adaptive", f"true: {reason}"))
+        found.append((f"{path}.adaptive", f"true: {reason}"))
     return found
 
 

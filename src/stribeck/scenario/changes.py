@@ -13,6 +13,7 @@ import numpy as np
 from stribeck import laws, parameter_sets
 from stribeck.errors import InputError, arg, nearest, note, refuse_twice
 from stribeck.laws.base import PARAMETERS
+from stribeck.machine.table import FileTable
 
 Toml = Any  # a value as tomllib gives it
 _DEEPEST = 8
@@ -59,6 +60,8 @@ def plain(value: object, path: str = "", depth: int = 0) -> object:
         raise InputError(f"{path}: nested too deeply: must be at most {_DEEPEST} tables or lists deep")
     if isinstance(value, laws.Law):
         return laws.table(value)
+    if isinstance(value, FileTable):
+        return plain_table(value.to_table(), path, depth)
     if isinstance(value, Mapping):
         return plain_table(value, path, depth)
     if isinstance(value, np.ndarray | np.generic):

@@ -33,8 +33,9 @@ def as_machine(scenario: Scenario) -> Scenario:
     data = deepcopy(scenario.data)
     drive = {n: x for n, x in data["drive"].items() if x is not None}
     plant = {n: x for n, x in data.get("plant", {}).items() if x is not None}
-    tables = _moved(drive, _body(scenario, plant))
-    contact = {"from": BODY, "law": data["law"]}
+    tables = _moved(drive, _body(scenario, plant), scenario.initial, {"rotary": True} if scenario.rotary else {})
+    start = {"initial": {"z": z}} if (z := scenario.initial.get("z")) else {}
+    contact = {"from": BODY, "law": data["law"], **start}
     given = {
         "schema": 2, "name": scenario.name, **tables, "contacts": {CONTACT: contact},
         "solve": {"t_end": scenario.solve.t_end}, "output": {"step": scenario.output.step},
@@ -64,7 +65,7 @@ def as_servo(scenario: Scenario, controller: str | None = None) -> Scenario:
     drive = next(each for each in machine.drives if each.name == name)
     data = deepcopy(scenario.data)
     table = {n: x for n, x in data["controllers"][drive.name].items() if n != "on"}
-    contact = next(x for x in machine.contacts if x.span.start == drive.on and x.span.end is None)
+    contact = next(x for x in machine.contacts if x.ends == (drive.on,))
     given = {
         "schema": 1, "name": scenario.name, "law": data["contacts"][contact.name]["law"],
         "plant": data["bodies"][drive.on], "drive": {**table, "kind": PressureCascade.kind},
@@ -95,8 +96,10 @@ def _body(scenario: Scenario, plant: Mapping[str, object]) -> dict[str, object]:
     return dict(plant)
 
 
-def _moved(drive: dict[str, object], body: dict[str, object]) -> dict[str, _Tables]:
-    """The tables of the body and of what moves it."""
+def _moved(
+    drive: dict[str, object], body: dict[str, object], initial: Mapping[str, float], turns: dict[str, object]
+) -> dict[str, _Tables]:
+    """The tables of the body and of what moves it; ``turns``: what says that a body turns whose velocity is given."""
     kind, signal = drive.pop("kind"), drive.pop("signal")
     bodies: _Tables = {BODY: body}
     if kind == "force":
@@ -104,7 +107,8 @@ def _moved(drive: dict[str, object], body: dict[str, object]) -> dict[str, _Tabl
     if kind == "spring":
         return {"bodies": bodies, "links": {"spring": {"from": {"signal": signal}, "to": BODY, **drive}}}
     if kind == "velocity":
-        return {"bodies": {BODY: {"velocity": {"signal": signal}}}}
+        start = {"initial": {"y": y}} if (y := initial.get("y")) else {}
+        return {"bodies": {BODY: {"velocity": {"signal": signal}, **start, **turns}}}
     if kind == "pid":
         own = {"kind": "pid", "on": BODY, "measures": BODY, "signal": signal, **drive}
         return {"bodies": bodies, "controllers": {CONTROLLER: own}}

@@ -11,11 +11,10 @@ from pydantic import Field
 from stribeck import control, drives, plants
 from stribeck.constants import show
 from stribeck.errors import InputError
-from stribeck.kinds import find_class
+from stribeck.kinds import find_class, in_a_file
 from stribeck.scenario.cascade import CascadeSettings
 from stribeck.scenario.parts import Settings
 from stribeck.scenario.tables import Fields, StrictTable, made, number
-from stribeck.scenario.trust import in_a_file
 
 DRIVES: dict[str, type[drives.Drive]] = {**drives.KINDS, **control.KINDS}
 _SETTINGS: dict[str, type[Settings]] = {control.PressureCascade.kind: CascadeSettings}

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from stribeck.files import seen_from
-from stribeck.scenario.trust import in_a_file
+from stribeck.kinds import in_a_file
 
 Renamed = Callable[[str], str]
 

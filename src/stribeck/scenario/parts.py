@@ -15,7 +15,8 @@ from stribeck.scenario import tables
 from stribeck.signals import Signal
 
 if TYPE_CHECKING:
-    from stribeck.machine.parts import DrivePart
+    from stribeck.machine.driving import DrivePart
+    from stribeck.machine.machine import Elements
     from stribeck.scenario import Scenario
     from stribeck.scenario.rig import Rig
 
@@ -52,7 +53,7 @@ class Settings:
     @classmethod
     def read(
         cls, values: tables.StrictTable | None, table: Mapping[str, object], law: Law | None,
-        plant: tables.StrictTable | None, folder: Path, executes: bool,
+        plant: object, folder: Path, executes: bool,
     ) -> tuple[Settings | None, list[tables.Problem]]:  # fmt: skip
         """From the validated table [drive] and that of the plant (None where they are not valid), and the ``table`` as
         it stands in the file; None where something is wrong, and what."""
@@ -96,6 +97,7 @@ class Parts:
     settings: Settings | None = None
     signal: Signal | None = None
     rig: Rig | None = None
+    elements: Elements | None = None  # of a machine
     initial: dict[str, float] | None = None
     solve: tables.Solve | None = None
     output: tables.Output | None = None

@@ -11,10 +11,12 @@ from typing import Any
 from stribeck import memory
 from stribeck.constants import kind_of, show
 from stribeck.errors import nearest
+from stribeck.kinds import in_a_file
+from stribeck.machine.law import LawReader, kind_of_table, unknown
+from stribeck.machine.table import no_table
 from stribeck.plants import Mass
 from stribeck.scenario import tables, trust
 from stribeck.scenario.drives import DRIVES, drive_table, find_plant, settings
-from stribeck.scenario.law import LawReader, kind_of_table, no_table, unknown
 from stribeck.scenario.parts import Parts
 from stribeck.scenario.signal import read_signal
 from stribeck.scenario.single import structure
@@ -23,10 +25,14 @@ _TABLES = ("law", "plant", "drive", "solve", "output")
 
 
 class Reader:
-    """Reads a scenario's data, collecting every problem; ``trusted``: laws in files that lie anywhere (None: all)."""
+    """Reads a scenario's data, collecting every problem; ``trusted``: laws in files that lie anywhere (None: all);
+    ``objects``: sections of a machine whose elements were made in Python, and checked there."""
 
-    def __init__(self, data: Mapping[str, object], folder: Path, trusted: Collection[str] | None = None) -> None:
-        self.data, self.folder = dict(data), folder
+    def __init__(
+        self, data: Mapping[str, object], folder: Path, trusted: Collection[str] | None = None,
+        objects: Mapping[str, object] | None = None,
+    ) -> None:  # fmt: skip
+        self.data, self.folder, self.objects = dict(data), folder, objects or {}
         self.problems: list[tables.Problem] = []
         self.trusted, self.executes = trusted, False
         self.parts = Parts()
@@ -71,18 +77,21 @@ class Reader:
 
     def _machine(self) -> list[tables.Problem]:
         """A machine: bodies, and elements between them."""
-        from stribeck.scenario import machine  # costs a fifth of a start, which other files need not pay
+        from stribeck.scenario.machine import (  # costs a fifth of a start, which other files need not pay
+            read_machine,
+            top,
+        )
 
-        self._unknown(self.data, "", machine.TOP)
+        self._unknown(self.data, "", top())
         self._schema(2)
         self._name()
         solve, output = self._table(tables.Solve, "solve"), self._table(tables.Output, "output")
         self._found(solve=solve, output=output)
-        reader = machine.MachineReader(self.data, self.folder, output is not None and output.energy, self.executes)
-        self.problems += reader.read()
-        whole = self.executes or not trust.named(self.data)  # else its own elements are still missing
-        if whole and (rig := reader.rig) is not None:
-            self._found(rig=rig, initial=rig.start())
+        energy = output is not None and output.energy
+        rig, elements, problems = read_machine({**self.data, **self.objects}, self.folder, self.executes, energy)
+        self.problems += problems
+        if rig is not None and elements is not None:
+            self._found(rig=rig, elements=elements, initial=rig.start())
             self._tolerances([state.name for state in rig.machine.states])
             self._rows(len(rig.machine.columns))
         return self.problems
@@ -191,7 +200,7 @@ class Reader:
             return
         given = self.data.get("plant")
         name = given.get("kind") if isinstance(given, dict) else None
-        if trust.in_a_file(name) and not self.executes:
+        if in_a_file(name) and not self.executes:
             return  # what it takes is not known yet
         plant, text = find_plant(name, drive, self.folder)
         if text is not None:
@@ -199,7 +208,7 @@ class Reader:
             return
         if self.data.get("rotary") is True and plant.straight:
             self.problems.append(("rotary", f"true: must be left out: {plant.straight}"))
-        own = str(name) if trust.in_a_file(name) else ""
+        own = str(name) if in_a_file(name) else ""
         table = self._table(tables.plant_table(plant, moved, own), "plant")
         if table is not None:
             values = {} if moved else {n: getattr(table, n) for n in plant.constants}

@@ -6,7 +6,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
+
+from pydantic import BaseModel
 
 from stribeck import drives, laws, parameter_sets, plants
 from stribeck.constants import Constant
@@ -14,15 +18,14 @@ from stribeck.control.cascade import PressureCascade
 from stribeck.drives.base import FORCE
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.form import USUAL
-from stribeck.machine import controllers as machine_controllers
-from stribeck.machine import loads as machine_loads
-from stribeck.machine.links import LinkElement
-from stribeck.plants.cylinder import Cylinder
-from stribeck.scenario import tables
+from stribeck.machine.law import LAW
+from stribeck.machine.machine import SECTIONS
+from stribeck.machine.reading import family_of
+from stribeck.machine.signal import SignalTable
+from stribeck.machine.table import FileTable
+from stribeck.scenario import servo, tables
 from stribeck.scenario.cascade import NONE
 from stribeck.scenario.drives import DRIVES, drive_table, plants_of, settings
-from stribeck.scenario.machine import servo
-from stribeck.scenario.machine import tables as machine_tables
 from stribeck.scenario.single import one_body
 
 Node = dict[str, Any]
@@ -45,7 +48,7 @@ def json_schema() -> Node:
             "body": _body(),
             "machine": machine_schema(),
             "law": {"oneOf": [*map(_law, laws.builtin().values()), _own_law()], "description": "the friction law"},
-            "signal": {"oneOf": [_model(tables.signal_table(kind)) for kind in tables.SIGNALS]},
+            "signal": _family(SignalTable),
             "set": {"anyOf": [_set(), _TOML_FILE]},
             "observer": _observers(),
             **_numbers(PARAMETERS),
@@ -113,88 +116,24 @@ def _plants() -> Node:
 
 
 def machine_schema() -> Node:
-    """A machine: schema = 2."""
-
-    def named(node: Node) -> Node:
-        return {"type": "object", "propertyNames": {"pattern": "^[A-Za-z0-9_]+$"}, "additionalProperties": node}
-
-    links = _with_signal(_model(machine_tables.link_table(LinkElement)), "from")
-    links["properties"]["from"] = {
-        "anyOf": [{"type": "string"}, _object({"signal": {"$ref": "#/$defs/signal"}}, ["signal"])],
-        "description": links["properties"]["from"]["description"],
-    }
-    loads = [_load(kind, load) for kind, load in machine_loads.KINDS.items()]
-    controllers = [_controller(kind, each) for kind, each in machine_controllers.KINDS.items()]
-    controllers.append(_pressure_cascade())
-    own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
-    tables_: Node = {
-        "bodies": named(_bodies()),
-        "links": named({"anyOf": [links, own]}),
-        "contacts": named(_contact()),
-        "loads": named({"oneOf": [*loads, own]}),
-        "motors": named(_with_signal(_model(machine_tables.motor_table()))),
-        "controllers": named({"oneOf": [*controllers, own]}),
-    }
+    """A machine: schema = 2; each section has what its family of elements declares."""
+    sections: Node = {}
+    for section in SECTIONS:
+        node = _family(family_of(section))
+        if section == "controllers":
+            node["oneOf"] = [*node["oneOf"], _pressure_cascade()]
+        names = {"type": "object", "propertyNames": {"pattern": "^[A-Za-z0-9_]+$"}}
+        sections[section] = {**names, "additionalProperties": node}
     solve = _model(tables.Solve)
     return _object(
-        {**_common(2), **tables_, "solve": solve, "output": _model(tables.Output)},
+        {**_common(2), **sections, "solve": solve, "output": _model(tables.Output)},
         ["schema", "bodies", "solve", "output"],
     )
 
 
-def _with_signal(node: Node, *skip: str) -> Node:
-    """The table with its signal as a signal, and no nulls, which TOML does not have."""
-    for name, inner in node["properties"].items():
-        if name == "signal":
-            node["properties"][name] = {"$ref": "#/$defs/signal", "description": inner["description"]}
-        elif "anyOf" in inner and name not in skip:
-            kept = [each for each in inner["anyOf"] if each.get("type") != "null"]
-            rest = {key: x for key, x in inner.items() if key not in ("anyOf", "default")}
-            node["properties"][name] = {**kept[0], **rest} if len(kept) == 1 else {"anyOf": kept, **rest}
-    return node
-
-
-def _bodies() -> Node:
-    node = _with_signal(_model(machine_tables.BodyTable))
-    _with_signal(node["properties"]["velocity"])
-    driven = {"required": ["velocity"], "properties": {"mass": False, "inertia": False, "tied_to": False}}
-    moved = {"oneOf": [{"required": ["mass"]}, {"required": ["inertia"]}]}
-    piston = _model(tables.plant_table(Cylinder, False))
-    del piston["properties"]["initial"]["properties"]["z"]
-    return {"anyOf": [{**node, "anyOf": [driven, moved]}, piston]}
-
-
-def _contact() -> Node:
-    node = _model(machine_tables.contact_table())
-    node["properties"]["ratio"] = {"type": "number", "description": machine_tables.RATIO}
-    node["properties"]["law"] = {"$ref": "#/$defs/law"}
-    levels = [_model(machine_tables.level_table(weighted)) for weighted in (False, True)]
-    node["properties"]["loads"] = {"type": "array", "items": {"oneOf": levels}, "description": "what raises the level"}
-    factors = [_with_signal(_model(machine_tables.factor_table(signal))) for signal in (True, False)]
-    about = {"propertyNames": {"not": {"const": "sigma_0"}}, "description": "what parameters are multiplied by"}
-    node["properties"]["factors"] = {"type": "object", "additionalProperties": {"oneOf": factors}, **about}
-    node["required"] = [*node["required"], "law"]
-    return node
-
-
-def _plain(kind: object) -> object:
-    return kind
-
-
-def _load(kind: str, load: type[machine_loads.LoadElement]) -> Node:
-    node = _with_signal(_model(machine_tables.load_table(_plain(load))))
-    node["properties"]["kind"] = {"const": kind, "description": (load.__doc__ or "").strip().partition("\n")[0]}
-    return node
-
-
-def _controller(kind: str, each: type[machine_controllers.ControllerElement]) -> Node:
-    node = _with_signal(_model(machine_tables.controller_table(_plain(each))))
-    node["properties"]["kind"] = {"const": kind, "description": (each.__doc__ or "").strip().partition("\n")[0]}
-    _with_signal(node["properties"]["sampling"])
-    compensation = _with_signal(_model(machine_tables.CompensationTable))
-    compensation["properties"]["law"] = {"$ref": "#/$defs/law"}
-    node["properties"]["compensation"] = compensation
-    return node
+def _family(family: type[FileTable]) -> Node:
+    """The tables of a family: one of its kinds; signals and laws are those of the whole schema."""
+    return _model(family, {"SignalTable": {"$ref": "#/$defs/signal"}, LAW: {"$ref": "#/$defs/law"}})
 
 
 def _pressure_cascade() -> Node:
@@ -308,19 +247,33 @@ def _solve() -> Node:
     return node
 
 
-def _model(model: type[tables.StrictTable]) -> Node:
+def _model(model: type[BaseModel], instead: Mapping[str, Node] = MappingProxyType({})) -> Node:
     schema = model.model_json_schema()
     definitions = schema.pop("$defs", {})
 
     def plain(node: object) -> Any:
-        """Without titles, which only repeat the names, and with references replaced by what they mean."""
+        """Without titles, which only repeat the names, without nulls, which TOML does not have, and with references replaced
+        by what they mean, or by what stands ``instead`` of it."""
         if isinstance(node, list):
             return [plain(inner) for inner in node]
         if not isinstance(node, dict):
             return node
         if "$ref" in node:
-            return plain(definitions[node["$ref"].rpartition("/")[2]])
-        return {key: plain(value) for key, value in node.items() if key != "title" or not isinstance(value, str)}
+            name = node["$ref"].rpartition("/")[2]
+            found = dict(instead[name]) if name in instead else plain(definitions[name])
+            return {**found, **{key: x for key, x in node.items() if key == "description"}}
+        if node.get("title") in instead:
+            return dict(instead[node["title"]])
+        kept = {key: x for key, x in node.items() if key != "title" or not isinstance(x, str)}
+        if "anyOf" in kept:
+            some = [each for each in kept.pop("anyOf") if each != {"type": "null"}]
+            kept = {**some[0], **kept} if len(some) == 1 else {"anyOf": some, **kept}
+            return (
+                plain(kept)
+                if "$ref" in kept or "title" in kept
+                else {key: plain(x) for key, x in kept.items() if x is not None}
+            )
+        return {key: plain(x) for key, x in kept.items() if key != "default" or x is not None}
 
     result: Node = plain(schema)
     return result

@@ -5,10 +5,19 @@ from __future__ import annotations
 from functools import lru_cache
 
 from stribeck.drives import Drive
+from stribeck.expressions.graph import symbol
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
-from stribeck.machine.parts import BodyPart, ContactPart, DrivePart, SignalUse, Span
+from stribeck.machine.driving import DrivePart
+from stribeck.machine.element import GROUND
+from stribeck.machine.elements.bodies import Body, Velocity
+from stribeck.machine.elements.contacts import Contact
+from stribeck.machine.elements.plants import Numbers, SingleBody
+from stribeck.machine.law import Friction
+from stribeck.machine.machine import Elements
+from stribeck.machine.signal import SignalUse
 from stribeck.machine.system import MachineSystem
+from stribeck.machine.table import Frozen
 from stribeck.plants import Mass, Plant
 from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.rig import Rig
@@ -16,7 +25,7 @@ from stribeck.signals import Signal
 
 
 @lru_cache(maxsize=64)
-def _same(machine: MachineSystem) -> MachineSystem:
+def same(machine: MachineSystem) -> MachineSystem:
     """The first of equal structures: what it finds out about itself, it finds once."""
     return machine
 
@@ -27,10 +36,14 @@ def one_body(
 ) -> MachineSystem:  # fmt: skip
     """The structure: which law, plant, drive and kind of signal (None: straight pieces), without any values."""
     use = SignalUse("", "signal", signal)
-    moved = drive.sets_velocity
-    body = BodyPart("", False, not moved, driven=use if moved else None, plant=Mass if moved else plant)
-    contact = ContactPart("", law, form, Span("", None))
-    return _same(MachineSystem((body,), (), (contact,), (), (), (), (use,), energy, (DrivePart("", drive, "", use),)))
+    body = Body.model_construct(name="", velocity=Velocity.model_construct(signal=use))
+    if not drive.sets_velocity:
+        numbers = {name: symbol(f"plant.{name}") for name in plant.constants}
+        body = SingleBody.model_construct(name="", acts=plant, numbers=Numbers.of(plant.constants, numbers))
+    friction = Friction(law, form, law.symbolic(lambda name: symbol(f"law.{name}"), form))
+    contact = Contact.model_construct(name="", start="", end=GROUND, law=friction, loads=(), factors=Frozen())
+    elements = Elements(bodies=Frozen({"": body}), contacts=Frozen({"": contact}), energy=energy)
+    return same(MachineSystem(elements, (use,), (DrivePart("", drive, "", use),)))
 
 
 def structure(parts: Parts) -> MachineSystem:

@@ -10,16 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TypeGuard
 
 from stribeck.constants import show
+from stribeck.kinds import in_a_file
 
 _DEEPEST = 16  # tables within tables; no valid file has as many
-
-
-def in_a_file(name: object) -> TypeGuard[str]:
-    """True for the name of a law in a file, FILE.py:NAME."""
-    return isinstance(name, str) and ".py:" in name
 
 
 def named(data: Mapping[str, object]) -> dict[str, str]:

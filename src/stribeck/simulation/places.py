@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
-from stribeck.scenario.rig import Rig
 
 Place = tuple[str, str]  # owner and name of a constant; the owner "initial" has the states at t = 0
 
@@ -18,14 +15,15 @@ def machine_places(scenario: Scenario) -> dict[str, Place]:
     rig = scenario.rig
     if rig.single:
         return _of_single(scenario)
-    found: dict[str, Place] = {}
-    for path, name in rig.values:
-        found[_written(scenario, rig, path, name)] = (path, name)
-    for body in rig.machine.bodies:
-        if body.leader is None:
-            found[f"{body.path}.initial.y"] = ("initial", f"{body.name}.y")
-            if body.driven is None:
-                found[f"{body.path}.initial.v"] = ("initial", f"{body.name}.v")
+    found: dict[str, Place] = {leaf.path: leaf.key for leaf, _ in scenario.elements.leaves}
+    for body in scenario.elements.bodies.values():
+        if body.tied_to is None:
+            found[f"{body.path}.initial.y"] = ("initial", body.of("y"))
+            if body.free:
+                found[f"{body.path}.initial.v"] = ("initial", body.of("v"))
+    for contact in scenario.elements.contacts.values():
+        if contact.has_z:
+            found[f"{contact.path}.initial.z"] = ("initial", contact.of("z"))
     for use, signal in rig.signals.items():
         if signal.kind in _IN_PIECES:
             found |= {f"{use.path}.{name}": (use.path, name) for name in signal.constants}
@@ -45,20 +43,3 @@ def _of_single(scenario: Scenario) -> dict[str, Place]:
     places |= {f"plant.initial.{name}": ("initial", name) for name in allowed}
     places |= {f"drive.{name}": ("drive", name) for name in s.drive.constants}
     return places | {f"drive.signal.{name}": ("signal", name) for name in s.signal.constants}
-
-
-def _written(scenario: Scenario, rig: Rig, path: str, name: str) -> str:
-    """How the file names a constant: parameters of a law stand in a table of their own, numbers of a list have a number."""
-    if path in rig.laws:
-        table: Any = scenario.data
-        for word in path.split("."):
-            table = table[word]
-        inside = table.get("parameters")
-        listed = name in PARAMETERS or (isinstance(inside, dict) and name in inside)
-        return f"{path}.parameters.{name}" if listed else f"{path}.{name}"
-    if name.startswith("weight_"):
-        return f"{path}.force.{name.removeprefix('weight_')}"
-    stem, _, number = name.rpartition("_")
-    if number.isdigit() and stem in ("amplitude", "waves", "phase"):
-        return f"{path}.{stem}.{number}"
-    return f"{path}.{name}"

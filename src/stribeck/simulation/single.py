@@ -76,12 +76,13 @@ def _remarks(scenario: Scenario) -> list[str]:
     if (least := scenario.end / longest) > most:
         why = f"a signal's waves allow no step longer than {longest:.3g} s, and {least:.3g} would be needed"
         found.append(f"solve.max_steps: {most:g}: {why}: given up before t = {scenario.end * most / least:.3g} s")
-    for contact in scenario.system.contacts:
+    for contact in scenario.system.elements.contacts.values():
         law = scenario.rig.laws[contact.law_path].machine
-        for level in contact.levels:
-            excess = values.get((level.path, "F_c"), 0.0) - values.get((level.path, "F_s"), 0.0)
+        for i in range(len(contact.loads)):
+            path = f"{contact.path}.loads.{i}"
+            excess = values.get((path, "F_c"), 0.0) - values.get((path, "F_s"), 0.0)
             if excess > 0 and "F_s" in law:
                 f = (law["F_s"] - law["F_c"]) / excess
                 text = f"F_c grows more than F_s: from |force| = {f:.3g} on friction is less at rest than in motion"
-                found.append(f"{level.path}: {text}")
+                found.append(f"{path}: {text}")
     return found

@@ -15,14 +15,19 @@ from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
-from stribeck.machine.dither import WAVES_A_STEP
-from stribeck.machine.parts import RATIO_ALLOWED, RATIO_LARGEST, SignalUse
+from stribeck.machine.element import RATIO_LARGEST
+from stribeck.machine.elements.controllers import AT_LIMIT
+from stribeck.machine.elements.dither import WAVES_A_STEP
+from stribeck.machine.signal import SignalUse
+from stribeck.machine.table import ConstantField
 from stribeck.scenario import Scenario
-from stribeck.scenario.rig import AT_LIMIT, Rig, evaluate
+from stribeck.scenario.rig import Rig, evaluate
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
 from stribeck.simulation.places import Place, machine_places
 
+# Where a threshold varies: below the table of a contact, a link or a controller, by name, and what share of it counts.
+_LEVELS = {"contacts": (".law", "v_s", 1.0), "links": ("", "gap", 0.5), "controllers": ("", "limit", AT_LIMIT)}
 _SHIFT = "shift."  # before a state's name: what is added to it where a lane begins
 
 
@@ -158,20 +163,16 @@ class Variations:
     def thresholds(self) -> Array:
         """The threshold of each watched quantity, 0 for none."""
         rig = self.rig
-        told = {name for name, _ in rig.machine.watched}
-        at = [(contact.law_path, "v_s", 1.0) for contact in rig.machine.contacts if contact.name in told]
-        at += [(link.path, "gap", 0.5) for link in rig.machine.links if "gap" in link.form]
-        limited = (x for x in rig.machine.controllers if x.sampling is None and "limit" in x.form)
-        at += [(each.path, "limit", AT_LIMIT) for each in limited]
-        found = [
-            now if (path, name) not in self._varied else self._varied[path, name] * share
-            for (path, name, share), now in zip(at, rig.thresholds(), strict=True)
-        ]
+        found = []
+        for each, now in zip(rig.machine.watching, rig.thresholds(), strict=True):
+            path, name, share = _LEVELS[each.section]
+            key = (f"{each.path}{path}".lstrip("."), name)
+            found.append(self._varied[key] * share if key in self._varied else now)
         return self._table(found) if found else np.zeros((len(self), 0))
 
     def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
         """Events of a lane that no state tells, as far as it came (:meth:`Rig.more_events`)."""
-        if not self.rig.machine.given_alone:
+        if not self.rig.machine.elements.given_alone:
             return []
         threshold, (use,) = float(self.threshold()[lane]), self.rig.signals
         signals, which = self._signals(use)
@@ -203,9 +204,9 @@ class Variations:
         for use in self.rig.signals:
             signals, which = self._signals(use)
             found = np.minimum(found, np.array([signal.longest_step for signal in signals])[which])
-        for each in self.rig.machine.controllers:
+        for each in self.rig.machine.elements.controllers.values():
             if each.dither is not None and each.sampling is None:
-                found = np.minimum(found, WAVES_A_STEP / self.constant(each.dither.path, "frequency"))
+                found = np.minimum(found, WAVES_A_STEP / self.constant(f"{each.path}.dither", "frequency"))
         return found
 
     def pieces(self) -> Tables:
@@ -254,8 +255,10 @@ class Variations:
             for lane in map(int, np.flatnonzero(bad)):
                 found[lane] = found[lane] or f"{path}: {x[lane]}: must be {constant.allowed}"
             if self.places[path][1] == "ratio":
-                for lane in map(int, np.flatnonzero((abs(x) < 1 / RATIO_LARGEST) | (abs(x) > RATIO_LARGEST))):
-                    found[lane] = found[lane] or f"{path}: {x[lane]:g}: must be {RATIO_ALLOWED}"
+                ratio = ConstantField(constant, largest=RATIO_LARGEST)
+                for lane in range(len(x)):
+                    text = ratio.problem(float(x[lane]))
+                    found[lane] = found[lane] or (f"{path}: {x[lane]:g}: {text}" if text else None)
         for owner, law in self.laws().items():
             self._relations(owner, law, found)
         return found

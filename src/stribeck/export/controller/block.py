@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from stribeck.constants import Constant, which_controller
-from stribeck.control.sampled import SAMPLING, Sampled
+from stribeck.control.sampled import SAMPLING
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, c_condition
@@ -20,11 +20,11 @@ from stribeck.expressions.names import Names
 from stribeck.expressions.ops import sign
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
-from stribeck.machine.balance import lead_of
-from stribeck.machine.dither import PHASE
-from stribeck.machine.friction import compensation
-from stribeck.machine.parts import ControllerPart
-from stribeck.machine.sampled import observed, sampled_states, stepped
+from stribeck.machine.elements.controllers import Controller
+from stribeck.machine.elements.dither import PHASE
+from stribeck.machine.elements.sampling import Sampling
+from stribeck.machine.machine import Elements
+from stribeck.machine.observed import observed
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import Reference, fields, pieces
 
@@ -45,7 +45,7 @@ class Block:
     """
 
     scenario: Scenario
-    controller: ControllerPart
+    controller: Controller
     part: str
     step: float
     origin: str = ""
@@ -61,8 +61,12 @@ class Block:
     @property
     def rotary(self) -> bool:
         """Whether what it measures turns."""
-        rig = self.scenario.rig
-        return rig.machine.rotary(self.controller.measures)
+        return self._elements.bodies[self.controller.body].turns
+
+    @property
+    def _elements(self) -> Elements:
+        """The elements of the machine, of symbols."""
+        return self.scenario.rig.machine.elements
 
     def _column(self, name: str, unit: str, meaning: str) -> Column:
         constant = Constant(unit, meaning).of_motion(self.rotary)
@@ -100,16 +104,16 @@ class Block:
             "readings": ("1", "samples so far"), "last": ("m", "reading of the sample before"),
             "filter_y": ("m", "filtered position"), "filter_v": ("m/s", "filtered velocity"),
             "z_hat": ("m", "deflection of the friction observer"), PHASE: ("1", "share of the dither's wave that has passed"),
-            **{s.name: (s.unit, s.meaning) for s in self.controller.kind.states},
+            **{s.name: (s.unit, s.meaning) for s in self.controller.states},
         }  # fmt: skip
-        names = sampled_states(self.controller) if self.part == "controller" else self._observed
+        names = self.controller.memory(self._elements) if self.part == "controller" else self._observed
         used = symbols(self.expressions.values())
         return tuple(self._column(n, *meanings.get(n, ("1", n))) for n in names if f"state.{n}" in used)
 
     @property
     def _observed(self) -> tuple[str, ...]:
         made = self.controller.compensation
-        return ("z_hat",) if made is not None and made.observes else ()
+        return ("z_hat",) if made is not None and made.observes(self._elements) else ()
 
     # -- equations -------------------------------------------------------------------------------------------------
 
@@ -125,21 +129,22 @@ class Block:
         r = Reference(symbol("input.r"), rate, symbol("input.r_second"), sign(rate))
         if self.part == "compensator":
             return self._compensation(r)
-        memory = {n: symbol(f"state.{n}") for n in sampled_states(self.controller)}
-        u, after = stepped(self.controller, symbol("input.y"), r, memory, self.called)
+        memory = {n: symbol(f"state.{n}") for n in self.controller.memory(self._elements)}
+        u, after = self.controller.stepped(self._elements, symbol("input.y"), r, memory, self.called)
         return {"u": u, **{f"next.{n}": x for n, x in after.items()}}
 
     def _compensation(self, r: Reference) -> dict[str, Expr]:
         each = self.controller
         assert each.compensation is not None
         v, z = symbol("input.v"), symbol("state.z_hat")
-        force, rate = compensation(each.compensation, r, v, z, self.called, exact=True, lead=lead_of(each))
-        if each.compensation.share:
-            force = symbol(f"{each.path}.compensation.share") * force
+        force, rate = each.compensation.force(self._elements, r, v, z, self.called, exact=True)
         if rate is None or not self._observed:
             return {"F": wrap(force)}
         period = symbol(f"{each.path}.sampling.period")
-        return {"F": wrap(force), "next.z_hat": observed(each, rate, z, v, period, self.called)}
+        return {
+            "F": wrap(force),
+            "next.z_hat": observed(each.compensation.friction(self._elements), rate, z, v, period, self.called),
+        }
 
     @cached_property
     def expressions(self) -> dict[str, Expr]:
@@ -152,7 +157,7 @@ class Block:
 
     @cached_property
     def _path(self) -> dict[str, Expr]:
-        found = replace(self.controller.signal, turns=False).reference(symbol("t"))
+        found = replace(self.controller.use, turns=False).reference(symbol("t"))
         return {"r": wrap(found.value), "r_rate": wrap(found.rate), "r_second": wrap(found.second)}
 
     @cached_property
@@ -161,14 +166,14 @@ class Block:
         if not self._has_path or not self.path_columns:
             return []
         rig = self.scenario.rig
-        table = pieces(rig.signals[self.controller.signal])
+        table = pieces(rig.signals[self.controller.use])
         rows = zip(table.start.tolist(), table.rows.tolist(), strict=True)
         return [[start, *row] for start, row in rows] if self.piece_fields else []
 
     @property
     def piece_fields(self) -> tuple[str, ...]:
         """What they are called."""
-        return fields(self.controller.signal.kind)
+        return fields(self.controller.use.kind)
 
     # -- constants -------------------------------------------------------------------------------------------------
 
@@ -190,12 +195,12 @@ class Block:
 
     def _constant_name(self, path: str) -> str:
         owner, _, name = path.rpartition(".")
-        signal = self.controller.signal
+        signal = self.controller.use
         if owner == signal.path:
             return f"signal_{name}"
-        if self.controller.compensation is not None and owner == self.controller.compensation.path:
+        if self.controller.compensation is not None and owner == self.controller.friction_path:
             return f"friction_{name}"
-        if self.controller.dither is not None and owner == self.controller.dither.path:
+        if owner == f"{self.controller.path}.dither":
             return f"dither_{name}"
         return "inertia" if owner.endswith(".feedforward") else name
 
@@ -203,9 +208,9 @@ class Block:
     def relations(self) -> list[tuple[str, str, str]]:
         """(the constant to blame, what is allowed, the condition in C on ``p``) between constants of the friction law."""
         made = self.controller.compensation
-        if made is None or self.scenario.rig.single or made.path not in self.scenario.rig.laws:
+        if made is None or self.controller.friction_path not in self.scenario.rig.laws:
             return []
-        law, found = self.scenario.rig.laws[made.path], []
+        law, found = self.scenario.rig.laws[self.controller.friction_path], []
         for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
             if all(f"friction_{need}" in self.constants for need in (r.key, *r.needs)):
                 text = c_condition(r.holds, law, "p->friction_")
@@ -234,17 +239,17 @@ class Block:
         each, scenario = self.controller, self.scenario
         how = {"reference": "the steady curve at the reference's speed", "measured": "the law at the measured speed"}
         first = (
-            f"{self.name}: {each.kind.kind} controller '{each.name}' of the machine {scenario.name}, sampled."
+            f"{self.name}: {each.kind} controller '{each.name}' of the machine {scenario.name}, sampled."
             if self.part == "controller"
             else f"{self.name}: friction compensation of the controller '{each.name}' of the machine {scenario.name}."
         )
         lines = [first, ""]
         if self.part == "controller":
-            lines += [f"  {' '.join((each.kind.__doc__ or '').split())}"]
+            lines += [f"  {' '.join((type(each).__doc__ or '').split())}"]
         if each.compensation is not None:
-            c = each.compensation
-            lines += [f"  Friction: {c.law.name}, {how[c.speed]}:"]
-            lines += [f"    {x.text}" for x in equations(c.law, c.form)]
+            law = each.compensation.friction(self._elements)
+            lines += [f"  Friction: {law.kind.name}, {how[each.compensation.speed]}:"]
+            lines += [f"    {x.text}" for x in equations(law.kind, law.form)]
         lines += ["", f"Parameters: {self.origin or f'scenario {scenario.name}'}"]
         lines += [valued(name, value, constant) for name, (constant, value, _) in self.constants.items()]
         return [ascii_only(line) for line in (*lines, made_by())]
@@ -312,7 +317,7 @@ def block_of(
             f"{each.path}.compensation: missing: part 'compensator' needs one; 'stribeck design --out DIR' writes the "
             "machine with the best"
         )
-    timed = part == "controller" or (each.compensation is not None and each.compensation.observes)
+    timed = part == "controller" or (each.compensation is not None and each.compensation.observes(rig.machine.elements))
     if each.sampling is not None:
         own = rig.values[f"{each.path}.sampling", "period"]
         if step is not None and step != own:
@@ -321,7 +326,8 @@ def block_of(
     elif step is None and timed:
         raise InputError(f"{arg('step')}: missing: {each.path} has no sampling: give its sample time, s")
     else:
-        each = replace(each, sampling=Sampled(resolution=False, noise=False, bandwidth=False))
+        period = symbol(f"{each.path}.sampling.period")
+        each = each.model_copy(update={"sampling": Sampling.model_construct(period=period)})
     block = Block(scenario, each, part, step or 0.0, origin)
     if bad := _unusable(block.constants):
         raise InputError([f"{name}: a constant of this name cannot be exported: rename it" for name in bad])

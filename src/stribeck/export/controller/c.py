@@ -13,7 +13,7 @@ from stribeck.export.c.selftest import output_spread
 from stribeck.export.controller.block import Block
 from stribeck.expressions.emit import C_FUNCTIONS, python_function
 from stribeck.expressions.graph import ordered
-from stribeck.machine.dither import PHASE
+from stribeck.machine.elements.dither import PHASE
 
 _DIALECT = replace(DIALECT, functions={**DIALECT.functions, **SAME})
 _TAKEN = WORDS | C_FUNCTIONS | frozenset(["p", "x", "in", "o", "next", "i", "t", "real", "R", "FN", "sign_of"])
@@ -55,7 +55,7 @@ def _sample(block: Block) -> str:
 
 def _path(block: Block) -> str:
     wanted = [(f"in->{c.name}", f"path.{c.name}") for c in block.path_columns if f"path.{c.name}" in block.expressions]
-    inputs = {f"segment.{block.controller.signal.name}_{n}": f"pieces[i].{n}" for n in block.piece_fields} | {"t": "t"}
+    inputs = {f"segment.{block.controller.use.name}_{n}": f"pieces[i].{n}" for n in block.piece_fields} | {"t": "t"}
     return _written(block, wanted, inputs) if wanted else ""
 
 
@@ -81,14 +81,15 @@ def rows(block: Block) -> list[tuple[str, ...]]:
 def sizes(block: Block) -> dict[str, float]:
     """A natural size of each input and state."""
     rig = block.scenario.rig
-    own = rig.scales[rig.machine.leader(block.controller.measures).name]
+    own = rig.scales[rig.machine.leader(block.controller.body).name]
     near = 10 * own.length
     speed = 3 * own.speed
     found = {
         "r": near, "y": near, "last": near, "filter_y": near, "r_rate": speed, "v": speed, "filter_v": speed,
         "r_second": 10 * speed, "readings": 3.0, "z_hat": own.length, PHASE: 1.0,
     }  # fmt: skip
-    p = block.controller.kind.symbolic(lambda n: rig.values[block.controller.path, n], block.controller.form)
-    names = [s.name for s in block.controller.kind.states_of(block.controller.form)]
-    natural = block.controller.kind.state_scales(p, own.length, own.force) or (own.length,) * len(names)
+    numbers = rig.elements.controllers[block.controller.name]
+    names = [s.name for s in numbers.form_states()]
+    sizes = numbers.scales(own.length, own.force)
+    natural = [sizes.get(n, own.length) for n in names]
     return found | {n: 3 * x for n, x in zip(names, natural, strict=True)}

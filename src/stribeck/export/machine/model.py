@@ -14,7 +14,7 @@ from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, c_condition
 from stribeck.export.request import ascii_only, identifier, made_by, valued
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
-from stribeck.machine.parts import INPUT, SignalUse, with_inputs
+from stribeck.machine.signal import INPUT, SignalUse
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation.native import SAMPLED_SHARE, step_share
@@ -63,7 +63,7 @@ class MachineModel:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
         self.scenario, self.rig, self.origin = scenario, scenario.rig, origin
-        self.machine: MachineSystem = with_inputs(scenario.rig.machine)
+        self.machine: MachineSystem = scenario.rig.machine.with_inputs()
 
     @cached_property
     def name(self) -> str:
@@ -75,7 +75,7 @@ class MachineModel:
     def code(self) -> str:
         """The equations, the solver, and the columns of the output."""
         machine = self.machine
-        text = with_columns(machine, lambda: machine.balance(exact=True).outputs())
+        text = with_columns(machine, lambda: machine.outputs)
         assert PORTABLE in text
         return ascii_only_text(text.replace(PORTABLE, _PRIVATE))
 
@@ -170,7 +170,7 @@ class MachineModel:
 
     def notes(self) -> list[str]:
         """What differs from the simulation."""
-        if any(each.sampling is not None and each.sampling.noise for each in self.machine.controllers):
+        if any(each.sampling is not None and each.sampling.noise is not None for each in self.machine.controllers):
             return [f"the noise of the readings is kept until t = {self.scenario.end:g} s; there is none after it"]
         return []
 
@@ -214,15 +214,9 @@ def _plain(line: str) -> str:
 def _unit_of(machine: MachineSystem, use: SignalUse) -> str:
     """What a signal is measured in, by the table that it stands in."""
     section, name, *_rest = use.path.split(".")
-    if section == "bodies":
-        return "rad/s" if machine.rotary(name) else "m/s"
-    if section == "loads":
-        (load,) = (each for each in machine.loads if each.name == name)
-        return "N m" if machine.rotary(load.on) else "N"
     if section == "motors":
         return "V"
-    if section == "controllers":
-        bodies = {each.name: each.measures for each in machine.controllers} | {x.name: x.on for x in machine.drives}
-        return "rad" if machine.rotary(bodies[name]) else "m"
-    (link,) = (each for each in machine.links if each.name == name)
-    return "rad" if machine.rotary(link.span.end) else "m"
+    element = getattr(machine.elements, section).get(name)  # None: a pressure cascade, whose piston does not turn
+    turns = element is not None and element.turning(machine.elements)
+    units = {"bodies": ("m/s", "rad/s"), "loads": ("N", "N m")}
+    return units.get(section, ("m", "rad"))[turns]

@@ -164,7 +164,7 @@ def unit(scenario: Scenario, c: MachineCoordinate) -> str:
     path = next(iter(c.targets))
     owner, name = machine_places(scenario).get(path, ("", path.rpartition(".")[2]))
     if owner == "initial":
-        body = scenario.rig.machine.body[name.rpartition(".")[0]]
+        body = scenario.rig.machine.elements.bodies[name.rpartition(".")[0]]
         length = "rad" if body.rotary else "m"
         return length if name.endswith(".y") else f"{length}/s"
     tables = scenario.rig.machine.tables

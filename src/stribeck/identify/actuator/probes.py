@@ -136,7 +136,7 @@ def _terms(
     yield "cubic drag", [x**3 for x in w]
     yield "spring", d
     yield "level by position", [x * y for x, y in zip(level, d, strict=True)]
-    if scenario.rig.machine.body[start].rotary and max(float(np.ptp(x)) for x in d) > _TURNED:
+    if scenario.rig.machine.elements.bodies[start].turns and max(float(np.ptp(x)) for x in d) > _TURNED:
         for name, wave in (("sin", np.sin), ("cos", np.cos)):
             yield f"weight {name}", [wave(y) for y in d]
             yield f"level by {name}", [x * wave(y) for x, y in zip(level, d, strict=True)]

@@ -203,7 +203,7 @@ class MachineProblem:
             if c.output is not None:
                 sensors[c.output] = x
         if not values:  # lanes need a number that varies: one that stays as it is
-            name = run.scenario.rig.machine.free[0].name
+            name = next(x.name for x in run.scenario.rig.machine.bodies if x.free)
             path, now = f"bodies.{name}.initial.y", run.scenario.rig.initial.get(f"{name}.y", 0.0)
             values = {path: np.full(len(U), run.start.get(path, now))}
         delays = {

@@ -104,7 +104,7 @@ def begun(
 
 def _free(scenario: Scenario, body: str) -> bool:
     machine = scenario.rig.machine
-    return body in machine.body and machine.leader(body).driven is None
+    return body in machine.elements.bodies and machine.leader(body).velocity is None
 
 
 def _given(

@@ -1,16 +1,22 @@
-"""Reads a table of a friction law, wherever it stands in a file, collecting every problem."""
+"""The friction law of a table: read with every problem collected, and carried by the table as numbers, symbols or arrays."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic_core import core_schema
 
 from stribeck import laws, parameter_sets
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, nearest
-from stribeck.laws.base import PARAMETERS, Law
-from stribeck.scenario.tables import Problem
-from stribeck.scenario.trust import in_a_file
+from stribeck.kinds import in_a_file
+from stribeck.laws.base import PARAMETERS, Law, Scales
+from stribeck.laws.form import Form
+from stribeck.laws.values import Constants, OnTerm
+from stribeck.machine.table import Carrier, ConstantLeaf, Problem, Reading, joined, no_table, problems_at
 
 
 def unknown(table: Mapping[str, object], path: str, known: Iterable[str]) -> list[Problem]:
@@ -42,11 +48,6 @@ def kind_of_table(
         guess = nearest(kind, kinds) if isinstance(kind, str) else ""
         problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
     return None
-
-
-def no_table(value: object) -> str:
-    """What is wrong with a value that should be a table."""
-    return f"{show(value)}: must be a table, not {kind_of(value)}"
 
 
 class LawReader:
@@ -146,3 +147,92 @@ class LawReader:
         except InputError as error:
             self.problems += [(place, text) for text in error.problems]
             return None
+
+
+@dataclass(frozen=True, eq=False)
+class Friction:
+    """A law with its constants: numbers, symbols or arrays. Equal ones have the same class, form and constants."""
+
+    kind: type[Law]
+    form: Form
+    p: Constants
+    law: Law | None = None  # with numbers only
+    listed: frozenset[str] = frozenset()  # constants that the file has among the parameters
+    written: Mapping[str, Any] = field(default_factory=dict)  # the table
+
+    @classmethod
+    def of(cls, law: Law, table: Mapping[str, Any] | None = None) -> Friction:
+        """A law with numbers, and its table where it has been read from one."""
+        table = laws.table(law) if table is None else table
+        inside = table.get("parameters")
+        return cls(type(law), law.form, law.p, law, frozenset(inside if isinstance(inside, Mapping) else ()), table)
+
+    def _own(self) -> tuple[Any, ...]:
+        return self.kind, self.form, tuple(vars(self.p).items())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Friction) and self._own() == other._own()
+
+    def __hash__(self) -> int:
+        return hash(self._own())
+
+    def leaves(self, path: str) -> Iterator[ConstantLeaf]:
+        """Its constants, in the order in which the class declares them."""
+        for name, declared in self.kind.numbers(self.form).items():
+            inside = ".parameters" if name in self.listed or name in PARAMETERS else ""
+            yield ConstantLeaf(f"{path}{inside}.{name}", (path, name), declared, self.p.numbers[name])
+
+    def carrying(self, path: str, carrier: Carrier) -> Friction:
+        """See :class:`FileTable`."""
+        p = self.kind.symbolic(lambda name: carrier.put(path, name), self.form)
+        return Friction(self.kind, self.form, p) if carrier.structure else replace(self, p=p, law=None)
+
+    def to_table(self) -> dict[str, Any]:
+        """What a file would hold."""
+        return dict(self.written)
+
+    def scales(self) -> Scales:
+        """Natural magnitudes."""
+        return self.kind.scales(self.p)
+
+    def told(self, on_term: OnTerm) -> Constants:
+        """The constants, whose terms are named."""
+        return Constants(vars(self.p), on_term)
+
+
+LAW = "friction law"
+
+
+@dataclass(frozen=True)
+class _Read:
+    """An annotation: the field is a law's table, or a law; ``key`` is where it stands in the table of the element."""
+
+    key: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return core_schema.with_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {"type": "object", "title": LAW}  # the schema of files has the law's own in its place
+
+    def _read(self, value: object, info: Any) -> Friction | None:
+        """The law; None where it is one in a file that must not be executed yet."""
+        if isinstance(value, Friction):
+            return value
+        if isinstance(value, Law):
+            return Friction.of(value)
+        reading = info.context or Reading()
+        path = joined(reading.place, self.key)
+        reader = LawReader(value, path, reading.folder, reading.executes)
+        law = reader.read()
+        if reader.problems:
+            below = ((place.removeprefix(path).lstrip("."), text) for place, text in reader.problems)
+            raise problems_at([(tuple(key.split(".")) if key else (), text) for key, text in below])
+        if law is None:
+            return None
+        assert isinstance(value, Mapping)
+        return Friction.of(law, value)
+
+
+FrictionLaw = Annotated[Friction | None, _Read("law")]
+CompensatedLaw = Annotated[Friction | None, _Read("compensation.law")]

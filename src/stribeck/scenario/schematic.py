@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from markupsafe import escape
 
-from stribeck.machine.parts import Span
+from stribeck.machine.element import BetweenBodies
 from stribeck.scenario.rig import Rig
 
 _COLUMN, _BOX, _HEIGHT, _LANE = 250, 130, 56, 76  # widths and heights in px
@@ -38,29 +38,27 @@ class Entry:
 
 def entries(rig: Rig) -> list[Entry]:
     """Every element of a machine, in the file's order."""
-    found = [
-        Entry("link", link.name, _start(link.span), link.span.end or "ground", _numbers(rig, link.path))
-        for link in rig.machine.links
-    ]
+    found = [Entry("link", link.name, _start(link), link.end, _numbers(rig, link.path)) for link in rig.machine.links]
     for contact in rig.machine.contacts:
         law = rig.laws[contact.law_path]
         shown = [f"{n} {number(x)}" for n in ("F_c", "F_s", "sigma_0") if (x := law.values.get(n)) is not None]
-        shown += [f"load: {', '.join(level.sources)}" for level in contact.levels]
-        shown += [f"{factor.of} varies" for factor in contact.factors]
+        shown += [f"load: {', '.join(level.weights)}" for level in contact.loads]
+        shown += [f"{of} varies" for of in contact.factors]
         numbers = (law.name, *shown, *_numbers(rig, contact.path))
-        found.append(Entry("contact", contact.name, _start(contact.span), contact.span.end or "ground", numbers))
+        found.append(Entry("contact", contact.name, _start(contact), contact.end, numbers))
     for load in rig.machine.loads:
-        how = f"{load.kind.kind}: {rig.signals[load.signal].kind}" if load.signal else load.kind.kind
+        use = next(load.signals(), None)
+        how = f"{load.kind}: {rig.signals[use].kind}" if use is not None else load.kind
         found.append(Entry("load", load.name, load.on, None, (how, *_numbers(rig, load.path))))
     for motor in rig.machine.motors:
-        driven = (f"V: {rig.signals[motor.signal].kind}",) if motor.signal else ()
+        driven = (f"V: {rig.signals[motor.use].kind}",) if motor.signal else ()
         found.append(Entry("motor", motor.name, motor.on, None, (*driven, *_numbers(rig, motor.path))))
     for each in rig.machine.controllers:
-        about = [each.kind.kind, rig.signals[each.signal].kind, *_numbers(rig, each.path)]
+        about = [each.kind, rig.signals[each.use].kind, *_numbers(rig, each.path)]
         if each.compensation is not None:
-            about.append(f"compensation: {each.compensation.law.name}, {each.compensation.speed}")
+            about.append(f"compensation: {rig.laws[each.friction_path].name}, {each.compensation.speed}")
         if each.dither is not None:
-            about += [f"dither: {each.dither.kind}", *_numbers(rig, each.dither.path)]
+            about += [f"dither: {each.dither.kind}", *_numbers(rig, f"{each.path}.dither")]
         if each.sampling is not None:
             about += ["sampled", *_numbers(rig, f"{each.path}.sampling")]
         found.append(Entry("controller", each.name, each.on, each.measures, tuple(about)))
@@ -75,8 +73,8 @@ def entries(rig: Rig) -> list[Entry]:
     return found
 
 
-def _start(span: Span) -> str:
-    return span.start if isinstance(span.start, str) else f"~{span.start.name}"
+def _start(each: BetweenBodies) -> str:
+    return str(each.start) if each.far is None else f"~{each.name}"
 
 
 def _numbers(rig: Rig, path: str) -> tuple[str, ...]:
@@ -96,12 +94,12 @@ def _numbers(rig: Rig, path: str) -> tuple[str, ...]:
 
 def about_body(rig: Rig, name: str) -> tuple[str, ...]:
     """A body's numbers in short."""
-    body = rig.machine.body[name]
+    body = rig.machine.elements.bodies[name]
     found = [x for x in _numbers(rig, body.path) if not x.startswith("ratio")]
-    if body.leader is not None:
-        found.append(f"tied to {body.leader}, ratio {number(rig.values.get((body.path, 'ratio'), 1.0))}")
-    if body.driven is not None:
-        found.append(f"velocity: {rig.signals[body.driven].kind}")
+    if body.tied_to is not None:
+        found.append(f"tied to {body.tied_to}, ratio {number(rig.values.get((body.path, 'ratio'), 1.0))}")
+    if body.velocity is not None:
+        found.append(f"velocity: {rig.signals[next(body.signals())].kind}")
     start = [f"{q} {number(x)}" for q in "yv" if (x := rig.initial.get(f"{name}.{q}"))]
     return (*found, *(["starts at " + ", ".join(start)] if start else []))
 
@@ -115,7 +113,7 @@ def text(rig: Rig, name: str) -> str:
     width = max(len(body.name) for body in machine.bodies)
     lines = [name, "", "bodies"]
     for body in machine.bodies:
-        sign = "(o)" if body.rotary else "[=]" if body.inertia else "-->"
+        sign = "(o)" if body.turns else "[=]" if body.velocity is None else "-->"
         lines.append(f"  {sign} {body.name:{width}}  {', '.join(about_body(rig, body.name))}")
     drawn = {"link": ("links", "/\\/\\/"), "contact": ("contacts", "~~~~~")}
     for kind, (title, sign) in drawn.items():
@@ -229,7 +227,7 @@ def svg(rig: Rig, name: str) -> str:
     for body, x in layout.x.items():
         _ground(page, layout, body, y_box + _HEIGHT, y_ground)
         _top(page, layout, body, y_control, y_above, y_box)
-        if not body.startswith("~") and (leader := rig.machine.body[body].leader) is not None:
+        if not body.startswith("~") and (leader := rig.machine.elements.bodies[body].tied_to) is not None:
             for off in (-3, 3):  # a rod: what is tied moves with it
                 page.line([(layout.x[leader], y_box + _HEIGHT / 2 + off), (x, y_box + _HEIGHT / 2 + off)])
     for body, x in layout.x.items():
@@ -255,8 +253,8 @@ def _body(page: _Page, rig: Rig, name: str, x: float, y: float) -> None:
         page.parts.append(f'<circle class="b" cx="{x}" cy="{y + _HEIGHT / 2}" r="8"/>')
         page.words(x, y + _HEIGHT / 2 + 24, "far end", ["moved by a signal"], "middle")
         return
-    body = rig.machine.body[name]
-    radius = 22 if body.rotary else 3
+    body = rig.machine.elements.bodies[name]
+    radius = 22 if body.turns else 3
     place = f'x="{left:.1f}" y="{y:.1f}" width="{_BOX}" height="{_HEIGHT}" rx="{radius}"'
     page.parts.append(f'<rect class="b" {place}/>')
     page.words(x, y + 18, name, about_body(rig, name)[:2], "middle")

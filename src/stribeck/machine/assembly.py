@@ -1,0 +1,154 @@
+"""The equations of a machine, put together by its elements: each names its quantities and acts on bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, symbol, total_derivative, wrap
+from stribeck.expressions.names import Names
+from stribeck.expressions.ops import Value
+from stribeck.machine.driving import DrivePart
+from stribeck.machine.table import joined
+from stribeck.signals.pieces import Reference
+
+if TYPE_CHECKING:
+    from stribeck.machine.element import BetweenBodies, Element
+    from stribeck.machine.elements.bodies import Body
+    from stribeck.machine.machine import Elements
+    from stribeck.machine.signal import SignalUse
+
+T = symbol("t")
+ORDER = ("bodies", "loads", "links", "controllers", "motors", "contacts")  # each needs only what stands before it
+
+
+class Assembly:
+    """Every quantity of a machine by its column's name (``arm.y``, ``mesh.F``), and what follows from them.
+
+    Args:
+        system: the elements, of symbols.
+        drives: what moves bodies beside controllers: the drive of a file of schema 1, pressure cascades.
+        called: takes the names of intermediate results.
+        exact: as an output shows the quantities at one instant.
+    """
+
+    def __init__(
+        self, system: Elements, drives: tuple[DrivePart, ...] = (), called: Names | None = None, exact: bool = False
+    ) -> None:
+        self.system, self.drives, self.exact = system, drives, exact
+        self.called = Names() if called is None else called
+        self.k: dict[str, Expr] = {}  # the quantities
+        self.rates: dict[str, Expr] = {}  # the time derivatives of the states
+        self.unlimited: dict[str, Expr] = {}  # outputs of continuous controllers without their limits
+        self.net: dict[str, Expr] = dict.fromkeys(system.bodies, ZERO)
+        self.power_in: Value = ZERO
+        self.lost: Value = ZERO
+        self.stored: Value = ZERO
+        self.far: Value = ZERO  # the energy of links whose far end is a signal
+        for section in ORDER:
+            for element in getattr(system, section).values():
+                element.equations(self)
+        self._bodies()
+        self.rates |= {"E_in": self.power_in, "E_dissipated": self.lost}
+
+    # -- what elements ask and say -----------------------------------------------------------------------------------
+
+    def show(self, name: str, value: object) -> Expr:
+        """Keep a quantity under the name of its column, which its variable in the generated code has too."""
+        found = wrap(value)
+        self.called.give(found, name.replace(".", "_"))
+        self.k[name] = found
+        return found
+
+    def state(self, element: Element, name: str) -> Expr:
+        """A state of an element."""
+        return symbol(element.of(name))
+
+    def motion(self, body: str) -> tuple[Expr, Expr]:
+        """Position and velocity of a body."""
+        return self.k[joined(body, "y")], self.k[joined(body, "v")]
+
+    def speed(self, body: Body) -> Expr:
+        """The velocity of a body with a coordinate: a state, or a signal."""
+        return symbol(body.of("v")) if body.velocity is None else wrap(self.reference(body.velocity.signal).value)
+
+    def reference(self, signal: Any) -> Reference:
+        """A signal and its derivatives now."""
+        use: SignalUse = signal
+        return use.reference(T)
+
+    def force_of(self, name: str) -> Expr:
+        """The force of a link or load, or the torque of a motor."""
+        found = self.k.get(joined(name, "f"))
+        return self.k[joined(name, "torque")] if found is None else found
+
+    def along(self, x: BetweenBodies) -> tuple[Expr, Expr, Expr]:
+        """d, w and the ratio of an element between two bodies."""
+        ratio = wrap(1.0) if x.ratio is None else x.ratio
+        if x.far is None:
+            y, v = self.motion(x.start)
+            d, w = ratio * y, ratio * v
+        else:
+            far = self.reference(x.far)
+            d, w = ratio * far.value, ratio * far.rate
+        if x.end != "ground":
+            y, v = self.motion(x.end)
+            d, w = d - y, w - v
+        return d, w, ratio
+
+    def push(self, body: str, force: Expr) -> None:
+        """Let a force act on a body."""
+        self.net[body] = self.net[body] + force
+
+    def act(self, x: BetweenBodies, ratio: Expr, f: Expr) -> None:
+        """Let a force act on both ends."""
+        if x.far is None:
+            self.net[x.start] = self.net[x.start] - ratio * f
+        else:
+            self.power_in = self.power_in + f * (ratio * self.reference(x.far).rate)
+        if x.end != "ground":
+            self.push(x.end, f)
+
+    def account(
+        self, energy: Callable[[Value], Value], d: Expr, w: Expr, f: Expr, rates: Mapping[Expr, Expr], far: object
+    ) -> None:  # fmt: skip
+        """Energy that depends on the stretch d (and on states with their rates) is stored; what is left of the power f w
+        is dissipated. ``far``: where a far end jumps, its work is what is stored."""
+        own = symbol("stretch")
+        stored = wrap(energy(d))
+        self.stored = self.stored + stored
+        self.far = self.far + stored if far is not None else self.far
+        plain = wrap(energy(own))
+        slopes = [derivative(plain, own), total_derivative(plain, dict(rates))]
+        slope, by_states = substitute(slopes, {own: d}, self.called)
+        self.lost = self.lost + ((f - slope) * w - by_states)
+
+    def drive_on(self, body: str) -> DrivePart | None:
+        """What moves a body that obeys forces, beside controllers."""
+        return next((x for x in self.drives if x.on == body and self.system.bodies[body].free), None)
+
+    # -- what follows ------------------------------------------------------------------------------------------------
+
+    def _bodies(self) -> None:
+        """Forces and inertias gathered at the leaders, and how these obey."""
+        self.inertia: dict[str, Expr] = dict.fromkeys(self.system.bodies, ZERO)
+        self.force = dict(self.inertia)
+        for name, body in self.system.bodies.items():
+            leader, ratio = self.system.leader(name), self.system.tie(name)
+            self.force[leader.name] = self.force[leader.name] + ratio * self.net[name]
+            if body.heavy is not None and leader.velocity is None:
+                self.inertia[leader.name] = self.inertia[leader.name] + body.heavy * ratio * ratio
+        for body in sorted(self.system.bodies.values(), key=lambda each: each.velocity is None):
+            body.obey(self)
+        for drive in self.drives:
+            if not self.system.bodies[drive.on].free:  # it sets the velocity
+                self.k[drive.drive.signal.name] = wrap(drive.signal.reference(T).value)
+
+    def moved_energy(self) -> Expr | None:
+        """The energy of links whose far end is a signal: where that jumps, its work is what they store."""
+        return None if is_zero(self.far) else self.far
+
+    def outputs(self, columns: Any) -> dict[str, Expr]:
+        """Every column by name."""
+        energy = {"E_in": symbol("E_in"), "E_dissipated": symbol("E_dissipated"), "E_stored": self.stored}
+        return {c.name: wrap({**self.k, **energy}[c.name]) for c in columns}

@@ -1,0 +1,177 @@
+"""Bodies: one coordinate each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, Field
+
+from stribeck.constants import show
+from stribeck.drives.base import Column
+from stribeck.expressions.graph import symbol
+from stribeck.expressions.ops import Value
+from stribeck.laws.base import Scales
+from stribeck.machine.driving import act
+from stribeck.machine.element import Element, State, ratio_constant
+from stribeck.machine.signal import SignalTable
+from stribeck.machine.table import Aside, FileTable, Loc, Problem, Refers, quantity
+from stribeck.plants import Mass, Plant
+
+if TYPE_CHECKING:
+    from stribeck.machine.assembly import Assembly
+    from stribeck.machine.machine import Elements
+    from stribeck.machine.reading import Draft
+
+
+class Initial(FileTable):
+    """Where a body starts."""
+
+    y: float = quantity("m or rad", "position at t = 0", default=0.0)
+    v: float = quantity("m/s or rad/s", "velocity at t = 0", default=0.0)
+
+
+class Velocity(FileTable):
+    """A velocity that is given."""
+
+    signal: SignalTable = Field(description="the velocity: a table with kind and its constants, m/s or rad/s")
+
+
+def _velocity(value: object) -> object:
+    return Velocity(signal=value) if isinstance(value, SignalTable) else value
+
+
+class Body(Element, family=True):
+    """A body: ``mass`` (kg) moves straight, ``inertia`` (kg m^2) turns; one whose ``velocity`` is given obeys no force."""
+
+    section, plain = "bodies", "body"
+    plant: ClassVar[type[Plant]] = Mass  # what it is beside a mass, such as the piston of a cylinder
+    kind: str = Field("body", exclude=True)
+    mass: float | None = quantity("kg", "mass of a body that moves straight", above=0, optional=True)
+    inertia: float | None = quantity("kg m^2", "moment of inertia of a body that turns", above=0, optional=True)
+    initial: Annotated[Initial | None, Aside()] = Field(None, description="the state at t = 0")
+    tied_to: Annotated[str | None, Refers(("bodies",))] = Field(
+        None, description="the body to which it is tied rigidly"
+    )
+    ratio: float | None = ratio_constant("how far it moves by the body it is tied to; 1 unless given")
+    velocity: Annotated[Velocity | None, BeforeValidator(_velocity)] = Field(
+        None, description="the velocity, where it is given: nothing acts back on it"
+    )
+    rotary: bool | None = Field(None, description="whether a body turns whose velocity is given")
+
+    def __init__(self, name: str, *, y: float | None = None, v: float | None = None, **keys: Any) -> None:
+        if start := {n: x for n, x in (("y", y), ("v", v)) if x is not None}:
+            keys["initial"] = start
+        super().__init__(name=name, **keys)
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # of Python alone, as in FileTable
+
+    @property
+    def path(self) -> str:
+        """Its table; that of a file of schema 1 is ``plant``."""
+        return f"bodies.{self.name}" if self.name else "plant"
+
+    @property
+    def turns(self) -> bool:
+        """Whether it turns: rad and N m."""
+        return self.inertia is not None or self.rotary is True
+
+    @property
+    def heavy(self) -> Value:
+        """Mass, or moment of inertia; None where none is given."""
+        return self.inertia if self.mass is None else self.mass
+
+    @property
+    def constants(self) -> dict[str, Value]:
+        """What its plant's equations take beside the mass."""
+        return {}
+
+    @property
+    def free(self) -> bool:
+        """Whether it has a coordinate of its own and obeys forces."""
+        return self.tied_to is None and self.velocity is None
+
+    def wrong(self) -> list[Problem]:
+        """What in the table does not go together."""
+        found: list[Problem] = []
+        given = [n for n in ("mass", "inertia") if getattr(self, n) is not None]
+        if self.velocity is not None:
+            why = "must be left out: the velocity of this body is given"
+            more = [n for n in (*given, "tied_to", "ratio") if getattr(self, n) is not None]
+            found += [(n, f"{show(getattr(self, n))}: {why}") for n in more]
+            if self.initial is not None and "v" in self.initial.model_fields_set:
+                found.append(("initial.v", f"{show(self.initial.v)}: {why}"))
+            return found
+        if self.rotary is not None:
+            text = "must be left out: mass (kg) or inertia (kg m^2) says whether the body turns"
+            found.append(("rotary", f"{show(self.rotary)}: {text}"))
+        if len(given) == 2:
+            text = "must be left out where mass is given: a body moves straight (mass, kg) or turns (inertia, kg m^2)"
+            found.append(("inertia", f"{show(self.inertia)}: {text}"))
+        if not given:
+            found.append(("mass", "missing: must be given (mass in kg, or inertia in kg m^2 for a body that turns)"))
+        if self.tied_to is None and self.ratio is not None:
+            found.append(("ratio", f"{show(self.ratio)}: needs tied_to: it says how far the body moves by another"))
+        if self.tied_to is not None and self.initial is not None:
+            text = "must be left out: a body that is tied to another has no state of its own"
+            found.append(("initial", f"{show(dict(self.initial))}: {text}"))
+        return found
+
+    def own_states(self, m: Elements) -> tuple[State, ...]:
+        """Position and velocity, unless it is tied to another or its velocity is given."""
+        y, v = self._motion()
+        return (y, v, *self._inner()) if self.free else (y,) if self.tied_to is None else ()
+
+    def _inner(self) -> tuple[State, ...]:
+        """The states of its plant."""
+        states = self.plant.states if self.velocity is None else ()
+        return tuple(State(s.name, s.unit, s.meaning, getattr(self.initial, s.name, 0.0)) for s in states)
+
+    def _motion(self) -> tuple[State, State]:
+        length = "rad" if self.turns else "m"
+        y, v = (0.0, 0.0) if self.initial is None else (self.initial.y, self.initial.v)
+        return State("y", length, "position", y), State("v", f"{length}/s", "velocity", v)
+
+    def columns(self, m: Elements) -> list[Column]:
+        """Position and velocity, and the states of its plant."""
+        return [Column(self.of(s.name), s.unit, s.meaning) for s in (*self._motion(), *self._inner())]
+
+    def equations(self, a: Assembly) -> None:
+        """The motion, before anything acts."""
+        if self.tied_to is not None:
+            leader, ratio = a.system.leader(self.name), a.system.tie(self.name)
+            a.k[self.of("y")] = ratio * symbol(leader.of("y"))
+            a.k[self.of("v")] = ratio * a.speed(leader)
+            return
+        a.k[self.of("y")], a.k[self.of("v")] = symbol(self.of("y")), a.speed(self)
+        a.k |= {self.of(s.name): symbol(self.of(s.name)) for s in self._inner()}
+
+    def obey(self, a: Assembly) -> None:
+        """The rates, when all forces are known."""
+        if self.tied_to is not None:
+            return
+        v = a.motion(self.name)[1]
+        a.rates[self.of("y")] = v
+        if self.velocity is None:
+            act(a, self)
+        else:  # what drives it supplies the forces on it
+            a.power_in = a.power_in - a.force[self.name] * v
+
+    def natural(self, scales: Mapping[str, Scales], m: Elements) -> dict[str, Value]:
+        """Those of its contacts."""
+        own = scales[self.name]
+        sizes = self.plant.state_scales(SimpleNamespace(**self.constants), own.length, own.speed, own.force)
+        inner = {self.of(s.name): x for s, x in zip(self.plant.states, sizes, strict=True)}
+        return {self.of("y"): own.length, self.of("v"): own.speed, **inner}
+
+    def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
+        """Bodies that are tied in a ring, each ring once."""
+        ring, at = [self.name], self.tied_to
+        while at is not None and at in m.machine.bodies and at not in ring:
+            ring.append(at)
+            at = m.machine.bodies[at].tied_to
+        if at != self.name or self.name != min(ring, key=list(m.machine.bodies).index):
+            return []
+        text = "a body cannot be tied to itself" if len(ring) == 1 else f"tied in a ring: {' -> '.join([*ring, at])}"
+        return [(("tied_to",), f"{show(self.tied_to)}: {text}")]

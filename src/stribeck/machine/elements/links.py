@@ -1,0 +1,113 @@
+"""Springs and dampers between bodies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from stribeck.constants import kind_of
+from stribeck.drives.base import Column
+from stribeck.equations import Events
+from stribeck.expressions.graph import Expr, wrap
+from stribeck.expressions.ops import Value, clip
+from stribeck.machine.element import (
+    GROUND,
+    NONE,
+    BetweenBodies,
+    BodyOrGround,
+    FarEnd,
+    Own,
+    force_unit,
+    ratio_constant,
+)
+from stribeck.machine.signal import SignalTable
+from stribeck.machine.table import Refers, quantity, refused
+
+if TYPE_CHECKING:
+    from stribeck.machine.assembly import Assembly
+    from stribeck.machine.machine import Elements
+
+FLANKS: Events = ("flank_up", "flank_up_left", "flank_down", "flank_down_left")
+
+
+def _start(value: object, info: object) -> object:
+    if isinstance(value, SignalTable):
+        return FarEnd(signal=value)
+    if isinstance(value, dict):
+        return FarEnd.model_validate(value, context=getattr(info, "context", None))
+    if not isinstance(value, str | FarEnd):
+        raise refused(f"must be a body's name, or a table with the signal of a far end, not {kind_of(value)}", value)
+    return value
+
+
+class Link(BetweenBodies, family=True):
+    """A spring and damper, with play between two flanks if ``gap`` is given.
+
+    A link of your own derives from this class, declares its constants, and overrides ``force`` and ``stored_energy``
+    (and ``rates``, with ``states``). What it dissipates follows.
+    """
+
+    section, plain = "links", "link"
+    kind: str = "link"
+    start: Annotated[str | FarEnd, Refers(("bodies",)), BeforeValidator(_start)] = Field(
+        alias="from", description="a body, or { signal = ... }, the position of a far end"
+    )
+    end: BodyOrGround = Field(alias="to", description="a body, or 'ground'")
+    stiffness: float = quantity("N/m", "stiffness, on the side of `to`", at_least=0, rotary_unit="N m/rad")
+    damping: float | None = quantity("N s/m", "damping", at_least=0, off_at_zero=True, rotary_unit="N m s/rad")
+    gap: float | None = quantity("m", "total play", at_least=0, off_at_zero=True, rotary_unit="rad")
+    ratio: float | None = ratio_constant()
+
+    def __init__(self, name: str, start: object, end: str = GROUND, **keys: Any) -> None:
+        super().__init__(name=name, start=start, end=end, **keys)
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # of Python alone, as in FileTable
+
+    def stretch(self, d: Value) -> Value:
+        """What the spring is stretched by: d, less the play."""
+        return d if self.gap is None else d - clip(d, -self.gap / 2, self.gap / 2)
+
+    def force(self, d: Value, w: Value, x: Own = NONE) -> Value:
+        """The force f: it acts as -ratio f on `from` and as f on `to`; with play as Modelica's ElastoBacklash, whose
+        damper acts in contact only and never pulls."""
+        f_c = self.stiffness * self.stretch(d)
+        if self.damping is None:
+            return f_c
+        if self.gap is None:
+            return f_c + self.damping * w
+        return f_c + clip(self.damping * w, -abs(f_c), abs(f_c))
+
+    def rates(self, d: Value, w: Value, x: Own) -> Own:
+        """The time derivatives of its own states."""
+        return NONE
+
+    def stored_energy(self, d: Value, x: Own = NONE) -> Value:
+        """The spring's energy, J."""
+        return self.stiffness * self.stretch(d) ** 2 / 2
+
+    def equations(self, a: Assembly) -> None:
+        """Act on both ends; what is not stored is dissipated."""
+        d, w, ratio = a.along(self)
+        x = {s.name: a.state(self, s.name) for s in self.states}
+        f = a.show(self.of("f"), self.force(d, w, x))
+        rates = {n: wrap(rate) for n, rate in self.rates(d, w, x).items()}
+        a.rates |= {self.of(n): rate for n, rate in rates.items()}
+        a.act(self, ratio, f)
+        a.account(lambda d: self.stored_energy(d, x), d, w, f, {x[n]: rate for n, rate in rates.items()}, self.far)
+
+    def watches(self, a: Assembly) -> tuple[Events, Expr] | None:
+        """The flanks of the play."""
+        return None if self.gap is None else (FLANKS, a.along(self)[0])
+
+    def level(self) -> Value:
+        """Half of the play."""
+        return None if self.gap is None else self.gap / 2
+
+    def columns(self, m: Elements) -> list[Column]:
+        """Its force."""
+        return [Column(self.of("f"), force_unit(self.turning(m)), "force of the link")]
+
+    def heading(self, m: Elements) -> str:
+        """See :class:`Element`."""
+        return f"Link {self.name}: {self.between()}."

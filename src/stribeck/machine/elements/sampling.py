@@ -1,0 +1,56 @@
+"""When a controller computes, what it reads of the motion, and what it remembers from sample to sample."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Annotated
+
+from pydantic import Field
+
+from stribeck.control.sampled import SAMPLING, Sampled
+from stribeck.expressions.graph import Expr, wrap
+from stribeck.expressions.ops import Value, exp, where
+from stribeck.machine.table import Aside, FileTable, given_as, quantity
+
+
+class Sampling(FileTable):
+    """When a controller computes, and what it reads of the motion."""
+
+    period: float = given_as(SAMPLING["period"])
+    delay: float = given_as(SAMPLING["delay"])
+    resolution: float | None = quantity(
+        "m", "step of the encoder; 0: none", at_least=0, off_at_zero=True, rotary_unit="rad"
+    )
+    noise: float | None = quantity(
+        "m", "standard deviation of the reading", at_least=0, off_at_zero=True, rotary_unit="rad"
+    )
+    bandwidth: float | None = given_as(SAMPLING["bandwidth"])
+    seed: Annotated[int, Aside(0)] = Field(
+        0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise"
+    )
+
+    @property
+    def form(self) -> Sampled:
+        """What of it changes the form of the equations."""
+        return Sampled(*(getattr(self, n) is not None for n in ("resolution", "noise", "bandwidth")))
+
+    def reading(self, y: Value) -> Value:
+        """What the encoder gives for the position y: with noise, rounded to the nearest count."""
+        return self.form.reading(SimpleNamespace(resolution=self.resolution, noise=self.noise), y)
+
+    @property
+    def memory(self) -> tuple[str, ...]:
+        """What the estimator of the speed remembers."""
+        return ("filter_y", "filter_v") if self.bandwidth is not None else ("last",)
+
+    def speed(self, first: Value, y: Expr, m: dict[str, Expr]) -> tuple[Expr, dict[str, Expr]]:
+        """The speed that the controller uses, and what the estimator remembers after this sample: a difference, or a
+        critically damped filter one period on with the reading held."""
+        if self.bandwidth is None:
+            return wrap(where(first, 0.0, (y - m["last"]) / self.period)), {"last": y}
+        was, v = where(first, y, m["filter_y"]), m["filter_v"]
+        decay, off = exp(-self.bandwidth * self.period), was - y
+        pull = v + self.bandwidth * off
+        filter_y = y + (off + pull * self.period) * decay
+        filter_v = (v - self.bandwidth * pull * self.period) * decay
+        return wrap(v + 0.0), {"filter_y": filter_y, "filter_v": filter_v}

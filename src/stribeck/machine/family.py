@@ -1,0 +1,87 @@
+"""Tables of several kinds: ``kind`` in the file picks the class, and a class registers itself by being defined."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Self
+
+from pydantic import GetJsonSchemaHandler
+
+from stribeck.constants import show
+from stribeck.errors import InputError, nearest
+from stribeck.kinds import find_class, in_a_file, of_a_file
+from stribeck.machine.table import FileTable, Reading, problems_at, unknown_key
+
+
+class NotExecuted(Exception):
+    """A table whose class is in a file that must not be executed yet."""
+
+
+class Family(FileTable):
+    """The base of tables with a ``kind``: ``class Load(Element, family=True)``, then ``class Pendulum(Load)`` is a kind."""
+
+    kind: str
+    family: ClassVar[type[Family]]
+    kinds: ClassVar[dict[str, type[Any]]]
+    plain: ClassVar[str] = ""  # the kind that a table without ``kind`` has
+    elsewhere: ClassVar[tuple[str, ...]] = ()  # kinds whose tables are not read here
+
+    def __init_subclass__(cls, family: bool = False, **more: Any) -> None:
+        super().__init_subclass__(**more)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, family: bool = False, **more: Any) -> None:
+        super().__pydantic_init_subclass__(**more)
+        if family:
+            cls.family, cls.kinds = cls, {}
+        kind = cls.model_fields["kind"].default
+        if isinstance(kind, str) and kind and not of_a_file(cls):
+            cls.kinds.setdefault(kind, cls)
+
+    @classmethod
+    def kind_for(cls, data: dict[str, Any], reading: Reading) -> type[Self]:
+        """The class of the table's kind; FILE.py:NAME is a class of the user's own."""
+        if cls is not cls.family:
+            return cls
+        if "kind" not in data and cls.plain:
+            return cls.kinds[cls.plain]
+        kind = data.get("kind")
+        if in_a_file(kind):
+            if not reading.executes:
+                raise NotExecuted
+            try:
+                return find_class(kind, reading.folder, cls.family)
+            except InputError as error:
+                raise problems_at([(("kind",), "; ".join(error.problems))]) from None
+        if isinstance(kind, str) and kind in cls.kinds:
+            return cls.kinds[kind]
+        every = [key for each in cls.kinds.values() for key in each.file_keys()]
+        found = [
+            ((key,), unknown_key(key, x, [*dict.fromkeys(every)]))
+            for key, x in data.items()
+            if key not in (*every, "name")
+        ]
+        allowed = f"one of {', '.join((*cls.kinds, *cls.elsewhere))}"
+        if "kind" not in data:
+            text = f"missing: must be given ({allowed})"
+        else:
+            guess = nearest(kind, cls.kinds) if isinstance(kind, str) else ""
+            text = f"{show(kind)}: must be {allowed}{guess}"
+        raise problems_at([*found, (("kind",), text)])
+
+    def to_table(self) -> dict[str, Any]:
+        """With the kind, unless that is the plain one."""
+        kind = {} if self.kind == self.plain else {"kind": self.kind}
+        return {**kind, **{n: x for n, x in super().to_table().items() if n != "kind"}}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Of a family, one of its kinds, or a table whose kind is a class in a file."""
+        node = super().__get_pydantic_json_schema__(schema, handler)
+        if cls is not cls.family:
+            return node
+        others = []
+        for each in (kind for kind in cls.kinds.values() if kind is not cls):
+            found = handler.resolve_ref_schema(handler(each.__pydantic_core_schema__))
+            others.append({**found, "required": [*dict.fromkeys(["kind", *found.get("required", ())])]})
+        own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
+        return {"anyOf" if cls.plain else "oneOf": [*([node] if cls.plain else []), *others, own]}

@@ -1,0 +1,209 @@
+"""Signals as tables: what users write, what a file holds, and how the equations refer to one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path, PurePath
+from types import SimpleNamespace
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field
+
+from stribeck import signals
+from stribeck.constants import Constant
+from stribeck.errors import InputError
+from stribeck.expressions.graph import Expr, symbol
+from stribeck.machine.family import Family
+from stribeck.machine.table import (
+    Carrier,
+    ConstantLeaf,
+    Held,
+    Problem,
+    Reading,
+    given_as,
+    joined,
+    problems_at,
+    unknown_key,
+)
+from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
+
+INPUT = "input"  # what an exported machine adds to a signal
+_INPUT = Constant("", "added to the signal", default=0.0)
+_TIMES, _VALUES = Constant("s", "times of the points"), Constant("", "the signal at these times")
+
+
+@dataclass(frozen=True)
+class SignalUse:
+    """A signal in the equations: a name for its numbers in the code, its table, its kind (None: straight pieces), whether
+    it is cut where it turns, and whether something is added to it from outside (an export's input)."""
+
+    name: str
+    path: str
+    kind: type[signals.Signal] | None
+    turns: bool = False
+    open: bool = False
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The numbers of a piece."""
+        return fields(self.kind, self.turns)
+
+    def constants(self) -> dict[str, Constant]:
+        """The constants of a run."""
+        own = {n: self.kind.constants[n] for n in constants(self.kind)} if self.kind else {}
+        return {**own, INPUT: _INPUT} if self.open else own
+
+    def reference(self, t: Expr) -> Reference:
+        """The signal and its derivatives at the time t."""
+        values = {n: symbol(f"segment.{joined(self.name, n, '_')}") for n in self.fields}
+        values |= {n: symbol(f"{self.path}.{n}") for n in self.constants()}
+        found = reference(self.kind, SimpleNamespace(**values), t, values.get(DIRECTION, 0.0))
+        return replace(found, value=found.value + values[INPUT]) if self.open else found
+
+
+class SignalTable(Family, family=True):
+    """A signal of time: a table with ``kind`` and its constants."""
+
+    made_by: ClassVar[type[Any]]  # the class that has the equation
+
+    @cached_property
+    def built(self) -> signals.Signal:
+        """The signal itself."""
+        keys = {info.alias or name: name for name, info in type(self).model_fields.items()}
+        made: signals.Signal = self.made_by({n: getattr(self, keys[n]) for n in self.made_by.constants})
+        return made
+
+    def leaves(self, path: str) -> Iterator[ConstantLeaf]:
+        """Its constants, if the equation takes them; others make pieces."""
+        return super().leaves(path) if self._in_code() else iter(())
+
+    def _in_code(self) -> bool:
+        return bool(constants(self.made_by if self.made_by.smooth else None))
+
+    def carrying(self, path: str, carrier: Carrier) -> Held:
+        """In the structure, how equations refer to it: by a name for its pieces and a path for its constants."""
+        if not carrier.structure:
+            return super().carrying(path, carrier) if self._in_code() else self
+        words = path.split(".")
+        name = f"{words[1]}_{words[3]}" if words[2:3] == ["factors"] else words[1]
+        return SignalUse(name, path, self.made_by if self.made_by.smooth else None)
+
+
+class _Through(SignalTable):
+    """A signal through points."""
+
+    positional = ("t", "value")
+    kind: str = ""
+    t: tuple[float, ...] = given_as(_TIMES, many=True, in_code=False)
+    value: tuple[float, ...] = given_as(_VALUES, many=True, in_code=False)
+
+    @cached_property
+    def built(self) -> signals.Signal:
+        """See :class:`SignalTable`."""
+        made: signals.Signal = self.made_by(np.array(self.t), np.array(self.value))
+        return made
+
+    def wrong(self) -> list[Problem]:
+        """Times that do not increase, lists of two lengths and the like."""
+        return list(self.made_by.problems(np.array(self.t), np.array(self.value)))
+
+
+class Points(_Through):
+    """Straight lines between points, constant outside; two equal times make a jump."""
+
+    made_by = signals.PointsSignal
+    kind: Literal["points"] = "points"
+
+
+class Ramp(SignalTable):
+    """rate * t."""
+
+    made_by, positional = signals.RampSignal, ("rate",)
+    kind: Literal["ramp"] = "ramp"
+    rate: float = given_as(signals.RampSignal.constants["rate"])
+
+
+class Sine(SignalTable):
+    """offset + amplitude sin(2 pi frequency t + phase); frequency in Hz, phase in rad."""
+
+    made_by, positional = signals.SineSignal, ("amplitude", "frequency", "offset", "phase")
+    kind: Literal["sine"] = "sine"
+    amplitude: float = given_as(signals.SineSignal.constants["amplitude"])
+    frequency: float = given_as(signals.SineSignal.constants["frequency"])
+    offset: float = given_as(signals.SineSignal.constants["offset"])
+    phase: float = given_as(signals.SineSignal.constants["phase"])
+
+
+class Step(SignalTable):
+    """0 before ``at`` (s), ``value`` from then on."""
+
+    made_by = signals.StepSignal
+    kind: Literal["step"] = "step"
+    value: float = given_as(signals.StepSignal.constants["value"])
+    at: float = given_as(signals.StepSignal.constants["time"], alias="time")
+
+    def __init__(self, value: float, at: float = 0.0) -> None:
+        super().__init__(value=value, at=at)  # type: ignore[call-arg]
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # of Python alone, as in FileTable
+
+
+def _text_of_path(value: object) -> object:
+    return str(value) if isinstance(value, PurePath) else value
+
+
+class File(SignalTable):
+    """Two columns of a CSV, Parquet, MAT or NPZ file, read as points."""
+
+    made_by, positional = signals.FileSignal, ("path", "time", "value")
+    kind: Literal["file"] = "file"
+    scale: float = given_as(signals.FileSignal.constants["scale"], in_code=False)
+    path: Annotated[str, BeforeValidator(_text_of_path)] = Field(
+        min_length=1, description="CSV, Parquet, MAT or NPZ file, relative to the scenario file"
+    )
+    time: str = Field(description="name of the column of times")
+    time_unit: str = Field("s", description="unit of that column, such as ms")
+    value: str = Field(description="name of the column of values")
+    unit: str | None = Field(None, description="unit of that column, such as mm; SI unless given")
+    folder: Path | None = Field(None, exclude=True)  # None: written in Python, and read when its machine is made
+
+    @classmethod
+    def completed(cls, data: dict[str, Any], reading: Reading) -> dict[str, Any]:
+        """Relative paths begin in the scenario's folder."""
+        if "folder" in data:
+            raise problems_at([(("folder",), unknown_key("folder", data["folder"], cls.file_keys()))])
+        return {**data, "folder": reading.folder} if reading.of_file else data
+
+    @cached_property
+    def built(self) -> signals.Signal:
+        """See :class:`SignalTable`."""
+        columns = ((self.folder or Path()) / self.path, self.time, self.value)
+        return signals.FileSignal.read(*columns, self.unit, self.time_unit, self.scale)
+
+    def wrong(self) -> list[Problem]:
+        """What the file does not hold."""
+        if self.folder is None:
+            return []
+        try:
+            self.built  # noqa: B018
+        except InputError as error:
+            keyed = (text.partition(": ") for text in error.problems)
+            return [("path" if key == "data" else key, text) for key, _, text in keyed]
+        return []
+
+
+class PointToPoint(_Through):
+    """Moves from point to point that begin and end without speed, acceleration and jerk."""
+
+    made_by = signals.PointToPointSignal
+    kind: Literal["point_to_point"] = "point_to_point"
+
+
+class Spline(_Through):
+    """A spline of order seven through points, at rest at the first and the last."""
+
+    made_by = signals.SplineSignal
+    kind: Literal["spline"] = "spline"
