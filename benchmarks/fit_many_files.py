@@ -1,4 +1,4 @@
-"""Processor seconds of static fits of much data: 54 constant-speed files of 28 000 rows, and 50 000 rows with --select.
+"""Processor seconds of static fits of much data: 54 constant-speed files of 28 000 rows, and 50 000 rows with a choice of forms.
 
 The data are synthetic: a joint with a Stribeck curve, viscous friction, an offset, white force noise and an encoder.
 Whole commands are timed, reading, fit, intervals, pictures and page; user and system time of the process and its children.
@@ -21,7 +21,7 @@ STEP = 1e-3
 JOBS = {
     "files, stribeck": ["--law", "stribeck"],
     "files, any law": [],
-    "select, stribeck": ["--law", "stribeck", "--select"],
+    "select, stribeck": ["--law", "stribeck"],
     "select, any law": [],
 }
 

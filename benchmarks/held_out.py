@@ -1,39 +1,19 @@
-"""Is the default static fit ever worse than least squares, or a tanh-Stribeck fit of SciPy, on a record that none has seen?
-
-Machines at random, whose friction is mostly none of our laws: asymmetric, Stribeck with an offset, drifting with
-temperature, cogging, backlash-like hysteresis, a plain Coulomb level; noise of speed and force; rests, one direction only,
-few speeds. Each makes two records with other motions. All fit the first and predict the second, over the rows in motion; those
-within 0.1 s of rest, where the speed jumps, are neither fitted by SciPy nor compared.
-
-    python benchmarks/held_out.py [--cases 100] [--first 0] [--out FILE]
-"""
+"""Machines whose friction is mostly none of our laws, with measured speeds; and the plain fits that a user would write."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import tempfile
-import warnings
-from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.optimize import curve_fit
-from scipy.stats import binomtest
 
-import stribeck
-from stribeck.identify.api import read_log
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
-from stribeck.identify.predict import load, predict, saved
 
-RESULTS = Path(__file__).parent / "results" / "held_out.json"
 FRICTION = ("coulomb", "stribeck", "asymmetric", "temperature", "cogging", "hysteresis")
 BESIDE = 50  # rows beside rest that are not compared, nor fitted by SciPy: 0.1 s
 MOTION = ("mixed", "one way", "steps", "with rest")
 STEP, ROWS = 2e-3, 3000
-BLOCK = 125  # rows
 
 
 def motion(draw: np.random.Generator, kind: str) -> np.ndarray:
@@ -108,84 +88,7 @@ def tanh_stribeck(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.nd
     return lambda v, a, beside=None: curve((v, a, beside), *found)
 
 
-def one(seed: int) -> dict[str, Any]:
-    """The errors on the second record, as shares of its force."""
-    draw = np.random.default_rng(seed)
-    kind, moves = FRICTION[seed % len(FRICTION)], MOTION[seed // len(FRICTION) % len(MOTION)]
-    m = machine(draw, kind)
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        paths = [Path(folder) / name for name in ("first.npz", "second.npz")]
-        for path in paths:
-            np.savez(path, **record(m, motion(draw, moves), draw))
-        names = {"time": "t", "velocity": "v", "force": "F"}
-        fit = stribeck.fit(paths[0], **names)
-        fit = getattr(fit, "best", fit)
-        (Path(folder) / "fit.json").write_text(saved(fit), encoding="utf-8")
-        first, second = (read_log(path, columns=names) for path in paths)
-        model = load(folder)
-        found = predict(model, second)
-        rows, tested = away_from_rest(first), away_from_rest(second)
-        size = float(np.linalg.norm(second.force[tested]))
-        left = {"ours": (found.traces.measured - found.traces.fitted)[tested]}
-        errors = {"ours": float(np.linalg.norm(left["ours"])) / size}
-        for name, way in (("least squares", least_squares), ("tanh-Stribeck", tanh_stribeck)):
-            there = way(first.velocity[rows], first.acceleration[rows], first.force[rows])
-            if there is not None:
-                left[name] = second.force[tested] - there(second.velocity[tested], second.acceleration[tested])
-                errors[name] = float(np.linalg.norm(left[name])) / size
-    best = min((n for n in errors if n != "ours"), key=lambda n: errors[n])
-    told = {"worse": float(np.log(errors["ours"] / errors[best])), "standard_error": scatter(left["ours"], left[best])}
-    return {
-        "friction": kind, "motion": moves, "law": model.law, "values": sorted(model.values), "errors": errors, **told,
-    }  # fmt: skip
-
-
 def away_from_rest(log: Log) -> np.ndarray:
     """The rows in motion, and not so near to rest that a filter mixes the two: the speed jumps there, and the acceleration of
     a jump is the filter's."""
     return ~np.convolve(np.pad(at_rest(log), BESIDE, mode="edge"), np.ones(2 * BESIDE + 1), "valid").astype(bool)
-
-
-def scatter(one: np.ndarray, other: np.ndarray) -> float:
-    """The standard error of the logarithm of the ratio of two errors on one record: its quarters of a second drawn anew."""
-    blocks = [np.add.reduceat(x * x, np.arange(0, len(x), BLOCK)) for x in (one, other)]
-    draw = np.random.default_rng(0)
-    taken = draw.integers(0, len(blocks[0]), (1000, len(blocks[0])))
-    return float(np.std(np.log(blocks[0][taken].sum(1) / blocks[1][taken].sum(1)) / 2))
-
-
-def counted(of: Callable[[int], dict[str, Any]], given: argparse.Namespace) -> dict[str, Any]:
-    """Run the cases that are asked for, and name those where ours is worse by more than a hundredth of the error.
-
-    Beside stands by how much (in logarithms), and the standard error of that on this one record. Last the count, with the 95 %
-    interval of its rate (Clopper and Pearson). Returns the cases.
-    """
-    found: dict[str, Any] = {}
-    for seed in range(given.first, given.first + given.cases):
-        found[str(seed)] = case = of(seed)
-        shown = {n: round(e, 4) for n, e in case["errors"].items()}
-        told = f"{case['worse']:+.2%} +- {case['standard_error']:.2%}"
-        worse = "WORSE" if case["worse"] > 0.01 else ""
-        print(seed, case["friction"], case["motion"], case["law"], shown, told, worse, flush=True)
-        given.out.write_text(json.dumps({"cases": found}, indent=1) + "\n", encoding="utf-8")
-    good = sum(case["worse"] <= 0.01 for case in found.values())
-    rate = binomtest(good, len(found)).proportion_ci()
-    mean = float(np.mean([case["worse"] for case in found.values()]))
-    print(f"{good} of {len(found)} within a hundredth or better: {rate.low:.1%} to {rate.high:.1%}; mean {mean:+.2%}")
-    return found
-
-
-def asked(told: str | None, cases: int, out: Path, further: Mapping[str, int] | None = None) -> argparse.Namespace:
-    """The options; ``further`` whole numbers with their defaults."""
-    parser = argparse.ArgumentParser(description=told, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", type=int, default=cases)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--out", type=Path, default=out)
-    for name, usual in (further or {}).items():
-        parser.add_argument(f"--{name}", type=int, default=usual)
-    return parser.parse_args()
-
-
-if __name__ == "__main__":
-    counted(one, asked(__doc__, 100, RESULTS))

@@ -1,23 +1,12 @@
-"""held_out_rigs.py's question for kinds of rigs that no rule of the fit was made on.
-
-A motor that moves a load behind a gap (play) or an elastic shaft, whose share of the friction is behind it, by SciPy's LSODA;
-friction after Dahl, that turns round over a way; friction that warms up; a weight and a spring, or a spring alone; a torque from
-a coarse current; two ripples; a slow servo that hardly makes a swing; 3 s, 30 minutes, and 50 samples a second.
-
-    python benchmarks/held_out_kinds.py [--cases 36] [--first 0] [--motions 3] [--out FILE]
-"""
+"""Kinds of rigs of which no rule of the fit was made: a gap or an elastic shaft, Dahl's friction, warmth, springs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
-from held_out import asked, counted
-from held_out_rigs import one, told_of_motions
 from scipy.integrate import solve_ivp
 
-RESULTS = Path(__file__).parent / "results" / "held_out_kinds.json"
 KINDS = (
     "gap",
     "shaft",
@@ -122,10 +111,3 @@ def record(m: dict[str, float], kind: str, draw: np.random.Generator) -> dict[st
     if kind == "current":
         force = m["current"] * np.round(force / m["current"])
     return {"t": t, "y": m["step"] * np.round(y / m["step"]), "F": force}
-
-
-if __name__ == "__main__":
-    given = asked(__doc__, 36, RESULTS, {"motions": 3})
-    found = counted(lambda seed: one(seed, given.motions, (KINDS, machine, record)), given)
-    if given.motions > 1:
-        told_of_motions(found)

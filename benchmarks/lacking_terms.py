@@ -1,39 +1,19 @@
-"""Do 95 % intervals of static fits hold the truth, where the model is complete and where it lacks something?
-
-Records with known truth: three sines, a position with noise, a tanh-Stribeck friction. Half of them hold nothing else (a note of
-lacking terms is then a false alarm); the others hold a delay, a direction, a weight, a spring, a level that grows with the
-position or the time, or a stronger level forwards, from 0.3 to 30 % of the friction. Each is fitted by the law behind it
-without that term, and by least squares (coulomb_viscous), which lacks the Stribeck curve in every second one. Further ones
-have a friction that bends upwards with the speed, by a power of it, beside a Stribeck bend that may be too narrow to be seen, or
-a Stribeck curve of another exponent than the law's 2.
-
-    python benchmarks/lacking_terms.py [--cases 280] [--first 0] [--bent 60] [--pointed 35] [--out FILE]
-"""
+"""Records whose friction law lacks a term, bends otherwise, or has another exponent: the truth stands beside each."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import warnings
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from held_out import ROWS, STEP, machine
 
-import stribeck
-from stribeck.identify.api import read_log
-
-RESULTS = Path(__file__).parent / "results" / "lacking_terms.json"
+Made = tuple[str, dict[str, np.ndarray], dict[str, float], Callable[[float], float] | None]
 POWERS = (2.0, 1.5, 3.0, 0.5)  # of the speed, in records that bend otherwise
 EXPONENTS = (1.0, 1.0, 0.7, 1.5, 2.0)  # of the Stribeck curve, in records that are pointed
 LACKS = ("delay", "direction", "weight", "spring", "position", "time", "forwards")
-LAWS = ("stribeck_tanh", "coulomb_viscous")
-OF_BENT = ("stribeck", *LAWS)
-OF_BOTH = ("mass", "offset", "F_c", "sigma_2")
 
 
-def record(seed: int) -> tuple[str, dict[str, np.ndarray], dict[str, float]]:
+def record(seed: int) -> Made:
     """What the record holds beside the law, the record, and the truth of each number that has one."""
     draw = np.random.default_rng(seed)
     what = LACKS[seed // 2 % len(LACKS)] if seed % 2 else "nothing"
@@ -56,10 +36,17 @@ def record(seed: int) -> tuple[str, dict[str, np.ndarray], dict[str, float]]:
     if what == "forwards":  # friction has two levels then, and an offset of half their difference
         truth = {n: truth[n] for n in ("mass", "sigma_2", "k_v")}
     measured = measured + noise * draw.standard_normal(len(t))
-    return what, {"t": t, "y": measured, "F": force + m["force_noise"] * draw.standard_normal(len(t))}, truth
+    plain = what in ("nothing", "delay", "weight", "spring")
+    told = {"t": t, "y": measured, "F": force + m["force_noise"] * draw.standard_normal(len(t))}
+
+    def friction(u: float) -> float:
+        rise = m["dF"] * np.exp(-((u / m["v_s"]) ** 2))
+        return float((m["F_c"] + rise) * np.tanh(u / m["width"]) + m["sigma_2"] * u)
+
+    return what, told, truth, friction if plain else None
 
 
-def bent(seed: int) -> tuple[str, dict[str, np.ndarray], dict[str, float]]:
+def bent(seed: int) -> Made:
     """As :func:`record`, of a curve that bends upwards with the speed, beside a Stribeck bend that may be too narrow to be
     seen: a law that lacks the one spends its bend on it, far from where the truth has the other."""
     draw = np.random.default_rng(seed)
@@ -75,10 +62,14 @@ def bent(seed: int) -> tuple[str, dict[str, np.ndarray], dict[str, float]]:
     curve = level * (1 + rises * np.exp(-((v / v_s) ** 2))) + viscous * abs(v) + bends * abs(v) ** power
     force = mass * a + curve * np.sign(v) + offset + level * noise * draw.standard_normal(len(t))
     truth = {"mass": mass, "offset": offset, "F_c": level, "sigma_2": viscous, "F_s": level * (1 + rises), "v_s": v_s}
-    return f"bent, |v|^{power:g}", {"t": t, "y": y, "F": force}, truth
+
+    def friction(u: float) -> float:
+        return float(level * (1 + rises * np.exp(-((u / v_s) ** 2))) + viscous * u + bends * u**power)
+
+    return f"bent, |v|^{power:g}", {"t": t, "y": y, "F": force}, truth, friction
 
 
-def pointed(seed: int) -> tuple[str, dict[str, np.ndarray], dict[str, float]]:
+def pointed(seed: int) -> Made:
     """As :func:`record`, of a Stribeck curve whose exponent may be another than 2."""
     draw = np.random.default_rng(seed)
     exponent, level = EXPONENTS[seed % len(EXPONENTS)], float(np.exp(draw.uniform(-1, 2)))
@@ -96,94 +87,8 @@ def pointed(seed: int) -> tuple[str, dict[str, np.ndarray], dict[str, float]]:
     curve = level * (1 + rises * np.exp(-(abs(v / v_s) ** exponent))) + viscous * abs(v)
     force = mass * a + curve * np.sign(v) + offset + level * noise * draw.standard_normal(len(t))
     truth = {"mass": mass, "offset": offset, "F_c": level, "sigma_2": viscous, "F_s": level * (1 + rises)}
-    return f"pointed, |v/v_s|^{exponent:g}", {"t": t, "y": y, "F": force}, truth
 
+    def friction(u: float) -> float:
+        return float(level * (1 + rises * np.exp(-((u / v_s) ** exponent))) + viscous * u)
 
-def one(made: tuple[str, dict[str, np.ndarray], dict[str, float]], laws: tuple[str, ...] = LAWS) -> dict[str, Any]:
-    """By law: the numbers that have a truth, with verdict and interval; and whether terms are said to lack."""
-    what, columns, truth = made
-    case: dict[str, Any] = {"holds beside": what}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        log = read_log(columns, columns={"time": "t", "position": "y", "force": "F"})
-        for law in laws:
-            try:
-                fit = stribeck.fit(log, law, select=False)
-            except stribeck.StribeckError as error:
-                case[law] = {"failed": str(error).splitlines()[0]}
-                continue
-            told = {**fit.estimates, **fit.body}
-            case[law] = {
-                "said to lack": any("of the squared residual away: intervals" in note for note in fit.notes),
-                "numbers": {
-                    n: held(told[n], x) for n, x in truth.items() if n in told and (law != LAWS[1] or n in OF_BOTH)
-                },
-            }
-    return case
-
-
-def held(told: Any, truth: float) -> dict[str, Any]:
-    """The verdict on a number, its interval, and whether that holds the truth."""
-    holds = (told.low is None or told.low <= truth) and (told.high is None or truth <= told.high)
-    return {
-        "truth": truth, "value": told.value, "low": told.low, "high": told.high, "known": told.identifiable, "holds": bool(holds),
-    }  # fmt: skip
-
-
-def summary(cases: list[dict[str, Any]], law: str) -> dict[str, Any]:
-    """How many intervals of numbers called known hold, of how many; records said to lack terms; and the median of the
-    error in halves of the interval (0.34 where these are neither too wide nor too narrow)."""
-    fits = [case[law] for case in cases if "numbers" in case[law]]
-    told = [e for fit in fits for e in fit["numbers"].values()]
-    known = [e for e in told if e["known"] and e["high"] > e["low"]]
-    wide = [2 * abs(e["value"] - e["truth"]) / (e["high"] - e["low"]) for e in known]
-    return {
-        "records": len(cases), "said to lack": sum(fit["said to lack"] for fit in fits), "numbers": len(told),
-        "known": len(known), "hold": sum(e["holds"] for e in known),
-        "median error in halves": round(float(np.median(wide)), 3) if wide else None,
-    }  # fmt: skip
-
-
-def counted(cases: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    """The counts by law and by what the records hold, and each number called known that is missed."""
-    kinds = ["nothing", *LACKS, *(f"bent, |v|^{power:g}" for power in POWERS)]
-    kinds += [f"pointed, |v/v_s|^{exponent:g}" for exponent in dict.fromkeys(EXPONENTS)]
-    counts = {
-        f"{law}, {'complete' if what == 'nothing' else what}": summary(chosen, law)
-        for law in OF_BENT
-        for what in kinds
-        if (chosen := [case for case in cases.values() if case["holds beside"] == what and law in case])
-    }
-    missed = {
-        f"{key}, {law}, {case['holds beside']}, {n}": e
-        for key, case in cases.items() for law in OF_BENT for n, e in case.get(law, {}).get("numbers", {}).items()
-        if e["known"] and not e["holds"]
-    }  # fmt: skip
-    return {"counts": counts, "missed": missed}
-
-
-def main() -> None:
-    """Run the cases that are asked for and print the counts."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", type=int, default=280)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--bent", type=int, default=60)
-    parser.add_argument("--pointed", type=int, default=35)
-    parser.add_argument("--out", type=Path, default=RESULTS)
-    given = parser.parse_args()
-    cases: dict[str, dict[str, Any]] = {}
-    for seed in range(given.first, given.first + given.cases):
-        cases[str(seed)] = one(record(seed))
-        given.out.write_text(json.dumps(counted(cases), indent=1) + "\n", encoding="utf-8")
-    for seed in range(given.first, given.first + given.bent):
-        cases[f"bent {seed}"] = one(bent(seed), OF_BENT)
-        given.out.write_text(json.dumps(counted(cases), indent=1) + "\n", encoding="utf-8")
-    for seed in range(given.first, given.first + given.pointed):
-        cases[f"pointed {seed}"] = one(pointed(seed), OF_BENT[:2])
-        given.out.write_text(json.dumps(counted(cases), indent=1) + "\n", encoding="utf-8")
-    for name, count in counted(cases)["counts"].items():
-        print(name, count)
-
-
-if __name__ == "__main__":
-    main()
+    return f"pointed, |v/v_s|^{exponent:g}", {"t": t, "y": y, "F": force}, truth, friction

@@ -1,32 +1,11 @@
-"""Do intervals of static fits hold the truth where the machine's friction is another law altogether?
-
-Records with known truth, made by equations that stand here alone: Maxwell slips (GMS), levels and slopes that differ by the
-direction, a gear whose friction grows with what it transmits, a belt whose level goes round with the pulley, two contacts with
-unlike Stribeck speeds, bristles that bend far (LuGre, Dahl), a servo that sticks (Karnopp), a Stribeck curve that lags behind
-the speed (frictional memory), friction that grows with the root of the speed; and friction that the laws hold whole. Motions
-that a user makes, an encoder's noise and steps. Truth is what the steady friction has: F_s where the speed tends to 0, F_c
-where the Stribeck bend has ended, extrapolated to 0 by the slope sigma_2.
-
-    python benchmarks/other_friction.py [--cases 20] [--first 0] [--kinds gms,worm] [--laws stribeck,best] [--out FILE]
-"""
+"""Records whose friction is another law altogether: Maxwell slips, bristles, a gear, a belt, memory, a servo."""
 
 from __future__ import annotations
 
-import argparse
-import json
-import warnings
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from lacking_terms import held
 
-import stribeck
-from stribeck.identify.api import read_log
-
-RESULTS = Path(__file__).parent / "results" / "other_friction.json"
-LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh", "best")
 MOTIONS = ("sine", "to and fro", "constant speeds", "several sines")
 STEP, WITHIN, LASTS = 2e-3, 10, 16.0  # s between rows; steps of the friction in one; s of a record
 OF_ALL = ("mass", "F_c", "sigma_2")
@@ -223,66 +202,3 @@ def record(kind: str, seed: int) -> tuple[dict[str, np.ndarray], dict[str, float
     force = force + m["noise"] * draw.standard_normal(len(force))
     truth = {n: m[n] for n in (*OF_ALL, *further) if m["F_s"] > m["F_c"] or n not in ("F_s", "v_s")}
     return {"t": np.arange(len(y)) * STEP, "y": y, "F": force}, truth, moves
-
-
-def one(kind: str, seed: int, laws: tuple[str, ...]) -> dict[str, Any]:
-    """By law: the numbers that have a truth, with verdict and interval."""
-    columns, truth, moves = record(kind, seed)
-    case: dict[str, Any] = {"friction": kind, "motion": moves}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        log = read_log(columns, columns={"time": "t", "position": "y", "force": "F"})
-        for law in laws:
-            try:
-                found = stribeck.fit(log) if law == "best" else stribeck.fit(log, law, select=False)
-            except stribeck.StribeckError as error:
-                case[law] = {"failed": str(error).splitlines()[0]}
-                continue
-            fit = getattr(found, "best", found)
-            told = {**fit.estimates, **fit.body}
-            case[law] = {
-                "law": fit.law, "misfit": fit.details["misfit_share"], "missed": fit.relative_force_error,
-                "terms": [n for n in fit.body if n not in ("mass", "offset")],
-                "numbers": {n: held(told[n], x) | {"why": told[n].why} for n, x in truth.items() if n in told},
-            }  # fmt: skip
-    return case
-
-
-def counted(cases: dict[str, dict[str, Any]], laws: tuple[str, ...]) -> dict[str, Any]:
-    """By kind and law: how many numbers there are, are called known, and hold; and each that is missed."""
-    counts: dict[str, Any] = {}
-    missed = {}
-    for key, case in cases.items():
-        for law in laws:
-            here = counts.setdefault(f"{case['friction']}, {law}", {"records": 0, "numbers": 0, "known": 0, "hold": 0})
-            here["records"] += 1
-            for name, e in case[law].get("numbers", {}).items():
-                here["numbers"] += 1
-                here["known"] += e["known"]
-                here["hold"] += e["known"] and e["holds"]
-                if e["known"] and not e["holds"]:
-                    missed[f"{key}, {case['motion']}, {law}, {name}"] = e
-    return {"counts": counts, "missed": missed}
-
-
-def main() -> None:
-    """Run the cases that are asked for and print the counts."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", type=int, default=20)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--kinds", default=",".join(KINDS))
-    parser.add_argument("--laws", default=",".join(LAWS))
-    parser.add_argument("--out", type=Path, default=RESULTS)
-    given = parser.parse_args()
-    laws = tuple(given.laws.split(","))
-    cases: dict[str, dict[str, Any]] = {}
-    for kind in given.kinds.split(","):
-        for seed in range(given.first, given.first + given.cases):
-            cases[f"{kind} {seed}"] = one(kind, seed, laws)
-            given.out.write_text(json.dumps(counted(cases, laws), indent=1) + "\n", encoding="utf-8")
-    for name, count in counted(cases, laws)["counts"].items():
-        print(name, count)
-
-
-if __name__ == "__main__":
-    main()

@@ -147,5 +147,5 @@ def test_a_fit_as_a_table(law):
     html = fit._repr_html_()
     assert "<td>F_c</td>" in html
     assert "coulomb_viscous, static fit" in html
-    assert repr(fit).startswith("<Fit coulomb_viscous, static, error ")
+    assert repr(fit).startswith("<Fit coulomb_viscous, static, relative residual ")
     assert "array" not in repr(fit)

@@ -18,9 +18,9 @@ SHORT = dict(re.findall(r"^    ([A-Z]+)='(.*)'$", TABLE, re.M))
 
 
 def test_the_table_has_every_record():
-    assert len(ROWS) == 11
+    assert len(ROWS) == 8
     told = " ".join(command for command, _ in ROWS)
-    for name in ("DATA_EMPS.mat", "sysid", "direct_collocation", "energy_shaping", "257_1bar", "257_7bar", "257_?bar"):
+    for name in ("DATA_EMPS.mat", "sysid", "direct_collocation", "energy_shaping", "257_3bar", "257_?bar"):
         assert name in told
 
 
@@ -33,8 +33,7 @@ def test_a_row_is_what_its_command_prints(command, numbers, monkeypatch, capsys)
     words = [str(p) for word in shlex.split(command) for p in (sorted(Path().glob(word)) if "?" in word else [word])]
     assert _status(["fit", *words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    left_out = {c["name"]: c["cross_validated_error"] for c in found["candidates"]}
     values = [found["relative_force_error"], found["friction_error"], found["cross_validated_error"]]
-    values += [left_out["least squares"], left_out["tanh-Stribeck"]]
-    told = [float(cell.split()[0]) for cell in numbers.split("|")]
-    assert told == pytest.approx([100 * x for x in values], abs=0.011, rel=2e-3)
+    law, *cells = (cell.strip() for cell in numbers.split("|"))
+    assert law == found["law"]
+    assert [float(cell.split()[0]) for cell in cells] == pytest.approx([100 * x for x in values], abs=0.011, rel=2e-3)

@@ -75,9 +75,9 @@ def test_what_no_recording_can_be(place, stribeck, change, text):
 def test_options_of_a_log_are_refused_beside_recordings(place, stribeck):
     """They were taken without a word, and did nothing."""
     logs(place, ["run.csv"], WANTED)
-    done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--position", "y", "--mass", "3", "--robust")
+    done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--position", "y", "--mass", "3", "--no-forms")
     assert done.status == 2
-    assert [line.partition(":")[0] for line in done.err.splitlines()] == ["--position", "--mass", "--robust"]
+    assert [line.partition(":")[0] for line in done.err.splitlines()] == ["--position", "--mass", "--no-forms"]
 
 
 @pytest.mark.parametrize(("rest", "size"), [(0.0, 1e15), (1.0, 1e9), (1.0, -1e15)])

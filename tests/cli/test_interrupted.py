@@ -120,8 +120,8 @@ def test_a_check_over_that_of_another_law(stribeck, tmp_path):
 def test_a_fit_over_one_of_another_kind(tmp_path):
     """machine.toml of an older fit stood beside the numbers of another one."""
     (tmp_path / "fit.json").write_text(saved(SimpleNamespace(
-        law="lugre", method="static", fixed={}, used={}, details={}, relative_force_error=0.1, cross_validated_error=None,
-        data_hash="",
+        law_name="lugre", method="static", fixed={}, used={}, details={}, relative_force_error=0.1,
+        cross_validated_error=None, data_hash="", parameters={}, predictor=None,
     )))  # fmt: skip
     failed = SimpleNamespace(status="failed", reason="why", parameters={})
     with pytest.MonkeyPatch.context() as patch:
@@ -377,7 +377,7 @@ def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, m
         "--law",
         "coulomb_viscous",
     ]
-    assert _status([*words, "--no-select", "--out", str(tmp_path / "out")]) == 130
+    assert _status([*words, "--no-forms", "--out", str(tmp_path / "out")]) == 130
     said = capsys.readouterr()
     assert "F_c" in said.out
     assert "interrupted" in said.err

@@ -97,11 +97,3 @@ def test_a_range_that_is_none_is_refused(tmp_path, range_):
     (tmp_path / "fit.json").write_text(json.dumps(data), encoding="utf-8")
     with pytest.raises(InputError, match=r"seen: .*: must be a table of ranges"):
         load(tmp_path)
-
-
-def test_older_fits_tell_no_ranges(tmp_path):
-    data = json.loads(saved(stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES)))
-    del data["seen"]
-    data["format"] = 1
-    (tmp_path / "fit.json").write_text(json.dumps(data), encoding="utf-8")
-    assert predict(load(tmp_path), read_log(rig(0.4), columns=NAMES)).beyond is None

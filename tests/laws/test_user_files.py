@@ -234,7 +234,7 @@ def test_a_fit_with_a_law_that_has_no_force_at_the_records_speeds(tmp_path, caps
 def test_a_fit_with_a_law_for_one_direction_of_a_record_in_that_direction(tmp_path):
     v = 0.02 + 0.015 * np.sin(0.03 * np.arange(600))
     path = record(tmp_path, v, 2.0 * np.sqrt(v))
-    found = fit(path, one_sided(tmp_path, "p.c * sqrt(v)"), time="t", position="y", force="F", select=False)
+    found = fit(path, one_sided(tmp_path, "p.c * sqrt(v)"), time="t", position="y", force="F", forms=False)
     assert found.estimates["c"].value == pytest.approx(2.0, rel=2e-3)
 
 

@@ -18,6 +18,8 @@ from stribeck.cli import design as design
 from stribeck.cli.commands import export as export
 from stribeck.cli import exchange as exchange
 from stribeck.cli import library as library
+from stribeck.cli import fit as fit
+from stribeck.cli import predict as predict
 from stribeck.cli.commands import measured as measured
 # isort: on
 

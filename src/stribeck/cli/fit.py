@@ -3,40 +3,230 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from stribeck.cli import show
-from stribeck.cli.options import said
+import typer
+
+from stribeck.cli import record, show
+from stribeck.cli.record import (
+    ADVANCED,
+    Acceleration,
+    Command,
+    Data,
+    Force,
+    GainOrName,
+    Load,
+    Position,
+    Pressure,
+    Run,
+    Time,
+    UnitOrSI,
+    Velocity,
+)  # fmt: skip
+from stribeck.cli.shared import Json, Out, app
 from stribeck.cli.text import say
-from stribeck.constants import show as shown
-from stribeck.errors import InputError, refuse_twice
-from stribeck.identify import api as fitting
-from stribeck.identify.data.prepare import Preparation
-from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.details import Candidate
-from stribeck.identify.log import Log
-from stribeck.identify.options import FitOptions
-from stribeck.identify.result import Estimate, Fit
-from stribeck.identify.statistics.choose import Choice
-from stribeck.report.cells import digits, percent
-from stribeck.scenario import parse_assignment
+from stribeck.errors import InputError
+
+if TYPE_CHECKING:
+    from stribeck.identify.log import Log
+    from stribeck.identify.options import FitOptions
+    from stribeck.identify.result import Estimate, Fit
 
 _READ = 0.05  # of the work
+_NOTES = 5  # on the screen; the page and --json have all
+_LAWS = 3  # in the headline
+Laws = Annotated[
+    list[str] | None, typer.Option("--law", metavar="NAME", help="A law; of several, or without it, one is picked.")
+]
+Mass = Annotated[
+    float | None, typer.Option("--mass", rich_help_panel=ADVANCED, metavar="M", help="kg; fitted unless given.")
+]
+Method = Annotated[
+    str | None,
+    typer.Option("--method", rich_help_panel=ADVANCED, metavar="METHOD", help="static, presliding or dynamic."),
+]
+Given = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", rich_help_panel=ADVANCED, metavar="KEY=VALUE", help="A constant that is given, such as k_v=1e6."
+    ),
+]
+Free = Annotated[
+    list[str] | None,
+    typer.Option("--free", rich_help_panel=ADVANCED, metavar="KEY", help="Fit a constant of the law's own too."),
+]
+Terms = Annotated[
+    list[str] | None,
+    typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset, or delay (docs/fit.md)."),
+]
+Cutoff = Annotated[
+    float | None,
+    typer.Option(
+        "--cutoff", rich_help_panel=ADVANCED, metavar="HZ", help="Of the motion's filter; else from the data; 0: none."
+    ),
+]
+Starts = Annotated[int, typer.Option("--starts", rich_help_panel=ADVANCED, min=1, help="Of the simulation-error fit.")]
+Seed = Annotated[int, typer.Option("--seed", rich_help_panel=ADVANCED, min=0, help="Of these starts.")]
+Output = Annotated[
+    str,
+    typer.Option(
+        "--output",
+        rich_help_panel=ADVANCED,
+        metavar="WHAT",
+        help="What a simulation is to meet: force, velocity, position.",
+    ),
+]
+Drive = Annotated[
+    str | None,
+    typer.Option(
+        "--drive",
+        rich_help_panel=ADVANCED,
+        metavar="KIND[:KEY=VALUE,...]",
+        help="What moves the body then: force, pid, spring.",
+    ),
+]
+Logs = Annotated[
+    Path | None,
+    typer.Option("--logs", metavar="LOGS.toml", help="DATA is a machine, and these are its recordings."),
+]
+Sought = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--unknown",
+        rich_help_panel=ADVANCED,
+        metavar="PATH=LOW:HIGH",
+        help="What is sought beside [unknown] of LOGS.toml (--logs).",
+    ),
+]
+Transfer = Annotated[
+    Path | None,
+    typer.Option(
+        "--transfer", rich_help_panel=ADVANCED, metavar="LOGS.toml", help="Recordings of another unit or day (--logs)."
+    ),
+]
+
+Plan = Annotated[
+    str | None,
+    typer.Option(
+        "--plan",
+        metavar="stroke=M,speed=M/S,force=N[,deflection=M]",
+        help="Print what to measure on a rig with these limits. deflection: way to break-away, F_c/sigma_0, if known.",
+    ),
+]
+Simulate = Annotated[
+    bool,
+    typer.Option(
+        "--simulate",
+        rich_help_panel=ADVANCED,
+        help="With --plan and --out: write a synthetic log of it too (of --law, --set, --seed).",
+    ),
+]
 
 
+NoForms = Annotated[
+    bool,
+    typer.Option(
+        "--no-forms", rich_help_panel=ADVANCED, help="The law alone, without forms that it may lack (static)."
+    ),
+]
+NoWeight = Annotated[
+    bool, typer.Option("--no-weight", rich_help_panel=ADVANCED, help="A rotary joint that carries no weight (static).")
+]
+Filter = Annotated[
+    str | None,
+    typer.Option(
+        "--filter", metavar="published", rich_help_panel=ADVANCED,
+        help="The inverse-dynamics procedure as published: Butterworth, decimation, the law alone (static).",
+    ),
+]  # fmt: skip
+Speeds = Annotated[
+    list[float] | None,
+    typer.Option(
+        "--speed", metavar="M/S", rich_help_panel=ADVANCED, help="Estimate friction at this speed too (static)."
+    ),
+]
+
+
+@app.command(epilog="Example: stribeck fit log.csv --time t --position y --force F --out fit")
 def fit(
-    data: list[Path],
-    laws: list[str],
-    columns: ColumnNames,
-    cutoff: float | None,
-    trim: int | None,
-    options: FitOptions,
-    out: Path | None,
-    json: bool,
+    context: typer.Context,
+    data: Data = None,
+    law: Laws = None,
+    time: Time = None,
+    position: Position = None,
+    velocity: Velocity = None,
+    force: Force = None,
+    force_gain: GainOrName = None,
+    unit: UnitOrSI = None,
+    term: Terms = None,
+    logs: Logs = None,
+    plan: Plan = None,
+    acceleration: Acceleration = None,
+    load: Load = None,
+    pressure: Pressure = None,
+    command: Command = None,
+    run: Run = None,
+    mass: Mass = None,
+    method: Method = None,
+    set_: Given = None,
+    free: Free = None,
+    no_forms: NoForms = False,
+    no_weight: NoWeight = False,
+    filter_: Filter = None,
+    speed: Speeds = None,
+    cutoff: Cutoff = None,
+    starts: Starts = 20,
+    seed: Seed = 0,
+    output: Output = "force",
+    drive: Drive = None,
+    unknown: Sought = None,
+    transfer: Transfer = None,
+    simulate: Simulate = False,
+    out: Out = None,
+    json: Json = False,
 ) -> int:
-    """Read the log, fit, print the estimates, write what was asked for."""
-    how = fitting.preparation(laws, options, cutoff, trim)
+    """Parameters of a law from a measured log, or of a machine from its recordings (--logs), with a 95 % interval, a model
+    range and a state for each."""
+    if plan is not None:
+        from stribeck.cli import plan as planning
+
+        return planning.plan(
+            context, plan, simulate=simulate, laws=law or [], assignments=set_ or [], seed=seed, out=out, json=json
+        )
+    if simulate:
+        raise InputError("--simulate: goes with --plan, which is not given")
+    if not data:
+        raise InputError("DATA: missing: a log to fit, or --plan to learn what to measure")
+    if logs is not None or transfer is not None or unknown:
+        from stribeck.cli import actuator
+
+        actuator.check_options(context)
+        return actuator.fit(data, logs, law or [], set_ or [], unknown or [], transfer, starts, seed, out, json)
+    from stribeck.identify.options import FitOptions
+
+    columns = {
+        "time": time, "position": position, "velocity": velocity, "acceleration": acceleration, "force": force,
+        "load": load, "pressure": pressure, "run": run, "command": command,
+    }  # fmt: skip
+    options = FitOptions(
+        mass, method, record.constants(set_ or []), tuple(free or ()), tuple(term or ()), starts, seed, output,
+        record.drive(drive), not no_forms, filter_, not no_weight, tuple(speed or ()),
+    )  # fmt: skip
+    names = columns, unit or [], force_gain
+    return _fit_log(data, law or [], names, cutoff=cutoff, options=options, out=out, json=json)
+
+
+def _fit_log(
+    data: list[Path], laws: list[str], names: tuple[dict[str, str | None], list[str], str | None], *,
+    cutoff: float | None, options: FitOptions, out: Path | None, json: bool,
+) -> int:  # fmt: skip
+    """Read the log, fit, write what was asked for, print the estimates."""
+    from stribeck.identify import api as fitting
+
+    columns = record.columns(*names)
+    how = fitting.preparation(laws, options, cutoff)
     if out is not None:
         show.check_folder(out)
     try:
@@ -55,144 +245,85 @@ def fit(
     }  # fmt: skip
     try:
         if out is not None:
-            from stribeck.files import together
+            from stribeck.files import seen_from, together
             from stribeck.identify.report.files import FITS, write_fit
 
+            reading = fitting.reading(data, columns, how, options) | {"files": [seen_from(out, path) for path in data]}
             with together(out, last="parameters.toml", older=FITS) as place:
-                names = write_fit(result, log, place, show.command_line(), ", ".join(p.name for p in data))
-                names.append(_save(result, data, columns, how, options, out, place))
-            written = [str(out / name) for name in names]
+                found = write_fit(result, place, show.command_line(), ", ".join(p.name for p in data), reading)
+            written = [str(out / name) for name in found]
     except KeyboardInterrupt:  # while the page is drawn: what was found is said
-        _tell(result, log, summary, written, json)
+        _tell(result, log, data, summary, written, json)
         raise
-    _tell(result, log, summary, written, json)
-    stopped = (result.best if isinstance(result, Choice) else result).status == "stopped"
-    return 130 if stopped else 0
+    _tell(result, log, data, summary, written, json)
+    return 130 if result.status == "stopped" else 0
 
 
-def _tell(result: Fit | Choice, log: Log, summary: dict[str, object], written: list[str], json: bool) -> None:
+def _tell(result: Fit, log: Log, data: list[Path], summary: dict[str, object], written: list[str], json: bool) -> None:
     if json:
         show.print_json({**summary, "files": written})
-    else:
-        _print(result, log, written)
+        return
+    print(_headline(result, data))
+    print()
+    _table(result)
+    if result.notes:
+        print()
+    for text in result.notes[:_NOTES]:
+        say(text, 4, "  ")
+    if log.quality and not written:
+        say(f"{len(log.quality)} notes about the data: --out DIR writes them on the page, --json prints them.", 4, "  ")
+    for file in written:
+        print(f"  wrote {file}")
+    if written:
+        print(f"  next: stribeck predict other.csv --fit {Path(written[0]).parent}")
+
+
+def _headline(result: Fit, data: list[Path]) -> str:
+    """The file, the law, what it leaves, and what plainer models leave."""
+    from stribeck.report.cells import percent
+
+    name = data[0].name if len(data) == 1 else f"{len(data)} files"
+    others = sorted((c for c in result.candidates if not c["chosen"]), key=lambda c: -c["relative_force_error"])
+    told = ", ".join(f"{c['name']} {percent(c['relative_force_error'])}" for c in others[:_LAWS])
+    left = f"{name}: {result.law_name}, relative residual {percent(result.relative_force_error)}"
+    return f"{left}    ({told})" if told else left
+
+
+def _table(result: Fit) -> None:
+    """Every estimate with interval, range, unit and state; ``~`` marks those that are not identifiable."""
+    rows = [["parameter", "estimate", "95 % interval", "model range", "unit", "state"]]
+    for name, e in result.parameters.items():
+        mark = "" if e.identifiable else "~"
+        rows.append([name, mark + _number(e.value, e), _ends(e.interval, e), _ends(e.range, e), e.unit, str(e.state)])
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    for row in rows:
+        print("  " + "   ".join(x.ljust(w) for x, w in zip(row, widths, strict=True)).rstrip())
+
+
+def _ends(pair: tuple[float, float] | None, e: Estimate) -> str:
+    """An interval in words: one that is open at an end as a bound."""
+    if pair is None:
+        return "-"
+    low, high = pair
+    if low == -float("inf") or high == float("inf"):
+        told = [f"{word} {_number(x, e)}" for word, x in ((">", low), ("<", high)) if abs(x) != float("inf")]
+        return " ".join(told) or "open"
+    return f"{_number(low, e)} ... {_number(high, e)}"
+
+
+def _number(x: float, e: Estimate) -> str:
+    """With so many places as its interval tells: two digits of its half width."""
+    from math import floor, isfinite, log10
+
+    ends = [abs(e.value - end) for end in e.interval if isfinite(end) and end != e.value]
+    half = min(ends, default=0.0)
+    if not isfinite(x) or not half:
+        return f"{x:.4g}"
+    places = 1 - floor(log10(half))
+    text = f"{round(x, places):.6g}"
+    return f"{x:.{places}f}" if 0 <= places <= 5 and "e" not in text else text
 
 
 def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | None:
     """The progress of what follows the reading."""
     return None if tell is None else lambda share: tell(_READ + (1 - _READ) * share)
-
-
-def _save(
-    result: Fit | Choice, data: list[Path], columns: ColumnNames, how: Preparation, options: FitOptions, out: Path,
-    place: Path,
-) -> str:  # fmt: skip
-    """Write what ``stribeck predict`` and ``stribeck explore --report`` need from ``out`` to a place; the file's name."""
-    from stribeck.files import seen_from, write_text
-    from stribeck.identify import predict
-
-    reading = {
-        "files": [seen_from(out, path) for path in data], "columns": columns.names, "units": columns.units,
-        "force_gain": columns.force_gain, "cutoff": how.cutoff, "output": options.output, "drive": options.drive,
-        "published": how.published,
-    }  # fmt: skip
-    write_text(place / predict.FILE, predict.saved(result.best if isinstance(result, Choice) else result, reading))
-    return predict.FILE
-
-
-def drive(text: str | None) -> dict[str, object] | None:
-    """``KIND:KEY=VALUE,...`` as the table [drive] of a scenario; None where none is given.
-
-    Raises:
-        InputError: it is something else.
-    """
-    if text is None:
-        return None
-    kind, _, rest = text.partition(":")
-    found: dict[str, object] = {"kind": kind}
-    given = ["kind"]
-    for part in filter(None, rest.split(",")):
-        if "=" not in part:
-            raise InputError(f"--drive: {text!r}: must be KIND or KIND:KEY=VALUE,...")
-        name, found_value = parse_assignment(part)
-        given.append(name)
-        found[name] = float(found_value) if type(found_value) is int else found_value
-    refuse_twice(given, f"--drive: {text!r}:")
-    return found
-
-
-def constants(assignments: list[str]) -> dict[str, float | str]:
-    """``KEY=VALUE`` as a mapping."""
-    found: dict[str, float | str] = {}
-    given = [
-        (path.removeprefix("law.").removeprefix("parameters."), x) for path, x in map(parse_assignment, assignments)
-    ]
-    refuse_twice([name for name, _ in given], "--set")
-    for name, value in given:
-        if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise InputError(f"--set {name}: {shown(value)}: must be a number or a word")
-        found[name] = value if isinstance(value, str) else float(value)
-    return found
-
-
-def columns(names: dict[str, str | None], units: list[str], force_gain: str | None) -> ColumnNames:
-    """The columns that options name, each by its role, and their units, each as ``COL=UNIT``."""
-    given = []
-    for text in units:
-        column, equals, unit = text.rpartition("=")
-        if not equals or not column or not unit:
-            raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
-        given.append((column.strip(), unit.strip()))
-    refuse_twice([column for column, _ in given], "--unit")
-    return ColumnNames({role: name for role, name in names.items() if name is not None}, dict(given), force_gain)
-
-
-def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
-    if isinstance(result, Choice):
-        _print_choice(result)
-    elif result.details.get("candidates"):
-        _print_candidates(result.details["candidates"])
-    best = result.best if isinstance(result, Choice) else result
-    left_out = best.cross_validated_error
-    beyond = "" if left_out is None else f", on data left out {percent(left_out, 3)}"
-    error = f"relative force error {percent(best.relative_force_error, 3)}{beyond}"
-    say(f"{best.law}, {best.method}: {len(log)} rows, {error}", 4)
-    rows = {**best.estimates, **best.body}
-    width = max(map(len, rows), default=4)
-    print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  unit")
-    for name, e in rows.items():
-        if e.identifiable:
-            print(f"  {name:{width}}  {digits(e.value):>12}  {_interval(e):>27}  {e.unit}")
-    for name, e in rows.items():
-        if not e.identifiable:
-            say(f"{name}: not determined by the data: {e.doubt}", 6, "  ")
-            if e.experiment:
-                say(f"to determine it: {e.experiment}", 6, "      ")
-    for r in best.details.get("levels", ()):
-        at = "".join(f" at {n.removeprefix('F_c_by_')} {x:.4g}" for n, x in r["at"].items())
-        told = f", predicted from the others {r['predicted']:.4g}" if "predicted" in r else ""
-        say(f"{r['file']}{at}: F_c {r['level']:.4g} ({r['low']:.4g} ... {r['high']:.4g}) N{told}", 6, "  ")
-    for text in (*log.quality, *best.notes):
-        say(text, 6, "  note: ")
-    for file in files:
-        print(f"  wrote {file}")
-
-
-def _print_candidates(candidates: Sequence[Candidate]) -> None:
-    told = ", ".join(f"{c['name']} {percent(c['cross_validated_error'], 3)}" for c in candidates)
-    print(f"error on data left out: {told}")
-
-
-def _print_choice(choice: Choice) -> None:
-    width = max(map(len, (*choice.fits, *choice.failed)))
-    print(f"{'law':{width}}  {'left out':>9}  {'fitted':>9}  numbers")
-    for row in choice.table():
-        error, whole = row["cross_validated_error"], row["relative_force_error"]
-        print(f"{row['law']:{width}}  {percent(error, 3):>9}  {percent(whole, 3):>9}  {row['numbers']}")
-    for name, why in choice.failed.items():
-        say(said(why, "fit"), 6, f"{name:{width}}  ")
-    say(f"picked: {choice.picked}: {choice.reason}", 6)
-    print()
-
-
-def _interval(e: Estimate) -> str:
-    return f"{digits(e.low)} ... {digits(e.high)}"

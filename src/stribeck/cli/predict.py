@@ -1,91 +1,118 @@
-"""``stribeck predict`` and ``stribeck validate``: a fitted model, or a scenario, against a measured record."""
+"""``stribeck predict``, and ``validate``: a fitted model, or a scenario, against a measured record."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from stribeck.cli import show
-from stribeck.identify import api as fitting
-from stribeck.identify import predict as predicting
-from stribeck.identify.data.prepare import Preparation
-from stribeck.identify.data.read import ColumnNames
-from stribeck.report.cells import percent
-from stribeck.report.quantities import human
+import typer
+
+from stribeck.cli import record, show
+from stribeck.cli.record import ADVANCED, Force, Gain, Load, Position, Pressure, Unit, Velocity
+from stribeck.cli.shared import Json, Out, Trust, app
+from stribeck.cli.text import say
+
+if TYPE_CHECKING:
+    from stribeck.arrays import Array
+    from stribeck.identify.data.read import ColumnNames
+    from stribeck.identify.predict import Predicted
 
 
+@app.command(epilog="Example: stribeck predict another.csv --fit fit --out predicted")
 def predict(
-    data: list[Path], folder: Path, columns: ColumnNames, cutoff: float | None, out: Path | None, json: bool,
-    trust: bool = False,
-) -> int:  # fmt: skip
-    """Read the record as the fit's was read, predict its force, print the errors."""
-    model = predicting.load(folder, trust)
+    data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="A record that the fit has not seen.")],
+    fit: Annotated[Path, typer.Option("--fit", metavar="DIR", help="The folder that stribeck fit --out wrote.")],
+    time: Annotated[
+        str | None, typer.Option("--time", metavar="COL", help="Columns: as in the fit unless given.")
+    ] = None,
+    position: Position = None,
+    velocity: Velocity = None,
+    force: Force = None,
+    force_gain: Gain = None,
+    load: Load = None,
+    pressure: Pressure = None,
+    unit: Unit = None,
+    cutoff: Annotated[
+        float | None,
+        typer.Option("--cutoff", metavar="HZ", rich_help_panel=ADVANCED, help="Of the motion's filter."),
+    ] = None,
+    trust: Trust = False,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """The force that a fitted model predicts for another record: error, overlay and page."""
+    from stribeck.identify import api as fitting
+    from stribeck.identify import predict as predicting
+    from stribeck.identify.data.read import ColumnNames
+
+    columns = {
+        "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,
+    }  # fmt: skip
+    of_log = record.columns(columns, unit or [], force_gain)
+    model = predicting.load(fit, trust)
     if out is not None:
         show.check_folder(out)
-    simulated = model.method != "static" and fitting.is_simulated([model.law], None)
-    names = {**model.columns, **columns.names}
-    units = {**{n: u for n, u in model.units.items() if n in names.values()}, **columns.units}
-    gain = columns.force_gain if columns.force_gain is not None else model.force_gain
-    how = Preparation(cutoff if cutoff is not None else model.cutoff, None, simulated, model.published, True)
+    names = {**model.columns, **of_log.names}
+    units = {**{n: u for n, u in model.units.items() if n in names.values()}, **of_log.units}
+    gain = of_log.force_gain if of_log.force_gain is not None else model.force_gain
     with show.progress("predict"):
-        log = fitting.log_of(data, ColumnNames(names, units, gain), how)
+        log = fitting.log_of(data, ColumnNames(names, units, gain), predicting.how_to_read(model, cutoff))
         found = predicting.predict(model, log)
-    summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}}
-    files: list[str] = []
-    outside = found.beyond.told() if found.beyond else ""
-    notes = [*([outside] if outside else []), *log.quality]
-    if out is not None:
-        from stribeck.identify.report import overlay
-
-        traces = {
-            "force": ("N", found.traces.measured, found.traces.fitted),
-            "friction": ("N", found.friction.measured, found.friction.fitted),
-        }
-        rows = [[name, percent(x, 3)] for name, x in _errors(found).items()]
-        introduction = [
-            f"The predicted force is off by {percent(found.force_error, 3)}. "
-            f"{model.law}, {model.method}, fitted to another record ({folder}), on {len(log)} rows of this one.",
-            *([f"{outside[:1].upper()}{outside[1:]}."] if outside else []),
-        ]
-        figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
-        title = f"{model.law} on {', '.join(p.name for p in data)}"
-        command = show.command_line()
-        files = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
+    files = [_page(found, log.time, data, fit, out)] if out is not None else []
     if json:
-        show.print_json({**summary, "files": files})
+        about = {"files": [str(p) for p in data], "rows": len(log)}
+        show.print_json({**found.to_json(), "notes": found.notes(), "data": about, "files": files})
         return 0
-    print(f"{model.law}, {model.method}: {len(log)} rows, {found.rest:.0%} at rest")
-    for name, x in _errors(found).items():
-        print(f"  {name:44}{percent(x, 3):>10}")
-    for text in notes:
-        print(f"  note: {text}")
-    for file in files:
-        print(f"  wrote {file}")
+    _tell(found, len(log), files)
     return 0
 
 
-def _errors(found: predicting.Predicted) -> dict[str, float | None]:
-    band = {} if found.band_error is None else {"the same in the fit's band": found.band_error}
-    own = "the fit's own, on its record" + (", in its band" if band else "")
-    return {
+def _tell(found: Predicted, rows: int, files: list[str]) -> None:
+    from stribeck.report.cells import percent
+
+    print(f"{found.model.law}, {found.model.method}: {rows} rows, {found.rest:.0%} at rest")
+    for name, x in _errors(found).items():
+        print(f"  {name:44}{percent(x, 3):>10}")
+    for text in found.notes():
+        say(text, 4, "  ")
+    for file in files:
+        print(f"  wrote {file}")
+
+
+def _errors(found: Predicted) -> dict[str, float | None]:
+    rows: dict[str, float | None] = {
         "error of the force, every row in motion": found.force_error,
-        **band,
-        own: found.model.known.get("relative_force_error"),
+        "expected by the fit": found.model.expected,
+        "the fit's own, on its record": found.model.known.get("relative_force_error"),
         "the fit's, on parts left out of its record": found.model.known.get("cross_validated_error"),
         "error against friction alone": found.friction_error,
         "error of the force, rows at rest too": found.all_rows_error,
-        **_parts(found),
-        **{f"{name}, fitted to the same record": x for name, x in found.others.items()},
+        "error of a constant force": found.constant_error,
     }
+    if found.beyond and found.beyond.rows:
+        rows["error of the force, beyond what was fitted"] = found.beyond.error
+        rows["error of the force, within it"] = found.beyond.within
+    return {name: x for name, x in rows.items() if x is not None}
 
 
-def _parts(found: predicting.Predicted) -> dict[str, float | None]:
-    """The error beyond what was fitted, and within it."""
-    if not found.beyond or not found.beyond.rows:
-        return {}
-    return {
-        "error of the force, beyond what was fitted": found.beyond.error,
-        "error of the force, within it": found.beyond.within,
+def _page(found: Predicted, time: Array, data: list[Path], folder: Path, out: Path) -> str:
+    from stribeck.identify.report import overlay
+    from stribeck.report.cells import percent
+
+    traces = {
+        "force": ("N", found.traces.measured, found.traces.fitted),
+        "friction": ("N", found.friction.measured, found.friction.fitted),
     }
+    law = found.model.law
+    introduction = [
+        f"The predicted force is off by {percent(found.force_error, 3)}. "
+        f"{law}, {found.model.method}, fitted to another record ({folder}), on {len(time)} rows of this one.",
+        *found.notes(),
+    ]
+    rows = [[name, percent(x, 3)] for name, x in _errors(found).items()]
+    figures = overlay.figure("prediction", time, traces, ("measured", "predicted"))
+    title = f"{law} on {', '.join(p.name for p in data)}"
+    return overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, show.command_line())
 
 
 def validate(
@@ -93,6 +120,8 @@ def validate(
 ) -> int:
     """Simulate the scenario, compare with the record, print the errors."""
     from stribeck.identify import validate as validating
+    from stribeck.report.cells import percent
+    from stribeck.report.quantities import human
 
     if out is not None:
         show.check_folder(out)

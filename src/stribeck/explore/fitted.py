@@ -49,9 +49,7 @@ def _of_fit(folder: Path, trust: bool) -> Report:
     """The law along the measured motion, or under the measured force where the motion was fitted."""
     model = predict.load(folder, trust)
     if not model.files:
-        raise InputError(
-            f"{arg('report')}: {show(str(folder))}: was written before records were named in it; must be fitted again"
-        )
+        raise InputError(f"{arg('report')}: {show(str(folder))}: names no file of a record; must be fitted from a file")
     files = [folder / name for name in model.files]
     reading = ColumnNames(dict(model.columns), dict(model.units), model.force_gain)
     simulated = model.method != "static" and api.is_simulated([model.law], None)
@@ -123,7 +121,8 @@ def _measured(model: predict.FittedModel, log: Log, by_force: bool, files: list[
     about = f"{name}, the first {len(log)} rows"
     if by_force:
         return Beside(about, {"y": (t, log.position), "v": (t, log.velocity)})
-    left = [n for n in model.body if n in ("delay", "play") or n.startswith(("F_c_by", "sigma_2_by"))]
+    left = [n for n in model.body if n == "delay" or n.startswith(("F_c_by", "sigma_2_by"))]
+    left += dict.fromkeys(form for form, _ in model.predictor.forms) if model.predictor else []
     if left:
         about += f"; the curve has no {', '.join(left)}, which the fit has"
     friction = log.force - predict.beside(model, log)

@@ -7,29 +7,27 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg, first_line, nearest
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES
+from stribeck.identify.details import Candidate
 from stribeck.identify.log import Log
+from stribeck.identify.methods import bristles
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.methods.motion import fit_motion
 from stribeck.identify.methods.optimise import STOPPED
 from stribeck.identify.methods.presliding import fit_presliding
-from stribeck.identify.methods.static import Setting, check_motion
+from stribeck.identify.methods.static import LAWS, Setting, check_motion, fit_static
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Fit
-from stribeck.identify.statistics.choose import Choice, choose, fit_with_baselines, select_law, select_terms
 from stribeck.identify.statistics.crossvalidate import FOLDS
 from stribeck.identify.work import Work
 from stribeck.recorded import is_table
 
-_POOR = 0.25  # of the force, left by the fit
-PLAIN = "coulomb_viscous"  # least squares itself: nothing is added to it unasked
+_POOR = 0.25  # of the force, left by a fit by simulation
 
 Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
 
@@ -39,35 +37,31 @@ def fit(
     columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
     force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
     constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
-    select: bool | None = None, cutoff: float | None = None, trim: int | None = None, decimate: int | None = None,
-    robust: bool = False, folds: int = FOLDS, starts: int = 20, seed: int = 0,
-    output: str = "force", drive: Mapping[str, object] | None = None,
-    progress: Callable[[float], None] | None = None, **named: str,
-) -> Fit | Choice:  # fmt: skip
-    """Fit a friction law, or several, to a measured log.
+    forms: bool = True, filter: str | None = None, weight: bool = True, speeds: Sequence[float] = (),
+    cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
+    drive: Mapping[str, object] | None = None, progress: Callable[[float], None] | None = None, **named: str,
+) -> Fit:  # fmt: skip
+    """Fit a friction law to a measured log; of several laws, the one that describes it best.
 
     Args:
         data: a file (CSV, Parquet, MAT, NPZ), a pandas data frame, a mapping of names to arrays, several of these of
             one layout, or a :class:`stribeck.identify.log.Log`.
-        law: its name or FILE.py:NAME; a list of them is compared by the error over data left out, and one picked; None
-            picks a static law and its terms.
+        law: its name or FILE.py:NAME, or several; None compares the static laws, and LuGre's if the record shows presliding.
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
-        units: the unit of a column by its name; SI unless given.
+        units: the unit of a column by its name; SI unless given. A position in an angle makes the machine rotary.
         force_gain: force per unit of the force column: a number, or the name of a constant in the file.
         mass: kg; fitted unless given (presliding: 0 unless given).
         method: "static", "presliding" or "dynamic"; by default static for a law without bristles, else dynamic.
         constants: constants of the law that are given (k_v, z_ba, or any other), and terms.
         free: constants of the law's own to fit too (k_v).
         terms: what the force holds beside friction, mass and offset (docs/fit.md).
-        select: add such terms as lower the error over left-out blocks (static); by default where neither terms nor
-            ``free`` are given, but for coulomb_viscous, which is then least squares as published.
+        forms: whether a static fit may add forms that the law lacks; False fits the law alone.
+        filter: "published" is the inverse-dynamics procedure as published, the law alone (static).
+        weight: whether a rotary joint's weight is in the model (static).
+        speeds: m/s, of further levels of friction that are estimated (static).
         cutoff: of the motion's filter, Hz; chosen from the data unless given; 0 for none.
-        trim: samples dropped at the start of a run.
-        decimate: one row in so many is fitted (static); chosen from the data unless given.
-        robust: Huber's loss (static).
-        folds: of the cross-validation.
-        starts: of the simulation-error fit; ``seed`` makes them the same each time.
+        starts: of a fit by simulation; ``seed`` makes them the same each time.
         output: what the simulation is to meet: "force" for the measured motion, or "velocity" or "position" for the
             measured force or command (dynamic; one law).
         drive: what moves the body then, as ``[drive]`` of a scenario without its signal; the measured force unless given.
@@ -76,41 +70,56 @@ def fit(
         **named: columns by role; a name that is no role is refused.
 
     Returns:
-        The fit, or for several laws a :class:`Choice`.
+        The fit.
 
     Raises:
         InputError: data, columns, units or constants cannot be used; a line for each problem.
     """
     names = [] if law is None else [law] if isinstance(law, str) else list(law)
     options = FitOptions(
-        mass, method, dict(constants or {}), tuple(free), tuple(terms), select, decimate, robust, folds, starts, seed,
-        output, drive,
+        mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, drive, forms, filter,
+        weight, tuple(speeds),
     )  # fmt: skip
     of_file = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
-    log = log_of(data, of_file, preparation(names, options, cutoff, trim))
-    return fit_log(log, names, options, progress)
+    how = preparation(names, options, cutoff)
+    log = log_of(data, of_file, how)
+    return replace(fit_log(log, names, options, progress), reading=reading(data, of_file, how, options))
+
+
+def reading(data: Data, columns: ColumnNames, how: Preparation, options: FitOptions) -> dict[str, object]:
+    """How a record was read, as fit.json has it."""
+    sources = data if isinstance(data, list | tuple) else [data]
+    return {
+        "files": [str(Path(each).resolve()) for each in sources if isinstance(each, str | Path)],
+        "columns": columns.names, "units": columns.units, "force_gain": columns.force_gain, "cutoff": how.cutoff,
+        "output": options.output, "drive": options.drive, "published": how.published,
+    }  # fmt: skip
 
 
 def fit_log(
     log: Log, names: Sequence[str], options: FitOptions, progress: Callable[[float], None] | None = None
-) -> Fit | Choice:
-    """Fit one law to a log; or several, or for no name the static ones, and pick one; as :func:`fit` says."""
+) -> Fit:
+    """Fit one law to a log; or several, or for no name the static ones, and report the best; as :func:`fit` says."""
     work = Work(progress)
     if options.output != "force" and len(names) != 1:
         raise InputError(f"{arg('output')}: laws are compared by the force they predict; must be given with one law")
+    if len(set(names)) < len(names):
+        twice = max(names, key=list(names).count)
+        raise InputError(f"{arg('law')}: {twice!r}: given twice; must differ from the others")
     if not names:
-        return _any_law(log, options)
-    if len(names) == 1:
-        return _fit_law(log, names[0], options, work)
-    if options.method is None and any(laws.find(name).has_z for name in names):
-        options = replace(options, method="dynamic")  # errors compare within one method only
+        options.check_without_law()
+        found = fit_static(log, LAWS, _setting(options))
+        return bristles.better(log, found, options, work) if options.method is None else found
     known = {constant for name in names for constant in laws.find(name).constants()}
-
-    def each(log: Log, name: str) -> Fit:
-        part = work.part(names.index(name), len(names))
-        return _fit_law(log, name, options.of_law(name, known), part, compared=True)
-
-    return compare(log, names, each)
+    for name in names:
+        options.of_law(name, known).check(name)
+    static = [n for n in names if options.method_for(laws.find(n)) == "static"]
+    if len(static) == len(names):
+        return fit_static(log, static, _setting(options))
+    check_motion(log)
+    if len(names) == 1:
+        return _with_warning(_simulated(log, names[0], options, work))
+    return _best(log, names, static, options, known, work)
 
 
 def is_simulated(names: Sequence[str], method: str | None) -> bool:
@@ -118,9 +127,9 @@ def is_simulated(names: Sequence[str], method: str | None) -> bool:
     return method in ("presliding", "dynamic") or (method is None and any(laws.find(name).has_z for name in names))
 
 
-def preparation(names: Sequence[str], options: FitOptions, cutoff: float | None, trim: int | None) -> Preparation:
+def preparation(names: Sequence[str], options: FitOptions, cutoff: float | None) -> Preparation:
     """How a fit of these laws reads its record."""
-    return Preparation(cutoff, trim, is_simulated(names, options.method), list(names) == [PLAIN] and not options.select)
+    return Preparation(cutoff, None, is_simulated(names, options.method), options.filter == "published")
 
 
 def read_log(
@@ -173,102 +182,84 @@ def log_of(data: Data, columns: ColumnNames, how: Preparation | None = None) -> 
     return load_log(sources, columns, how)
 
 
-def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> Fit | Choice:
-    """Fit each law and pick one; the fit that Ctrl-C stopped."""
-    if len(set(names)) < len(names):
-        raise InputError(
-            f"{arg('law')}: {max(names, key=list(names).count)!r}: given twice; must differ from the others"
-        )
-    fits: dict[str, Fit] = {}
+def _best(
+    log: Log, names: Sequence[str], static: Sequence[str], options: FitOptions, known: set[str], work: Work
+) -> Fit:
+    """Static laws and laws with bristles, compared by the error over data left out."""
+    fits: list[Fit] = [fit_static(log, static, _setting(options))] if static else []
     failed: dict[str, str] = {}
-    for name in names:
-        laws.find(name)
+    simulated = [n for n in names if n not in static]
+    for i, name in enumerate(simulated):
         try:
-            fits[name] = each(log, name)
-            if fits[name].status == "stopped":
-                return fits[name]
+            found = _simulated(log, name, options.of_law(name, known), work.part(i, len(simulated)), FOLDS)
         except StribeckError as error:
             failed[name] = first_line(error)
-        except KeyboardInterrupt:  # before anything of this law was found
-            if not fits:
-                raise
-            best = min(fits.values(), key=lambda fit: fit.cross_validated_error or fit.relative_force_error)
-            return replace(best, status="stopped", notes=(f"{STOPPED}, of {', '.join(fits)}", *best.notes))
-    return choose(fits, failed)
+            continue
+        fits.append(found)
+        if found.status == "stopped":
+            break
+    if not fits:
+        raise StribeckError("; ".join(f"{name}: {why}" for name, why in failed.items()))
+    best = min(
+        fits, key=lambda f: f.relative_force_error if f.cross_validated_error is None else f.cross_validated_error
+    )
+    told = [c for f in fits for c in (f.candidates or (of_simulation(f),))]
+    notes = [
+        *([STOPPED] if fits[-1].status == "stopped" else []),
+        *(f"{n} was not fitted: {why}." for n, why in failed.items()),
+    ]
+    stopped = fits[-1].status if best is not fits[-1] else best.status
+    marked = tuple({**c, "chosen": c["chosen"] and c["law"] == best.law_name} for c in told)
+    return _with_warning(replace(best, candidates=marked, notes=(*notes, *best.notes), status=stopped))  # type: ignore[arg-type]
 
 
-def _fit_law(log: Log, law: str, options: FitOptions, work: Work, compared: bool = False) -> Fit:
-    """The fit of one law; ``compared``: beside others, by the error over data left out."""
-    options.check(law)
-    check_motion(log)
-    method = options.method_for(laws.find(law))
-    if method == "static":
-        found = _static(log, law, options, compared)
-    elif method == "presliding":
-        found = fit_presliding(
-            log, law, fixed=_numbers(options), mass=options.mass or 0.0, starts=min(options.starts, 8),
-            seed=options.seed, work=work,
-        )  # fmt: skip
-    else:
-        found = _dynamic(log, law, options, work, compared)
-    return _with_warning(found)
+def of_simulation(fit: Fit) -> Candidate:
+    """A fit by simulation in the table of candidates."""
+    return {
+        "name": fit.law_name, "law": fit.law_name, "forms": [], "numbers": len(fit.parameters),
+        "relative_force_error": fit.relative_force_error, "cross_validated_error": fit.cross_validated_error, "chosen": True,
+    }  # fmt: skip
 
 
-def _numbers(options: FitOptions) -> dict[str, Any]:
-    return dict(options.constants)
-
-
-def _setting(options: FitOptions, free: Sequence[str] | None) -> Setting:
+def _setting(options: FitOptions) -> Setting:
+    fixed = {n: float(x) for n, x in options.constants.items() if not isinstance(x, str)}
+    fixed |= {} if options.mass is None else {"mass": options.mass}
     return Setting(
-        _numbers(options), free, options.mass, options.body("offset"), options.decimate, options.robust,
-        folds=options.folds,
-    )  # fmt: skip
+        fixed,
+        options.free,
+        options.terms,
+        not options.forms,
+        options.filter == "published",
+        options.weight,
+        options.speeds,
+    )
 
 
-def _static(log: Log, law: str, options: FitOptions, compared: bool) -> Fit:
-    """By least squares on the force, without memory."""
-    setting, plain = _setting(options, options.free_of(law)), law == PLAIN or compared
-    select = options.select if options.select is not None else not (options.terms or options.free or plain)
-    with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
-        return select_terms(log, law, setting) if select else fit_with_baselines(log, law, setting)
-
-
-def _any_law(log: Log, options: FitOptions) -> Fit | Choice:
-    """The static law and the terms that predict data left out best."""
-    options.check_without_law()
-    with threadpool_limits(1):
-        choice = select_law(log, _setting(options, None))
-    if isinstance(choice, Fit):  # stopped
-        return _with_warning(choice)
-    return replace(choice, fits={name: _with_warning(each) for name, each in choice.fits.items()})
-
-
-def _dynamic(log: Log, law: str, options: FitOptions, work: Work, compared: bool) -> Fit:
+def _simulated(log: Log, law: str, options: FitOptions, work: Work, folds: int = 0) -> Fit:
     """By simulation of the law along the measured motion, or of the motion under the measured force or command."""
-    free = options.free_of(law)
+    free, fixed = options.free_of(law), dict[str, Any](options.constants)
+    if options.method == "presliding":
+        return fit_presliding(
+            log, law, fixed=fixed, mass=options.mass or 0.0, starts=min(options.starts, 8), seed=options.seed, work=work
+        )
     if options.output != "force":
         offset = ("offset",) if (options.drive or {"kind": "force"}).get("kind") == "force" else ()
         return fit_motion(
-            log, law, options.drive, output=options.output, fixed=_numbers(options), free=free, mass=options.mass,
+            log, law, options.drive, output=options.output, fixed=fixed, free=free, mass=options.mass,
             body=options.body(*offset), starts=options.starts, seed=options.seed, work=work,
         )  # fmt: skip
-    folds = options.folds if compared else 0  # costly, and wanted for comparison only
     return fit_dynamic(
-        log, law, fixed=_numbers(options), free=free, mass=options.mass, body=options.body("offset"),
-        starts=options.starts, seed=options.seed, folds=folds, work=work,
+        log, law, fixed=fixed, free=free, mass=options.mass, body=options.body("offset"), starts=options.starts,
+        seed=options.seed, folds=folds, work=work,
     )  # fmt: skip
 
 
 def _with_warning(fit: Fit) -> Fit:
     """The fit, with a note where the law explains little of the force."""
-    known = any(e.identifiable for e in {**fit.estimates, **fit.body}.values())
     share = fit.relative_force_error
-    if not share > _POOR or "output" in fit.details:  # a fit of the motion is judged by the motion
+    if (
+        not share > _POOR or "output" in fit.details or fit.method == "static"
+    ):  # a fit of the motion is judged by the motion
         return fit
-    bristles = "; what friction does behind reversals takes a law with bristles, such as lugre"
-    text = (
-        f"the fit misses {share:.0%} of the force: the law or the terms lack something that the data hold (the residuals "
-        f"show what{bristles if fit.method == 'static' else ''})"
-        f"{', and its numbers, intervals too, say little about the machine' if known else ''}"
-    )
+    text = f"The fit leaves {share:.0%} of the force: the law or the terms lack something that the residuals show."
     return replace(fit, notes=(text, *fit.notes))

@@ -11,21 +11,6 @@ if TYPE_CHECKING:
     from stribeck.identify.statistics.crossvalidate import LeftOut
 
 
-class FileLevel(TypedDict, total=False):
-    """The friction level of a file, N: its own with an interval, and what the fit without that file predicts."""
-
-    file: str
-    at: dict[str, float]
-    rows: int
-    level: float
-    low: float
-    high: float
-    predicted: float
-    predicted_low: float
-    predicted_high: float
-    spread: float
-
-
 class MeasuredLoop(TypedDict):
     """A small reversal, row by row: s, m, N."""
 
@@ -35,23 +20,16 @@ class MeasuredLoop(TypedDict):
     fitted: Array
 
 
-class AddedTerm(TypedDict):
-    """A term that was added, and the errors with it."""
-
-    added: str
-    cross_validated_error: float
-    relative_force_error: float
-
-
 class Candidate(TypedDict):
-    """A plainer model of the same record, or the fit itself: its errors, and how many numbers it has."""
+    """A model of the record: its law and forms, how many numbers it has, and its error; ``chosen``: it is the fit."""
 
     name: str
     law: str
+    forms: list[str]
     numbers: int
-    values: dict[str, float]
-    cross_validated_error: float
     relative_force_error: float
+    cross_validated_error: float | None
+    chosen: bool
 
 
 class SeenNoise(TypedDict):
@@ -64,10 +42,11 @@ class SeenNoise(TypedDict):
 class FitDetails(TypedDict, total=False):
     """All that a fit may tell; which parts there are depends on the method."""
 
-    levels: Sequence[FileLevel]
+    forms: dict[str, float]
+    speeds: dict[str, float]
+    missed: float
+    nearest_stribeck: dict[str, float]
     loops: Sequence[MeasuredLoop]
-    selection: Sequence[AddedTerm]
-    candidates: Sequence[Candidate]
     segments: Sequence[dict[str, float]]
     left_out: LeftOut
     friction_error: float

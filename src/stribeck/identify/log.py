@@ -32,6 +32,7 @@ class Log:
         bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
         files: the name of the file that each run is from.
         hashes: SHA-256 of each file that it was read from.
+        rotary: whether the machine turns: rad, N m and kg m^2 in the place of m, N and kg.
         spectrum: frequencies (Hz), power spectral density of the measured motion, and its noise floor.
     """
 
@@ -53,6 +54,7 @@ class Log:
     files: tuple[str, ...] = ()
     hashes: tuple[str, ...] = ()
     spectrum: tuple[Array, Array, float] | None = None
+    rotary: bool = False
 
     def __len__(self) -> int:
         return len(self.time)

@@ -9,10 +9,10 @@ from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.quality import LARGEST
-from stribeck.identify.models.terms import TERMS, problem
-from stribeck.identify.statistics.crossvalidate import FOLDS
+from stribeck.identify.models.terms import OF_MOTION, TERMS, problem
 
 METHODS = ("static", "presliding", "dynamic")
+FILTERS = ("published",)
 
 
 @dataclass(frozen=True)
@@ -28,19 +28,23 @@ class FitOptions:
     constants: Mapping[str, float | str] = field(default_factory=dict)
     free: tuple[str, ...] = ()
     terms: tuple[str, ...] = ()
-    select: bool | None = None
-    decimate: int | None = None
-    robust: bool = False
-    folds: int = FOLDS
     starts: int = 20
     seed: int = 0
     output: str = "force"
     drive: Mapping[str, object] | None = None
+    forms: bool = True
+    filter: str | None = None
+    weight: bool = True
+    speeds: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if self.method is not None and self.method not in METHODS:
             guess = nearest(self.method, METHODS)
             raise InputError(f"{arg('method')}: {self.method!r}: must be {', '.join(METHODS)}{guess}")
+        if self.filter is not None and self.filter not in FILTERS:
+            raise InputError(f"{arg('filter')}: {self.filter!r}: must be {', '.join(FILTERS)}")
+        if wrong := [x for x in self.speeds if not 0 < x <= LARGEST]:
+            raise InputError([f"{arg('speed')}: {show(x)}: must be above 0, and at most {LARGEST:g}" for x in wrong])
 
     def of_law(self, law: str, known: Collection[str]) -> FitOptions:
         """The options without the constants, of those ``known``, that only other laws have."""
@@ -68,14 +72,17 @@ class FitOptions:
         Raises:
             InputError: constants, the mass or options that the method has not; a line for each problem.
         """
-        if problems := [*self._wrong_constants(law), *self.wrong_mass(), *self._wrong_folds()]:
+        if problems := [*self._wrong_constants(law), *self.wrong_mass()]:
             raise InputError(problems)
         method = self.method_for(laws.find(law))
         if method != "static" and (wrong := self._only_static()):
             raise InputError([f"{arg(name)}: belongs to {arg('method')} static, not {method}" for name in wrong])
-        if method != "static" and "play" in (*self.terms, *self.constants):
-            text = f"belongs to {arg('method')} static, not {method}: bristles turn round over a way by themselves"
-            raise InputError(f"{arg('terms')}: 'play': {text}")
+        if method == "static" and laws.find(law).has_z:
+            text = f"law '{law}' has bristles, which a static fit does not see; must be a static law, such as stribeck"
+            raise InputError(f"{arg('method')}: 'static': {text}")
+        if method == "static" and (moved := [n for n in (*self.terms, *self.constants) if n in OF_MOTION]):
+            text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"
+            raise InputError([f"{arg('terms')}: {n!r}: {text}" for n in moved])
         if method != "dynamic" and (self.output != "force" or self.drive):
             raise InputError(f"{arg('output')}, {arg('drive')}: belong to {arg('method')} dynamic, not {method}")
         if self.drive and self.output == "force":
@@ -90,11 +97,11 @@ class FitOptions:
         if self.method not in (None, "static") or self.free:
             option = "free" if self.free else "method"
             raise InputError(f"{arg(option)}: needs {arg('law')}: without one, static laws are compared")
-        if wrong := [*self.wrong_mass(), *self._wrong_terms(), *self._wrong_folds()]:
+        known = {n for kind in laws.builtin().values() for n in kind.constants()}
+        unknown = [n for n in self.constants if n not in known and n not in TERMS]
+        texts = [f"{arg('constants')}: {n}: no law has such a constant{nearest(n, known)}" for n in unknown]
+        if wrong := [*self.wrong_mass(), *self._wrong_terms(), *texts]:
             raise InputError(wrong)
-
-    def _wrong_folds(self) -> list[str]:
-        return [] if self.folds >= 2 else [f"{arg('folds')}: {self.folds}: must be at least 2"]
 
     def wrong_mass(self) -> list[str]:
         """What is wrong with the mass."""
@@ -143,5 +150,5 @@ class FitOptions:
         ]
 
     def _only_static(self) -> list[str]:
-        given = {"select": bool(self.select), "decimate": self.decimate, "robust": self.robust}
+        given = {"forms": not self.forms, "filter": self.filter, "weight": not self.weight, "speed": self.speeds}
         return [name for name, value in given.items() if value]

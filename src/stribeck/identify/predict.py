@@ -7,7 +7,7 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TypeGuard, cast
+from typing import TypedDict, TypeGuard, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,26 +17,29 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.files import finite, json_of
+from stribeck.identify import api
 from stribeck.identify.beyond import Beyond, beyond
+from stribeck.identify.core.predictor import EXPECTED, Predictor, of_json
+from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.quality import LARGEST
+from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
-from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import OUTPUTS
-from stribeck.identify.models.separable import Separable
-from stribeck.identify.models.static_problem import RATES, kept_rows, thinning
 from stribeck.identify.models.terms import OF_RECORD, TERMS, column
 from stribeck.identify.options import METHODS
 from stribeck.identify.result import Fit, Prediction
 from stribeck.scenario.trust import astray
 
 FILE = "fit.json"
-_FORMAT = 2
-_FORMATS = (1, 2)  # the first may lack what it did not have yet
-_SHORTEST = 30  # rows that a run keeps behind the filter
+_FORMAT = 3
+_LIKE = {
+    "spring": "stiffness",
+    "weight": "gravity_sin",
+    "level by position": "F_c_by_position",
+}  # forms that act like terms
 
 
 def _text(x: object) -> bool:
@@ -51,10 +54,6 @@ def _share(x: object) -> bool:
     return x is None or (_number(x) and x >= 0)
 
 
-def _model(x: object) -> bool:
-    return isinstance(x, dict) and x.keys() == {"law", "values"} and _text(x["law"]) and isinstance(x["values"], dict)
-
-
 def _range(x: object) -> bool:
     return isinstance(x, list | tuple) and len(x) == 2 and all(map(_number, x)) and x[0] <= x[1]
 
@@ -67,6 +66,14 @@ def _one_of(*words: str) -> tuple[Callable[[object], bool], str]:
     return lambda x: isinstance(x, str) and x in words, f"one of {', '.join(words)}"
 
 
+def _predictor(x: object) -> bool:
+    """Whether it is nothing, or what a static fit wrote."""
+    try:
+        return x is None or (isinstance(x, dict) and of_json(x) is not None)
+    except (KeyError, TypeError, ValueError, AttributeError, StribeckError):
+        return False
+
+
 _DRIVES = tuple(kind for kind in drives.KINDS if kind != "velocity")  # that of a measured motion is its input
 
 # What each part of the file must be, and that in words.
@@ -74,7 +81,8 @@ _PARTS: dict[str, tuple[Callable[[object], bool], str]] = {
     "law": (_text, "a name"),
     "method": _one_of(*METHODS),
     "values": (lambda x: isinstance(x, dict), "a table"),
-    "others": (_table_of(_model), "a table of models, each of law and values"),
+    "estimates": (_table_of(lambda x: isinstance(x, dict)), "a table of estimates"),
+    "predictor": (_predictor, "nothing or the model of a static fit"),
     "fit": (lambda x: isinstance(x, dict), "a table"),
     "columns": (_table_of(_text), "a table of names"),
     "units": (_table_of(_text), "a table of units"),
@@ -93,13 +101,10 @@ _PARTS: dict[str, tuple[Callable[[object], bool], str]] = {
     "data_sha256": (_text, "text"),
     "seen": (_table_of(_range), "a table of ranges, each [low, high]"),
 }
-_ERRORS = ("relative_force_error", "cross_validated_error", "friction_error")
-_OF_FIT = dict.fromkeys(_ERRORS, (_share, f"nothing or 0 to {LARGEST:g}")) | {
-    "decimation": (
-        lambda x: x is None or (type(x) is int and x in RATES),
-        f"nothing or one of {', '.join(map(str, RATES))}",
-    ),
-}
+_ERRORS = ("relative_force_error", "cross_validated_error", "friction_error", "missed")
+_OF_FIT: dict[str, tuple[Callable[[object], bool], str]] = dict.fromkeys(
+    _ERRORS, (_share, f"nothing or 0 to {LARGEST:g}")
+)
 # How a record was read that nobody told of.
 _UNREAD: dict[str, object] = {
     "files": [], "columns": {}, "units": {}, "force_gain": None, "cutoff": None, "output": "force", "drive": None,
@@ -114,20 +119,20 @@ class FittedModel:
     Attributes:
         law: its name; ``method``: how it was fitted.
         values: constants of the law, words too, and terms of the body.
+        predictor: of a static fit, the force along any record.
         known: the error of the fit itself, for comparison.
-        others: plainer models of the same record, by name.
         columns, units, force_gain, cutoff: how the record was read.
-        files: its files, seen from the folder of the fit; none in what older versions wrote.
+        files: its files, seen from the folder of the fit.
         output: what the simulation was to meet; ``drive``: what moved the body then, None for the measured force.
         published: whether the record's last rows were kept, as in the published procedure.
-        seen: the ranges of the record's rows in motion; none in what older versions wrote.
+        seen: the ranges of the record's rows in motion.
     """
 
     law: str
     method: str
     values: dict[str, float]
+    predictor: Predictor | None
     known: dict[str, float | None]
-    others: dict[str, tuple[str, dict[str, float]]]
     columns: dict[str, str]
     units: dict[str, str]
     force_gain: str | float | None
@@ -143,6 +148,17 @@ class FittedModel:
         """The terms that it has."""
         return tuple(n for n in self.values if n in TERMS)
 
+    @property
+    def hangs_on(self) -> tuple[str, ...]:
+        """The terms that it has, and those that its forms act like."""
+        forms = self.predictor.forms if self.predictor else {}
+        return (*self.body, *dict.fromkeys(t for f, t in _LIKE.items() if any(key[0] == f for key in forms)))
+
+    @property
+    def expected(self) -> float | None:
+        """The error that another record of the machine is expected to have, inside the ranges that were seen."""
+        return EXPECTED * self.predictor.error if self.predictor else None
+
 
 @dataclass(frozen=True)
 class Predicted:
@@ -150,9 +166,9 @@ class Predicted:
 
     Attributes:
         force_error: norm(residual)/norm(force) over the rows in motion; ``friction_error``: over norm(friction), which is
-            the force less the terms that are not friction; ``all_rows_error``: as the first, rows at rest too; ``band_error``:
-            as the first, both forces behind the filter of the fit, whose own error is told so; None without one.
-        others: force errors of plainer models fitted to the same record.
+            the force less the terms that are not friction; ``all_rows_error``: as the first, rows at rest too.
+        constant_error: what the mean force would leave over the rows in motion: a model must leave less to be of use.
+        rest: the share of the rows at rest.
         beyond: rows beyond what the fit has seen; None where it tells no ranges.
         traces: measured and predicted force against time; ``friction``: the same for friction alone.
     """
@@ -161,9 +177,8 @@ class Predicted:
     force_error: float
     friction_error: float
     all_rows_error: float
-    band_error: float | None
+    constant_error: float
     rest: float
-    others: dict[str, float]
     beyond: Beyond | None
     traces: Prediction
     friction: Prediction
@@ -172,10 +187,40 @@ class Predicted:
         """What ``stribeck predict --json`` prints."""
         return {
             "law": self.model.law, "method": self.model.method, "relative_force_error": self.force_error,
-            "friction_error": self.friction_error, "all_rows_error": self.all_rows_error, "band_error": self.band_error,
-            "rest": self.rest, "fit": self.model.known, "others": self.others,
-            "beyond": self.beyond.to_json() if self.beyond else None,
+            "friction_error": self.friction_error, "all_rows_error": self.all_rows_error,
+            "constant_error": self.constant_error, "expected_error": self.model.expected, "rest": self.rest,
+            "fit": self.model.known, "beyond": self.beyond.to_json() if self.beyond else None,
         }  # fmt: skip
+
+    def notes(self) -> list[str]:
+        """What a reader should know, a sentence each."""
+        out = []
+        if self.constant_error <= self.force_error:
+            out.append("A constant force predicts this record better: the model says nothing about it.")
+        if (self.model.known.get("missed") or 0.0) > _POOR:
+            out.append("The fit itself leaves more than a quarter of its force's deviation: its model lacks something.")
+        if self.beyond and (told := self.beyond.told()):
+            out.append(f"{told[:1].upper()}{told[1:]}.")
+        return out
+
+
+_POOR = 0.25  # of the force's deviation, as the fit's own gate
+
+
+def _whole(fit: Fit, reading: Mapping[str, object]) -> dict[str, object]:
+    law = laws.find(fit.law_name)
+    values = {**fit.fixed, **fit.used}
+    known = {n: v for n, v in values.items() if n in law.constants() or n in TERMS}
+    return {
+        "format": _FORMAT, "law": fit.law_name, "method": fit.method, "values": known,
+        "estimates": {n: e.to_json() for n, e in fit.parameters.items()},
+        "predictor": fit.predictor.to_json() if fit.predictor else None,
+        "fit": {
+            "relative_force_error": fit.relative_force_error, "cross_validated_error": fit.cross_validated_error,
+            "friction_error": fit.details.get("friction_error"), "missed": fit.details.get("missed"),
+        },
+        "seen": fit.details.get("seen", {}), "data_sha256": fit.data_hash, **_UNREAD, **reading,
+    }  # fmt: skip
 
 
 def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
@@ -185,29 +230,7 @@ def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
         reading: the record's files, columns, units, force_gain and cutoff; whether its ends were kept; the output and the
             drive of its simulation.
     """
-    law = laws.find(fit.law)
-    values = {**fit.fixed, **fit.used}
-    others = {
-        c["name"]: {"law": c["law"], "values": c["values"]}
-        for c in fit.details.get("candidates", ())
-        if c["name"] != "this fit"
-    }
-    return json.dumps(
-        finite(
-            {
-                "format": _FORMAT, "law": fit.law, "method": fit.method,
-                "values": {n: v for n, v in values.items() if n in law.constants() or n in TERMS},
-                "fit": {
-                    "relative_force_error": fit.relative_force_error,
-                    "cross_validated_error": fit.cross_validated_error,
-                    "friction_error": fit.details.get("friction_error"), "decimation": fit.details.get("decimation"),
-                },
-                "others": others, "seen": fit.details.get("seen", {}), "data_sha256": fit.data_hash, **_UNREAD,
-                **(reading or {}),
-            }
-        ),
-        indent=1, allow_nan=False,
-    )  # fmt: skip
+    return json.dumps(finite(_whole(fit, reading or {})), indent=1, allow_nan=False)
 
 
 def _unlike(data: Mapping[str, object]) -> list[str]:
@@ -223,16 +246,12 @@ def _unlike(data: Mapping[str, object]) -> list[str]:
                 found += [] if holds(value) else [f"{at}{name}: {show(value)}: must be {words}"]
             elif (at, name) != ("", "format"):
                 found.append(f"{at}{show(name)}: is no part of it{nearest(name, parts)}")
-        if data["format"] != 1:
-            found += [f"{at}{name}: missing" for name in parts if name not in table]
+        found += [f"{at}{name}: missing" for name in parts if name not in table]
     return found
 
 
-def _lacking(law: str, method: object, values: Mapping[str, object]) -> list[str]:
-    kind = laws.find(law)
-    if kind.has_z and method == "static":  # of bristles a static fit tells nothing
-        return []
-    lacking = (n for n, c in kind.constants().items() if c.required and n not in values)
+def _lacking(law: str, values: Mapping[str, object]) -> list[str]:
+    lacking = (n for n, c in laws.find(law).constants().items() if c.required and n not in values)
     return [f"{n}: missing: law '{law}' needs it" for n in lacking]
 
 
@@ -280,36 +299,50 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
         ) from None
     except ValueError:
         raise InputError(f"{arg('fit')}: '{path}': is not JSON") from None
-    known = isinstance(data, dict) and type(data.get("format")) is int and data["format"] in _FORMATS
+    known = isinstance(data, dict) and type(data.get("format")) is int and data["format"] == _FORMAT
     if not known or not {"values", "law", "method"} <= set(data):
         raise InputError(f"{arg('fit')}: '{path}': is no model of a fit (of format {_FORMAT})")
     if wrong := _unlike(data):
         raise InputError([f"{arg('fit')}: '{path}': {text}" for text in wrong])
-    if not trust and (strange := _strange(data["law"], data.get("others", {}), path.parent)):
+    if not trust and astray([data["law"]], Path(), Path(), path.parent):
         text = "lies elsewhere, and a law is a program that would be executed"
         remedy = "must be in the current folder, in the fit's or below them, or allowed with trust=True (--trust)"
-        raise InputError([f"{arg('fit')}: '{path}': {show(name)}: {text}: {remedy}" for name in strange])
-    law = laws.find(data["law"])
-    others = {n: (o["law"], o["values"]) for n, o in data.get("others", {}).items()}
-    told = {"": (data["law"], data["values"]), **{f"others.{n}.": each for n, each in others.items()}}
-    wrong = []
-    for at, (each, values) in told.items():
-        texts = [*_wrong(each, laws.find(each).constants(), values), *_lacking(each, data["method"], values)]
-        wrong += [f"{at}values.{text}" for text in texts]
-    if wrong:
-        raise InputError([f"{arg('fit')}: '{path}': {text}" for text in wrong])
+        raise InputError(f"{arg('fit')}: '{path}': {show(data['law'])}: {text}: {remedy}")
+    law, values = laws.find(data["law"]), data["values"]
+    texts = [*_wrong(data["law"], law.constants(), values), *_lacking(data["law"], values)]
+    if texts:
+        raise InputError([f"{arg('fit')}: '{path}': values.{text}" for text in texts])
+    return _model(data, law.name if ".py:" not in data["law"] else data["law"])
+
+
+class _Saved(TypedDict):
+    """The file, once it was found to be as a fit writes it."""
+
+    law: str
+    method: str
+    values: dict[str, float]
+    predictor: Mapping[str, object] | None
+    fit: dict[str, float | None]
+    columns: dict[str, str]
+    units: dict[str, str]
+    force_gain: str | float | None
+    cutoff: float | None
+    files: list[str]
+    output: str
+    drive: Mapping[str, object] | None
+    published: bool
+    seen: Mapping[str, Sequence[float]]
+
+
+def _model(content: Mapping[str, object], law: str) -> FittedModel:
+    """The model of a file's content."""
+    data = cast("_Saved", content)
+    kept = data["predictor"]
     return FittedModel(
-        law.name if ".py:" not in data["law"] else data["law"], data["method"], data["values"], data.get("fit", {}),
-        others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
-        tuple(data.get("files", ())), data.get("output", "force"), data.get("drive"),
-        data.get("published", False), data.get("seen", {}),
+        law, data["method"], data["values"], of_json(kept) if kept else None, data["fit"], data["columns"], data["units"],
+        data["force_gain"], data["cutoff"], tuple(data["files"]), data["output"], data["drive"], data["published"],
+        data["seen"],
     )  # fmt: skip
-
-
-def _strange(law: str, others: Mapping[str, Mapping[str, str]], folder: Path) -> list[str]:
-    """Laws in files that a fit's model may not have executed unasked: it may come from a stranger."""
-    told = [law, *(other["law"] for other in others.values())]
-    return astray(told, Path(), Path(), folder)
 
 
 def predict(model: FittedModel, log: Log) -> Predicted:
@@ -320,42 +353,47 @@ def predict(model: FittedModel, log: Log) -> Predicted:
         StribeckError: the simulation fails.
     """
     terms.check(model.body, log)
-    rest = at_rest(log)
-    simulated = laws.find(model.law).has_z and model.method != "static"
+    rest, simulated = at_rest(log), model.predictor is None
     if rest.all() and not simulated:
         raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
-    if simulated:
+    if model.predictor is None:
+        not_friction = beside(model, log)
         force = _simulated(model, log)
     else:
-        log = log.with_columns(velocity=np.where(rest, 0.0, log.velocity))
-        force = _steady(model.law, model.values, log)
+        friction_of_model, not_friction = model.predictor.parts(log)
+        force = friction_of_model + not_friction
     rows = np.ones(len(log), bool) if simulated else ~rest
-    left = log.force - beside(model, log)
-    others = {n: _error(log.force, _steady(law, v, log), rows) for n, (law, v) in model.others.items()}
+    left = log.force - not_friction
     traces = Prediction(log.time, log.position, log.velocity, log.force, force)
-    friction = Prediction(log.time, log.position, log.velocity, left, left + force - log.force)
-    size = float(np.linalg.norm(friction.measured[rows]))
-    own = float(np.linalg.norm((log.force - force)[rows])) / max(size, 1e-300)
-    every = np.ones(len(log), bool)
-    outside = beyond(model.seen, model.body, log, rows, log.force - force) if model.seen else None
+    friction = Prediction(log.time, log.position, log.velocity, left, force - not_friction)
+    own = float(np.linalg.norm((log.force - force)[rows])) / max(float(np.linalg.norm(left[rows])), 1e-300)
+    mean = np.full(len(log), float(np.mean(log.force[rows])))
+    outside = beyond(model.seen, model.hangs_on, log, rows, log.force - force) if model.seen else None
     return Predicted(
-        model, _error(log.force, force, rows), own, _error(log.force, force, every), _band_error(model, log, force, rest),
-        float(np.mean(rest)), others, outside, traces, friction,
+        model, _error(log.force, force, rows), own, _error(log.force, force, np.ones(len(log), bool)),
+        _error(log.force, mean, rows), float(np.mean(rest)), outside, traces, friction,
     )  # fmt: skip
 
 
-def _band_error(model: FittedModel, log: Log, force: Array, rest: NDArray[np.bool_]) -> float | None:
-    """The error of the force where both have passed the filter that the fit used, at the rows that it would keep."""
-    q = int(model.known.get("decimation") or 1)
-    if q not in RATES or q < 2 or model.method != "static" or min(r.stop - r.start for r in log.runs()) < _SHORTEST * q:
-        return None
-    reduce = thinning(log, q)
-    moving = np.convolve(rest, np.ones(2 * q + 1), mode="same")[kept_rows(log, q)] < 0.5
-    return _error(reduce(log.force), reduce(force), moving) if moving.any() else None
+def predicted(fit: Fit, data: object, columns: Mapping[str, str]) -> Predicted:
+    """The prediction of a fit in memory; columns as in the fit unless given."""
+    model = _model(json.loads(saved(fit, fit.reading)), fit.law_name)
+    names = ColumnNames({**model.columns, **columns}, model.units, model.force_gain)
+    log = data if isinstance(data, Log) else api.log_of(data, names, how_to_read(model))
+    return predict(model, log)
+
+
+def how_to_read(model: FittedModel, cutoff: float | None = None) -> Preparation:
+    """How another record is prepared for a model: as the fit's was."""
+    chosen = cutoff if cutoff is not None else model.cutoff
+    return Preparation(chosen, None, model.predictor is None, model.published, True)
 
 
 def beside(model: FittedModel, log: Log, without: Container[str] = ()) -> Array:
     """What the fitted model says of the force that is no friction, in N at each row; ``without`` some terms."""
+    if model.predictor is not None:
+        mass = model.values.get("mass", 0.0) * log.acceleration if "mass" in without else 0.0
+        return np.asarray(model.predictor.parts(log)[1] - mass)
     found = np.zeros(len(log))
     for name in model.body:
         term = TERMS[name]
@@ -367,16 +405,6 @@ def beside(model: FittedModel, log: Log, without: Container[str] = ()) -> Array:
 def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:
     size = float(np.linalg.norm(measured[rows]))
     return float(np.linalg.norm((measured - predicted)[rows])) / max(size, 1e-300)
-
-
-def _steady(law_name: str, values: Mapping[str, float], log: Log) -> Array:
-    """Friction at the speed of the moment, and the body's terms."""
-    law = laws.find(law_name)
-    own = {n: v for n, v in values.items() if n in law.constants()}
-    columns = Columns(log, Sliding(law, own, {}), lambda x: x)
-    body = {n: v for n, v in values.items() if n in TERMS and n not in OF_RECORD}
-    model = Separable(columns, {**own, **body}, (), (), ())
-    return model.force_at({"mass": 0.0, **own, **body})
 
 
 def _simulated(model: FittedModel, log: Log) -> Array:

@@ -16,7 +16,8 @@ from tests.identify.core.records import TRUTH, joined, record
 def choice_of(log, laws=("stribeck",), terms=("offset",), given=None, **asked):
     given = given or {}
     curves = [curve_of(law, given) for law in laws]
-    return chosen(record_of(rows_of(log), terms, given), curves, **asked)
+    record = record_of(rows_of(log), terms, given)
+    return chosen([(record, curve) for curve in curves], **asked)
 
 
 def inside(e, truth, how="interval"):

@@ -53,10 +53,9 @@ def check(fit):
     assert math.isfinite(fit.relative_force_error)
     assert fit.cross_validated_error is None or math.isfinite(fit.cross_validated_error)
     fit.to_json()
-    for name, e in {**fit.estimates, **fit.body}.items():
-        assert all(math.isfinite(x) for x in (e.value, e.low, e.high, e.best) if x is not None), name
-        if e.identifiable:
-            assert e.low <= e.value <= e.high, name
+    for name, e in fit.parameters.items():
+        assert all(math.isfinite(x) for x in (e.value, e.low, e.high) if x is not None), name
+        assert e.range[0] <= e.interval[0] <= e.value <= e.interval[1] <= e.range[1], name
 
 
 @pytest.mark.parametrize("seed", range(16))
@@ -64,11 +63,10 @@ def test_a_random_record_is_fitted_or_refused_in_words(seed):
     draw = np.random.default_rng(seed)
     columns = spoilt(draw, record(draw, MOTIONS[seed % len(MOTIONS)]))
     law = STATIC[seed % len(STATIC)]
-    options = {"robust": bool(draw.integers(0, 4) == 0), "select": False}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            found = stribeck.fit(columns, law, time="t", velocity="v", force="F", **options)
+            found = stribeck.fit(columns, law, time="t", velocity="v", force="F")
         except InputError as error:
             found = str(error)
     if isinstance(found, str):
@@ -86,8 +84,8 @@ def test_units_do_not_change_what_a_fit_comes_to(law):
     force = (1 + 0.5 * np.exp(-((v / 0.1) ** 2))) * np.tanh(v / 0.02) + 0.4 * v + 0.02 * rng.standard_normal(len(t))
     usual, other = (
         stribeck.fit(
-            {"t": t, "v": s * v, "F": f * force}, law, time="t", velocity="v", force="F", select=False, mass=0.0,
-            decimate=1, cutoff=0,
+            {"t": t, "v": s * v, "F": f * force}, law, time="t", velocity="v", force="F", forms=False, mass=0.0,
+            cutoff=0,
         )
         for s, f in ((1.0, 1.0), (1e-6, 1e5))
     )  # fmt: skip
@@ -101,6 +99,6 @@ def test_viscous_friction_is_seen_at_any_speed():
     v = 1e3 * np.sin(2 * np.pi * 1.1 * t)
     force = np.sign(v) + 1e-3 * v + 0.02 * rng.standard_normal(len(t))
     columns = {"t": t, "v": v, "F": force}
-    fit = stribeck.fit(columns, "coulomb_viscous", time="t", velocity="v", force="F", mass=0.0, decimate=1, cutoff=0)
+    fit = stribeck.fit(columns, "coulomb_viscous", time="t", velocity="v", force="F", mass=0.0, cutoff=0)
     assert fit.estimates["sigma_2"].value == pytest.approx(1e-3, rel=0.02)
     assert fit.estimates["F_c"].value == pytest.approx(1.0, rel=0.02)

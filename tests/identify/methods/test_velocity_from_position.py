@@ -63,5 +63,5 @@ def test_bristles_that_noise_hides_are_not_told_wrongly():
         estimate = fit.estimates[name]
         if estimate.identifiable:
             assert estimate.low <= truth <= estimate.high, name
-    assert fit.estimates["sigma_0"].best == pytest.approx(TRUTH["sigma_0"], rel=0.2)
+    assert fit.estimates["sigma_0"].value == pytest.approx(TRUTH["sigma_0"], rel=0.2)
     assert fit.estimates["F_c"].identifiable

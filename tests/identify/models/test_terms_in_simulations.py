@@ -32,7 +32,7 @@ def test_a_delay_is_fitted_by_simulation_and_predicted_with(late):
         if n in ("offset", "delay", "mass") or n in stribeck.law("lugre", rig.TRUTH).values
     }
     model = FittedModel(
-        "lugre", "dynamic", {n: v for n, v in values.items() if v is not None}, {}, {}, {}, {}, None, None
+        "lugre", "dynamic", {n: v for n, v in values.items() if v is not None}, None, {}, {}, {}, None, None
     )
     assert predict(model, late).force_error == pytest.approx(fit.relative_force_error, rel=0.2)
 

@@ -6,7 +6,7 @@ import pytest
 from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.methods.dynamic import cross_validated, fit_dynamic
 from stribeck.identify.models.dynamic_problem import velocity_problem
-from stribeck.identify.statistics.crossvalidate import LeftOut, choose, groups
+from stribeck.identify.statistics.crossvalidate import groups
 from tests.identify import rig
 
 
@@ -52,26 +52,3 @@ def test_the_part_left_out_is_not_seen(log):
     # fitted to the clean part, the model misses the spoilt one by the 100 N added
     assert np.sqrt(wrong.squares[0] / np.sum(part == 0)) == pytest.approx(100, rel=0.02)
     assert np.sqrt(clean.squares[0] / np.sum(part == 0)) == pytest.approx(0.1, rel=0.1)
-
-
-def left_out(squares, parameters):
-    return LeftOut(np.array(squares), np.full(len(squares), 100.0), "", parameters)
-
-
-def test_the_simplest_law_that_is_as_good_is_chosen():
-    good, simple, poor = left_out([1.0, 1.2, 0.9], 8), left_out([1.02, 1.1, 1.0], 4), left_out([3.0, 3.1, 2.9], 2)
-    name, why = choose({"good": good, "simple": simple, "poor": poor})
-    assert name == "simple"
-    assert "within a standard error" in why
-    name, why = choose({"good": good, "poor": poor})
-    assert name == "good"
-    assert "lowest cross-validated error" in why
-    assert good.error == pytest.approx(np.sqrt(3.1 / 300))
-
-
-def test_the_law_behind_the_data_is_chosen(log):
-    fits = {
-        law: fit_dynamic(log, law, mass=0.0, starts=3, profiles=False, folds=5).details["left_out"]
-        for law in ("lugre", "dahl", "stribeck")
-    }
-    assert choose(fits)[0] == "lugre"

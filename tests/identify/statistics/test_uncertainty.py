@@ -9,13 +9,10 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
-from stribeck.identify.features.guess import sizes_of
-from stribeck.identify.features.what_to_measure import reachable
 from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.models.dynamic_problem import velocity_problem
-from stribeck.identify.statistics import correlated, uncertainty, verdicts
-from stribeck.identify.statistics.verdicts import Noise
+from stribeck.identify.statistics import correlated, uncertainty
 from stribeck.rig.synthetic import LABEL
 from tests.identify import rig
 
@@ -150,18 +147,6 @@ def test_synthetic_data_say_that_they_are():
     log = rig.held_at(0.05, 0.5)
     assert all(LABEL in source for source in log.sources.values())
     assert LABEL in log.quality[0]
-
-
-def test_advice_does_not_count_on_a_force_without_noise(monkeypatch):
-    """A force that was commanded has no noise in the record; another rig's sensor has."""
-    asked = []
-    monkeypatch.setattr(verdicts, "by_simulation", lambda *given: asked.append(given[-3]))
-    problem, _, _, _ = velocity_problem(rig.measured(rig.LOOPS), "lugre", mass=0.0)
-    sizes = sizes_of(problem.log)
-    values, inner = dict(rig.TRUTH), np.eye(len(problem.coordinates))
-    numbers = reachable(values, sizes)
-    verdicts.effect(problem, 0, values, inner, [0, 1], sizes, Noise(1e-9, 1e-9), numbers, 0.0, True)
-    assert asked == [pytest.approx(1e-3 * sizes.force)]
 
 
 @pytest.mark.parametrize(

@@ -87,15 +87,16 @@ def independent(lib: ModelLibrary, x: Array, sse: Array) -> float:
 
 
 def chosen(
-    record: Record, curves: Sequence[SteadyCurve], alone: bool = False, speeds: Sequence[float] = ()
+    records: Sequence[tuple[Record, SteadyCurve]], alone: bool = False, speeds: Sequence[float] = ()
 ) -> Selection:
     """The model of the least BIC among all laws and forms.
 
     Args:
+        records: each law's columns with the rows that it is compared on, the same blocks for all.
         alone: of the laws alone.
         speeds: at which the levels are estimated.
     """
-    libraries = [library(record, curve, speeds) for curve in curves]
+    libraries = [library(record, curve, speeds) for record, curve in records]
     rows = min(independent(lib, *lib.solve(lib.gram.sum(0))) for lib in libraries)
     for lib in libraries:
         refine(lib, rows)

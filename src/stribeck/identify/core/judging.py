@@ -15,8 +15,8 @@ from scipy.stats import t as student
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection
-from stribeck.identify.core.library import LEVELS, RIDGE, ModelLibrary
-from stribeck.identify.core.states import EstimateState, JudgedEstimate, ends, state_of
+from stribeck.identify.core.library import LEVELS, RIDGE
+from stribeck.identify.core.states import Estimate, EstimateState, ends, state_of
 from stribeck.identify.models.memory import rows_together
 
 DRAWS, SHARE, WORSE = (
@@ -33,7 +33,7 @@ LAGS = 4.0  # times the rows that err together: Bartlett's weights then keep nin
 EXPLAINED = 0.25  # of the force's deviation: a fit that leaves more identifies nothing
 
 
-def judged(choice: Selection, draws: int = DRAWS, trusted: bool = True) -> dict[str, JudgedEstimate]:
+def judged(choice: Selection, draws: int = DRAWS, trusted: bool = True) -> dict[str, Estimate]:
     """Every estimate of the reported model with interval, range and state.
 
     Args:
@@ -53,13 +53,12 @@ def judged(choice: Selection, draws: int = DRAWS, trusted: bool = True) -> dict[
     found = {}
     for q, (name, x_now) in enumerate(value.items()):
         own = [ends(x_now, half[q], bool(by_ratio[q])) for half in (interval, wide)]
-        state = state_of(own[0], own[1], _level(lib, value, name))
-        if state is EstimateState.IDENTIFIED and (not trusted or (name == "mass" and x_now < 0)):
+        state = state_of(own[0], own[1], *lib.beside(name, value))
+        hangs = state is EstimateState.MODEL_DEPENDENT
+        if state is EstimateState.IDENTIFIED and (not trusted or (name in lib.curve.positive and x_now < 0)):
             state = EstimateState.MODEL_DEPENDENT
-        cause = (
-            (withheld if part["B"][q] > part["H"][q] else hidden)[q] if state is EstimateState.MODEL_DEPENDENT else ""
-        )
-        found[name] = JudgedEstimate(
+        cause = (withheld if part["B"][q] > part["H"][q] else hidden)[q] if hangs else ""
+        found[name] = Estimate(
             x_now, own[0], own[1], state, depends_on=cause, parts={k: float(z[q]) for k, z in part.items()}
         )
     return lib.curve.judged(found, found[LEVELS[0]], lib.at.speeds[0])
@@ -69,12 +68,6 @@ def missed(choice: Selection) -> float:
     """What the reported model leaves, of the force's deviation."""
     lib, r = choice.library, choice.library.residual(choice.model, choice.coefficients)
     return float(np.sqrt(np.mean(r**2)) / max(float(np.std(lib.columns[:, 0])), 1e-300))
-
-
-def _level(lib: ModelLibrary, value: Mapping[str, float], name: str) -> float | None:
-    """The friction's level, for what may be 0 beside it: offset, weight, and the like."""
-    may_be_zero = name in lib.body and name not in ("mass", "sigma_2")
-    return value.get("F_c", value[LEVELS[-1]]) / max(lib.weight(name), 1e-300) if may_be_zero else None
 
 
 def _slopes(choice: Selection, value: Mapping[str, float]) -> Array:

@@ -17,6 +17,7 @@ RIDGE, DEAD = (
     1e-16,
 )  # beside a scaled diagonal of 1: rounding; a column's square beside the largest: it does not move
 LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction at four speeds that were seen
+ASKED = "level at {:.4g}"  # at a speed that the user names
 CELL, STEEP = 1.2, 3.0  # of a node's cell: where its slopes still hold; factor on the squared residual beyond
 Model = tuple[int, tuple[str, ...]]  # index of the node, forms
 
@@ -53,6 +54,12 @@ class ModelLibrary:
         return self.at.curve
 
     @property
+    def levels(self) -> dict[str, float]:
+        """The speeds of the levels, by name."""
+        names = [*LEVELS, *(ASKED.format(v) for v in self.at.speeds[len(LEVELS) :])]
+        return dict(zip(names, self.at.speeds, strict=True))
+
+    @property
     def k(self) -> int:
         """Columns of a node."""
         return len(self.curve.names) + len(self.step)
@@ -83,9 +90,14 @@ class ModelLibrary:
         """The file of each block."""
         return np.array([self.record.file[self.record.block == b][0] for b in range(len(self.gram))])
 
-    def weight(self, name: str) -> float:
-        """The largest value of a column of the body: its force per unit of the coefficient."""
-        return float(np.max(abs(self.columns[:, 1 + self.body.index(name)])))
+    def beside(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
+        """For what may be 0, such as an offset or a weight: the friction's level in its unit, and whether being known within a
+        factor of two does too, as it does for all but a constant force."""
+        if name not in self.body or name in self.curve.inertia:
+            return None, False
+        column = self.columns[:, 1 + self.body.index(name)]
+        level = self.curve.coulomb(value, value[LEVELS[-1]])
+        return level / max(float(np.max(abs(column))), 1e-300), float(np.ptp(column)) > 0
 
     def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
         """Further nodes; ``heights``: of the law's columns, with which the slopes are taken."""
@@ -181,7 +193,9 @@ class ModelLibrary:
                 bends = bends + z * steady(form, u, self.at, rigid=True)
         own = {n: c[n] for n in self.curve.names}
         out = {n: c[n] for n in self.body} | self.curve.constants(own, self.shape(model, x), bends, u)
-        return out | dict(zip(LEVELS, self.level(model, x, np.array(self.at.speeds)).tolist(), strict=True))
+        return out | dict(
+            zip(self.levels, self.level(model, x, np.array(list(self.levels.values()))).tolist(), strict=True)
+        )
 
     def scores(self, sse: Array, rows: float) -> Array:
         """BIC with ``rows`` independent rows; which forms they are is paid for too."""

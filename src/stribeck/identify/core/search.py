@@ -96,7 +96,7 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
     """All columns and their Gram matrices, and the models that a beam search meets.
 
     Args:
-        speeds: of the levels; four seen ones unless given.
+        speeds: of further levels.
 
     Raises:
         InputError: the law has more shapes than a grid can hold.
@@ -176,9 +176,8 @@ def anchor(
     log, v, n = record.log, record.log.velocity, len(curve.names)
     found = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
-    if not speeds:
-        slow, high = np.quantile(abs(v[record.at]), SEEN)
-        speeds = (float(slow), float(np.sqrt(slow * high)), float(0.5 * high), float(high))
+    slow, high = np.quantile(abs(v[record.at]), SEEN)
+    seen = (float(slow), float(np.sqrt(slow * high)), float(0.5 * high), float(high))
     own, known = np.column_stack([record.law_columns(curve, shape), body]), record.known(curve, shape)
     target = record.force if known is None else record.force - known
     turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
@@ -188,7 +187,7 @@ def anchor(
         a = np.column_stack([own, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
         z = np.linalg.lstsq(a, target, rcond=1e-7)[0]
         carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
-    at = Anchor(curve, shape, found, fast, _way(log), log.step, turns, placed, tuple(speeds), carried)
+    at = Anchor(curve, shape, found, fast, _way(log), log.step, turns, placed, (*seen, *speeds), carried)
     if (between := ripple.range_of(log, record.q)) is None:
         return at
     residual, side = target - own @ x, np.sign(record.column(v))

@@ -23,7 +23,7 @@ class EstimateState(StrEnum):
 
 
 @dataclass(frozen=True)
-class JudgedEstimate:
+class Estimate:
     """A number with both uncertainties at 95 %; ``range`` is wider than ``interval`` by what the model may lack.
 
     Attributes:
@@ -46,25 +46,60 @@ class JudgedEstimate:
     why: str = ""
     experiment: str = ""
 
+    @property
+    def identifiable(self) -> bool:
+        """Whether the data determine it, if the model is right: its interval is narrow, or it is a bound."""
+        return self.state is not EstimateState.NOT_IDENTIFIABLE
+
+    @property
+    def usable(self) -> bool:
+        """Whether exports and simulations take it without being told to."""
+        return self.identifiable and self.state is not EstimateState.AT_MOST
+
+    @property
+    def low(self) -> float | None:
+        """The lower end of the 95 % interval; None if it is open."""
+        return self.interval[0] if np.isfinite(self.interval[0]) else None
+
+    @property
+    def high(self) -> float | None:
+        """The upper end of the 95 % interval; None if it is open."""
+        return self.interval[1] if np.isfinite(self.interval[1]) else None
+
+    def to_json(self) -> dict[str, object]:
+        """As the contract has it, with both uncertainties and the state."""
+        told = {key: getattr(self, key) for key in ("depends_on", "why", "experiment") if getattr(self, key)}
+        return {
+            "value": self.value, "low": self.low, "high": self.high, "unit": self.unit, "identifiable": self.identifiable,
+            "estimate": self.value, "interval": _open(self.interval), "range": self.range and _open(self.range),
+            "state": str(self.state), **told,
+        }  # fmt: skip
+
+
+def _open(pair: tuple[float, float]) -> list[float | None]:
+    """The ends, None where one is open."""
+    return [x if np.isfinite(x) else None for x in pair]
+
 
 def ends(value: float, half: float, by_ratio: bool) -> tuple[float, float]:
     """The ends of an interval; of a shape by its logarithm."""
     if not by_ratio:
-        return value - half, value + half
+        return float(value - half), float(value + half)
     ratio = float(np.exp(min(half / value, 50.0)))
     return value / ratio, value * ratio
 
 
-def state_of(interval: tuple[float, float], wide: tuple[float, float], level: float | None) -> EstimateState:
-    """Narrow: within a factor of two; of what may be 0, within half of the friction's ``level``."""
+def state_of(
+    interval: tuple[float, float], wide: tuple[float, float], level: float | None = None, either: bool = False
+) -> EstimateState:
+    """Narrow: within a factor of two; of what may be 0, within half of the friction's ``level``, or ``either``."""
 
     def narrow(low: float, high: float) -> bool:
-        return high - low < OFFSET * abs(level) if level is not None else low > 0 and high < NARROW * low
+        by_ratio = (low > 0 and high < NARROW * low) or (high < 0 and low > NARROW * high)
+        beside = level is not None and high - low < OFFSET * abs(level)
+        return beside or (by_ratio and (level is None or either))
 
-    return (
-        EstimateState.IDENTIFIED
-        if narrow(*wide)
-        else EstimateState.MODEL_DEPENDENT
-        if narrow(*interval)
-        else EstimateState.NOT_IDENTIFIABLE
-    )
+    found = EstimateState.NOT_IDENTIFIABLE
+    if narrow(*interval):
+        found = EstimateState.IDENTIFIED if narrow(*wide) else EstimateState.MODEL_DEPENDENT
+    return found

@@ -18,7 +18,8 @@ from stribeck.identify.data.clocks import on_one_clock, released, steady_stretch
 from stribeck.identify.data.effect import LITTLE, by_effect, quiet
 from stribeck.identify.data.filters import SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
-from stribeck.identify.data.read import ColumnNames, read
+from stribeck.identify.data.read import ColumnNames, beside, read
+from stribeck.identify.data.units import is_rotary
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.recorded import is_table
 
@@ -80,7 +81,10 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
             notes = []
     hashes = tuple(sha256_of(Path(each)) for each in sources if not is_table(each))
     log = prepare(on_one_clock(cleaned), how, owners)
-    return log.with_columns(hashes=hashes if len(hashes) == len(sources) else ())
+    named = columns if is_table(sources[0]) else columns.over(beside(Path(sources[0])))
+    motion = (named.names.get(role, "") for role in ("position", "velocity"))
+    turns = any(is_rotary(named.units.get(name, "")) for name in motion)
+    return log.with_columns(hashes=hashes if len(hashes) == len(sources) else (), rotary=turns)
 
 
 def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:
@@ -120,7 +124,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     trim = how.trim if how.trim is not None else max(round(SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.simulated, spline)
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, spline)
     notes += _too_short(parts, lengths, trim)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
@@ -129,8 +133,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if spline else "central differences")
-    if how.simulated:
-        sources["unfiltered"] = measured
+    sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if how.trim is None and cutoff > 0:
         lowest = (
@@ -171,13 +174,12 @@ def _met(parts: Sequence[Clean], measured: str) -> list[tuple[Array, Array]]:
 
 
 def _columns(
-    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, keep: bool,
-    spline: bool,
+    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, spline: bool
 ) -> tuple[dict[str, Array], list[int]]:  # fmt: skip
     """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
     if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
         grid = _grid(parts[0], parts[0].runs[0], step)
-        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "", spline)
+        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured, spline)
         parts[0].columns.clear()
         return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]), trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
@@ -185,13 +187,13 @@ def _columns(
     _enough(max(len(grid) for grid in grids), trim)
     place = np.concatenate([[0], np.cumsum(kept)])
     names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
-    names += ["unfiltered"] if keep else []
+    names += ["unfiltered"]
     out = {name: np.empty(place[-1]) for name in names}
     number = 0
     for part in parts:
         for r in part.runs:
             rows = slice(place[number], place[number + 1])
-            for name, x in _run(part, r, grids[number], step, cutoff, measured if keep else "", spline).items():
+            for name, x in _run(part, r, grids[number], step, cutoff, measured, spline).items():
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
@@ -278,15 +280,14 @@ def _grid(part: Clean, rows: slice, step: float) -> Array:
 
 
 def _run(
-    part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep: str, spline: bool
+    part: Clean, rows: slice, grid: Array, step: float, cutoff: float, measured: str, spline: bool
 ) -> dict[str, Array]:
     time = part.columns["time"][rows]
     found = {"time": grid}
     for name, column in part.columns.items():
         if name != "time":
             found[name] = column[rows] if part.even else np.interp(grid, time, column[rows])
-    if keep:
-        found["unfiltered"] = found[keep]
+    found["unfiltered"] = found[measured]
     for name in ("position", "velocity", "acceleration"):
         if name in found and cutoff > 0:
             found[name] = low_pass(found[name], cutoff, step)

@@ -33,6 +33,11 @@ def factor(role: str, column: str, unit: str) -> float:
     return known[unit]
 
 
+def is_rotary(unit: str) -> bool:
+    """True for an angle or its rate: the machine turns."""
+    return unit == "rpm" or unit.partition("/")[0] in ANGLE
+
+
 def is_drive(unit: str) -> bool:
     """True for a current or a voltage, which a gain turns into a force."""
     return unit in DRIVE

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from stribeck.constants import rotary_unit
 from stribeck.identify.features.guess import Sizes
 
 _WORDS = {
@@ -30,7 +31,6 @@ _WORDS = {
     "ripple_waves": "slow strokes over the whole travel, in both directions",
     "gravity_sin": "slow strokes over as much of a turn as there is room for, in both directions",
     "gravity_cos": "slow strokes over as much of a turn as there is room for, in both directions",
-    "play": "slow reversals (below {middle}), each followed by a way of many times that over which friction turns round",
     "offset": "the same constant speeds in both directions",
 }
 _UNITS = {**dict.fromkeys(("small", "large", "fine"), "m"), **dict.fromkeys(("rate", "gentle"), "N/s"), "half": "N"}
@@ -87,11 +87,14 @@ def reachable(values: Mapping[str, float], sizes: Sizes, open_: Collection[str] 
     )  # fmt: skip
 
 
-def experiment_for(name: str, values: Mapping[str, float], sizes: Sizes, open_: Collection[str] = ()) -> str:
+def experiment_for(
+    name: str, values: Mapping[str, float], sizes: Sizes, open_: Collection[str] = (), rotary: bool = False
+) -> str:
     """What to measure, in words and numbers (:func:`reachable`)."""
     if "_by_" in name and name not in _WORDS:
         return f"the same motions at three levels of {name.partition('_by_')[2]} or more, evenly over its range"
     words = _WORDS.get(name, "motions in which the force depends on it: reversals of several sizes and speeds")
-    return words.format(
-        **{n: f"{x:.2g} {_UNITS.get(n, 'm/s')}" for n, x in asdict(reachable(values, sizes, open_)).items()}
-    )
+    units = {n: _UNITS.get(n, "m/s") for n in asdict(reachable(values, sizes, open_))}
+    units = {n: rotary_unit(unit) if rotary else unit for n, unit in units.items()}
+    numbers = asdict(reachable(values, sizes, open_))
+    return words.format(**{n: f"{float(f'{x:.2g}'):g} {units[n]}" for n, x in numbers.items()})

@@ -143,7 +143,7 @@ def fit_of(
     if work.stopped:
         notes = [STOPPED]
     return Fit(
-        law=problem.law.name,
+        law_name=problem.law.name,
         method="dynamic",
         estimates={n: e for n, e in judged.estimates.items() if n not in TERMS},
         body={n: e for n, e in judged.estimates.items() if n in TERMS},

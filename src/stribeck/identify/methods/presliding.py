@@ -19,7 +19,7 @@ from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
-from stribeck.identify.result import Estimate, Fit
+from stribeck.identify.result import Estimate, Fit, simulated
 from stribeck.identify.work import Work
 
 _NOISES = 6.0  # standard deviations that a reversal must stand above the noise
@@ -166,7 +166,7 @@ def _cut(log: Log, parts: Sequence[slice]) -> Log:
 
 
 def _unknown(unit: str, why: str, name: str, sizes: Sizes) -> Estimate:
-    return Estimate(None, None, None, unit, False, why, experiment_for(name, {}, sizes))
+    return simulated(None, None, None, unit, False, why, experiment_for(name, {}, sizes))
 
 
 def _without(law: type[laws.Law], log: Log, sizes: Sizes, given: dict[str, float]) -> Fit:
@@ -174,7 +174,7 @@ def _without(law: type[laws.Law], log: Log, sizes: Sizes, given: dict[str, float
     why = "the log holds no small reversals: the contact slides all the time"
     names = [n for n in law.uses if n not in given]
     return Fit(
-        law=law.name, method="presliding", body={}, fixed=given, used={}, names=(), covariance=np.zeros((0, 0)),
+        law_name=law.name, method="presliding", body={}, fixed=given, used={}, names=(), covariance=np.zeros((0, 0)),
         estimates={n: _unknown(law.constants()[n].unit, why, n, sizes) for n in names},
         relative_force_error=float("nan"), data_hash=log.hash, notes=(why,),
     )  # fmt: skip

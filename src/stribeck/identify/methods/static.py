@@ -1,44 +1,48 @@
-"""Inverse-model least squares: force = mass * acceleration + friction at the measured speed + offset and the like.
+"""Static fits: the record's force against inertia, steady friction and forms, judged by the core.
 
-The published procedure for such records (Gautier; Janot, Gautier, Brunot 2019): the force and every column of the model
-pass the same low-pass filter and are then thinned, which weighs all frequencies below it alike and leaves nearly
-independent rows.
+Force and every column pass the same low-pass filter and are then thinned, which weighs all frequencies below it alike and leaves
+nearly independent rows (Gautier; Janot, Gautier, Brunot 2019).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from stribeck import laws
 from stribeck.arrays import Array
+from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
-from stribeck.identify.data.segments import constant_speed
-from stribeck.identify.features.levels import levels
-from stribeck.identify.log import Log
-from stribeck.identify.methods.static_start import StaticModel, model
+from stribeck.identify.core.choice import Selection, chosen
+from stribeck.identify.core.forms import OF_RECORD
+from stribeck.identify.core.judging import EXPLAINED, judged, missed
+from stribeck.identify.core.predictor import predictor
+from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.details import Candidate
+from stribeck.identify.features.guess import Sizes, sizes_of
+from stribeck.identify.features.what_to_measure import experiment_for
+from stribeck.identify.log import Log, thinned
 from stribeck.identify.models import terms
-from stribeck.identify.models.separable import Minimum, Separable
+from stribeck.identify.models.curves import REACHED, SteadyCurve, curve_of
+from stribeck.identify.models.record import Record, record_of
 from stribeck.identify.models.static_problem import Rows, rows_of
-from stribeck.identify.models.terms import TERMS, column
-from stribeck.identify.result import Estimate, Fit, Prediction
-from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, cross_validate
-from stribeck.identify.statistics.linear import linearised
-from stribeck.identify.statistics.loops import of_a_loop
-from stribeck.identify.statistics.static_intervals import StaticConfidenceIntervals, static_intervals
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.result import Fit, Prediction
 
+LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates where no law is named
+PLAIN = "coulomb_viscous"
+MEASURED = {"pressure": "area", "load": "F_c_by_load"}  # the term with which a measured column is in the model
+FOUND = 0.05  # of a column's square that motion does not explain: its own levels then find its coefficient
+WEIGHT = ("gravity_sin", "gravity_cos")
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
-_LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _SIGN_FROM = 200_000  # rows that tell the force's sign
 _ROUNDING = 1e-13  # of a position: what a filter makes of one that never changes
-_FIFTH = 0.2  # of the way, left out at an end
-_HUBER = 1.345
-_LONGEST_STEP = 0.5  # of a shape's logarithm, in the fit without a part
+_SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: the steepness of an exact sign
+_LEAST = 1e-9  # of the largest force: the least level of a law that is to be simulated
 
 
 @dataclass(frozen=True)
@@ -46,150 +50,86 @@ class Setting:
     """What a static fit is asked for.
 
     Attributes:
-        fixed: constants that are given.
-        free: constants to fit; None for those of the machine.
-        mass: kg; None fits it.
-        body: terms beside mass (:data:`stribeck.identify.models.terms.TERMS`).
-        decimate: rows to thin by; None chooses from the data.
-        robust: Huber's loss instead of squares.
-        folds: of the cross-validation; with several files, one is left out at a time instead.
+        fixed: constants and terms that are given, the mass too; ``free``: constants of the laws' own that are fitted.
+        terms: that every model has beside inertia, viscous friction and offset.
+        alone: the law without forms; ``published``: that, with the rows and the filter of the published procedure.
+        weight: whether a rotary joint's weight is in the model.
+        speeds: of further levels.
     """
 
     fixed: Mapping[str, float]
-    free: Sequence[str] | None = None
-    mass: float | None = None
-    body: Sequence[str] = ("offset",)
-    decimate: int | None = None
-    robust: bool = False
-    folds: int = FOLDS
+    free: Sequence[str] = ()
+    terms: Sequence[str] = ()
+    alone: bool = False
+    published: bool = False
+    weight: bool = True
+    speeds: Sequence[float] = ()
 
 
-@dataclass(frozen=True)
-class Settled:
-    """A model at its optimum."""
-
-    setting: Setting
-    model: StaticModel
-    solution: Minimum
-    rows: Rows
-
-    @cached_property
-    def left_out(self) -> LeftOut:
-        """What it comes to on data left out."""
-        return cross_validated(self.model.whole, self.solution, self.rows, self.setting.folds, len(self.model.unseen))
-
-    @property
-    def shapes(self) -> dict[str, float]:
-        """Where a wider model begins."""
-        return {s.name: self.solution.values[s.name] for s in self.model.whole.shapes}
-
-
-def fit_static(
-    log: Log, law: str, setting: Setting | None = None, profiles: bool = True, rows: Rows | None = None
-) -> Fit:
-    """Fit a law's sliding friction and the body's terms by least squares on the force.
+def fit_static(log: Log, names: Sequence[str], setting: Setting | None = None) -> Fit:
+    """Fit static laws to a record and report the best one.
 
     Args:
-        log, law, setting: what to fit to what, and how.
-        profiles: draw the likelihood's profiles.
-        rows: of the log, where other fits of it have made them.
+        log: the record; ``names``: of the laws.
 
     Raises:
         InputError: constants or terms are unknown or missing; the data do not move enough, or against the force.
     """
     setting = setting or Setting({})
-    terms.check(tuple(setting.body), log)
+    terms.check(tuple(setting.terms), log)
     check_motion(log)
-    rows = rows or rows_of(log, setting.decimate)
-    return finished(rows, settle(rows, law, setting), profiles)
+    rows = rows_of(log)
+    body, unused = _terms(log, setting)
+    with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
+        choice = _chosen(rows, names, body, setting)
+        found = judged(choice, trusted=not unused)
+        wide = rows_of(log, to_choose=True)  # another record is met at all frequencies
+        same = wide.q == rows.q or setting.published
+        made = predictor(choice if same else _chosen(wide, names, body, setting), rows.source)
+    return replace(_finished(rows, choice, found, unused, setting, made.error), predictor=made)
 
 
-def settle(
-    rows: Rows, law: str, setting: Setting, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True
-) -> Settled:
-    """The optimum of a model; no intervals yet.
+def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], setting: Setting) -> Selection:
+    """The best model on the rows of a band."""
+    records = [_compared(rows, name, body, setting) for name in names]
+    return chosen(records, setting.alone or setting.published, setting.speeds)
 
-    Args:
-        warm: shapes of narrower models, from which the search begins too.
-        everywhere: look over the whole grid of shapes; else only over those that the first of ``warm`` lacks.
+
+def _compared(rows: Rows, name: str, body: Sequence[str], setting: Setting) -> tuple[Record, SteadyCurve]:
+    """A law's columns, and the rows that it is compared on."""
+    own = laws.find(name).constants()
+    curve = curve_of(name, {n: x for n, x in setting.fixed.items() if n in own}, [n for n in setting.free if n in own])
+    return record_of(rows, body, setting.fixed, curve.sigma_2, setting.published), curve
+
+
+def _terms(log: Log, setting: Setting) -> tuple[list[str], list[str]]:
+    """The terms of every model, and the measured columns that no model uses.
+
+    A rotary joint carries weight. A column that was measured is in the model if its own levels can find its coefficient.
     """
-    terms.check(tuple(setting.body), rows.log)
-    made = model(rows, laws.find(law), setting.fixed, setting.free, setting.mass, setting.body)
-    whole = made.whole
-    if not (whole.wanted or whole.free or whole.shapes):
-        raise InputError(f"law '{made.law.name}': every constant is given: there is nothing to fit")
-    solution = whole.search(warm, everywhere)
-    whole, solution = whole.as_seen(solution, warm, everywhere)
-    made = replace(made, whole=whole)
-    if setting.robust:
-        whole, solution = _robust(whole, solution)
-        made = replace(made, whole=whole)
-    _physical(made, solution)
-    return Settled(setting, made, solution, rows)
+    given = [n for n in setting.fixed if n in TERMS]
+    found = list(dict.fromkeys(["offset", *setting.terms]))
+    if setting.weight and log.rotary and not {*WEIGHT} & {*found, *given}:
+        found += WEIGHT
+    unused = []
+    for column, term in MEASURED.items():
+        if getattr(log, column) is None or any(TERMS[n].needs == column for n in (*found, *given)):
+            continue
+        if _finds(log, column):
+            found.append(term)
+        else:
+            unused.append(column)
+    return [n for n in found if n not in given], unused
 
 
-def finished(
-    rows: Rows, settled: Settled, profiles: bool = True, judged: StaticConfidenceIntervals | None = None
-) -> Fit:
-    """The fit with intervals, verdicts and what a report shows."""
-    made, solution, log = settled.model, settled.solution, rows.log
-    judged = judged or static_intervals(rows, made, solution, profiles)
-    law, values = made.law, solution.values
-    told, of_bristles = of_a_loop(judged.estimates, values, log) if judged.told else (judged.estimates, [])
-    estimates = {n: told[n] for n in law.constants() if n in told}
-    body = {n: e for n, e in told.items() if n in TERMS}
-    body |= _by_direction(estimates, body, judged.names, judged.covariance)
-    known = set(law.constants()) - set(made.unseen)
-    prediction, friction = _prediction(made.whole, values, log, rows)
-    near = rows.source.rows(slice(0, _LOOKED_AT))
-    return Fit(
-        law=law.name,
-        method="static",
-        estimates=estimates,
-        body=body,
-        fixed=_given(made, values),
-        used={n: v for n, v in values.items() if n in known or n in TERMS or n in made.unseen},
-        names=judged.names,
-        covariance=judged.covariance,
-        relative_force_error=_error(made.whole, values),
-        data_hash=rows.source.hash,
-        cross_validated_error=settled.left_out.error,
-        profiles=judged.profiles,
-        prediction=prediction,
-        notes=(
-            *rows.why,
-            *made.notes,
-            *_zeros(judged.estimates),
-            *of_bristles,
-            *judged.notes,
-            f"cross-validated {settled.left_out.how}",
-        ),
-        details={
-            **judged.details,
-            "friction_error": friction,
-            "rest": float(np.mean(rows.rest)),
-            "seen": seen(rows.log, ~rows.rest),
-            "decimation": rows.q,
-            "segments": _curve(made.whole, values, constant_speed(near), near),
-            "left_out": settled.left_out,
-            "levels": levels(rows, made, solution) if judged.told else [],
-        },
-    )
-
-
-def _given(made: StaticModel, values: Mapping[str, float]) -> dict[str, float]:
-    """What was given, and the steepness of a sign that was taken as exact: the curve that was fitted, and no other."""
-    found = dict(made.given)
-    own = made.law.constants()
-    if "k_v" in own and own["k_v"].default is not None and "k_v" not in found and "k_v" not in made.free:
-        found["k_v"] = values["k_v"]
-    return found
-
-
-def _zeros(estimates: Mapping[str, Estimate]) -> list[str]:
-    return [
-        f"{n}: comes out as 0, at most {e.high:.3g} {e.unit}" for n, e in estimates.items() if e.value == 0.0 and e.high
-    ]
+def _finds(log: Log, column: str) -> bool:
+    """Whether a measured column varies otherwise than the motion does."""
+    x = getattr(log, column)
+    x = x * np.sign(log.velocity) if TERMS[MEASURED[column]].level else x
+    beside = np.column_stack([np.ones(len(x)), np.sign(log.velocity), log.velocity, log.acceleration])
+    beside = beside / np.maximum(np.max(abs(beside), axis=0), 1e-300)
+    left = x - beside @ np.linalg.lstsq(beside, x, rcond=1e-10)[0]
+    return float(left @ left) > FOUND * float(x @ x)
 
 
 def check_motion(log: Log) -> None:
@@ -225,148 +165,200 @@ def check_motion(log: Log) -> None:
         )
 
 
-def _robust(whole: Separable, solution: Minimum) -> tuple[Separable, Minimum]:
-    """The optimum with Huber's weights, which stay in the model."""
-    base = whole.weight
-    for _ in range(12):
-        rest = whole.force - whole.force_at(solution.values)
-        scale = 1.4826 * float(np.median(abs(rest[base > 0]))) or 1.0
-        whole = whole.weighted(base * np.sqrt(np.minimum(1.0, _HUBER * scale / np.maximum(abs(rest), 1e-300))))
-        before = solution
-        solution = whole.refined(solution.values, 6) if whole.shapes else whole.solve({})
-        if all(
-            abs(solution.values[n] - x) <= 1e-6 * abs(x) for n, x in before.values.items() if not isinstance(x, str)
-        ):
-            break
-    return whole, solution
+# -- the result --------------------------------------------------------------------------------------------------------
 
 
-def _physical(made: StaticModel, solution: Minimum) -> None:
-    """Refuse a fit in which nothing opposes the motion.
-
-    Raises:
-        InputError: friction comes out as nothing.
-    """
-    whole, values = made.whole, solution.values
-    own = [n for n in whole.wanted if n in values]
-    if own and whole.wanted and all(values[n] <= 2 * whole.least for n in own) and "F_c" in own:
-        raise InputError(
-            f"{arg('force')}: friction comes out as 0 or negative, Coulomb and viscous: check the sign and gain of the force "
-            f"({arg('force_gain')}), and what it holds beside friction ({arg('terms')})"
-        )
-
-
-def _by_direction(
-    estimates: Mapping[str, Estimate], body: Mapping[str, Estimate], names: Sequence[str], covariance: Array
-) -> dict[str, Estimate]:
-    """Friction forwards and backwards, where the fit tells the two apart."""
-    found: dict[str, Estimate] = {}
-    if not {"sigma_2_by_direction", "F_c_by_direction"} & set(body):
-        return found
-    level = "F_c_by_direction" if "F_c_by_direction" in names else "offset"
-    for name, other in (("F_c", level), ("sigma_2", "sigma_2_by_direction")):
-        if name not in names or other not in names:
-            continue
-        i, k = names.index(name), names.index(other)
-        mean, half = estimates[name], body[other]
-        if mean.value is None or half.value is None or not (mean.identifiable and half.identifiable):
-            continue
-        for sign, word in ((1, "forwards"), (-1, "backwards")):
-            value = mean.value + sign * half.value
-            spread = 1.96 * float(np.sqrt(max(covariance[i, i] + covariance[k, k] + 2 * sign * covariance[i, k], 0.0)))
-            found[f"{name}_{word}"] = Estimate(value, value - spread, value + spread, mean.unit)
-    return found
+def _finished(
+    rows: Rows, choice: Selection, found: Mapping[str, Estimate], unused: Sequence[str], setting: Setting, error: float
+) -> Fit:
+    """The fit with what a report shows."""
+    lib, log, curve = choice.library, rows.log, choice.library.curve
+    known = laws.find(curve.law).constants()
+    told = _told(choice, found, log)
+    estimates = {n: e for n, e in told.items() if n in known}
+    body = {n: e for n, e in told.items() if n in TERMS}
+    fixed = dict(setting.fixed) | _sharp_sign(curve, log)
+    used = _used(choice, found, float(np.max(abs(log.force)))) | {n: e.value for n, e in body.items()}
+    forms = _rms_of_forms(choice)
+    prediction, friction = _prediction(choice)
+    r = lib.residual(choice.model, choice.coefficients)
+    nearest = (
+        {}
+        if "F_s" in known or not any(f.startswith(("bend", "pointed", "growth")) for f in forms)
+        else nearest_stribeck(choice)
+    )
+    return Fit(
+        law_name=curve.law, method="static", estimates=estimates, body=body,
+        levels={n: e for n, e in told.items() if n in lib.levels},
+        fixed={n: x for n, x in fixed.items() if n in known or n in TERMS}, used=used,
+        relative_force_error=float(np.linalg.norm(r)) / max(_size(lib.record.column(lib.record.log.force)), 1e-300),
+        cross_validated_error=error, data_hash=rows.source.hash, prediction=prediction,
+        notes=tuple(_notes(choice, told, unused, forms, log)), candidates=tuple(_candidates(choice)), log=rows.source,
+        details={
+            "friction_error": friction, "rest": float(np.mean(rows.rest)), "seen": seen(log, ~rows.rest),
+            "decimation": rows.q, "forms": forms, "missed": missed(choice), "speeds": lib.levels,
+            **({"nearest_stribeck": nearest} if nearest else {}),
+        },
+    )  # fmt: skip
 
 
-# -- what a report shows -----------------------------------------------------------------------------------------------
+def _told(choice: Selection, found: Mapping[str, Estimate], log: Log) -> dict[str, Estimate]:
+    """Estimates with units, and with the experiment that would determine those that are open."""
+    own, sizes = laws.find(choice.library.curve.law).constants(), sizes_of(thinned(log))
+    values = {n: e.value for n, e in found.items()}
+    order = [n for n in own if n in found] + [n for n in found if n not in own]
+    out = {}
+    for name in order:
+        e, unit = found[name], own[name].unit if name in own else TERMS[name].unit if name in TERMS else "N"
+        e = replace(e, unit=rotary_unit(unit) if log.rotary else unit)
+        if not e.usable or e.state is EstimateState.AT_LEAST:
+            e = replace(e, why=_why(e.state), experiment=_experiment(name, values, sizes, log.rotary))
+        out[name] = e
+    return out
 
 
-def _curve(
-    whole: Separable, values: Mapping[str, float], segments: Sequence[slice], log: Log
-) -> list[dict[str, float]]:
-    """Speed and friction of each stretch of constant speed."""
-    rest = np.zeros(len(log))
-    for name in whole.terms:
-        if not (TERMS[name].level or TERMS[name].friction):
-            rest += values.get(name, 0.0) * column(name, log, values)
-    found = []
-    for s in segments:
-        friction = log.force[s] - rest[s]
-        found.append(
-            {
-                "time": float(log.time[s.start]), "duration": float(log.time[s.stop - 1] - log.time[s.start]),
-                "velocity": float(np.mean(log.velocity[s])), "friction": float(np.mean(friction)),
-                "deviation": float(np.std(friction)), "delay": values.get("delay", 0.0),
-            }
-        )  # fmt: skip
-    return found
+def _why(state: EstimateState) -> str:
+    if state is EstimateState.NOT_IDENTIFIABLE:
+        return "its interval spans more than a factor of two"
+    return f"no speed below {REACHED:g} v_s was seen"
 
 
-def _error(whole: Separable, values: Mapping[str, float]) -> float:
-    w = whole.weight > 0
-    return float(np.linalg.norm((whole.force - whole.force_at(values))[w]) / np.linalg.norm(whole.force[w]))
+def _experiment(name: str, values: Mapping[str, float], sizes: Sizes, turns: bool) -> str:
+    if name in ("F_s", "v_s"):
+        unit = rotary_unit("m/s") if turns else "m/s"
+        slow = float(f"{REACHED * values['v_s']:.2g}")
+        return f"speeds below {slow:g} {unit} in both directions, or force ramps from rest"
+    return "" if name.startswith("level") else experiment_for(name, values, sizes, rotary=turns)
 
 
-def _prediction(whole: Separable, values: Mapping[str, float], log: Log, rows: Rows) -> tuple[Prediction, float]:
+def _used(choice: Selection, found: Mapping[str, Estimate], largest: float) -> dict[str, float]:
+    """The law's constants as a simulation can take them: levels above 0, and none below the Coulomb level."""
+    own = laws.find(choice.library.curve.law).constants()
+    out = {n: found[n].value for n in own if n in found}
+    for name, least in (("F_c", _LEAST * largest), ("sigma_2", 0.0)):
+        if name in out:
+            out[name] = max(out[name], least)
+    if {"F_c", "F_s"} <= out.keys():
+        out["F_s"] = max(out["F_s"], out["F_c"])
+    return out
+
+
+def _sharp_sign(curve: SteadyCurve, log: Log) -> dict[str, float]:
+    """The steepness of a sign that was taken as exact: the curve that was fitted, and no other."""
+    own = laws.find(curve.law).constants()
+    if "k_v" not in own or own["k_v"].default is None or "k_v" in (*curve.shapes, *curve.given):
+        return {}
+    return {"k_v": max(_SHARP, _SHARPEST / float(np.max(abs(log.velocity))))}
+
+
+def _rms_of_forms(choice: Selection) -> dict[str, float]:
+    """The force of each form of the reported model, N (rms)."""
+    lib, model, x, out = choice.library, choice.model, choice.coefficients, dict[str, float]()
+    place = lib.first_form
+    for g in model[1]:
+        own = lib.groups[g]
+        out[g] = float(np.sqrt(np.mean((lib.columns[:, own] @ x[place : place + len(own)]) ** 2)))
+        place += len(own)
+    return out
+
+
+def _prediction(choice: Selection) -> tuple[Prediction, float]:
     """Friction, measured and fitted, at the rows that were compared; and norm(residual)/norm(measured friction)."""
-    body = np.zeros(len(rows.kept))
-    for name, x in whole.columns.at(values, whole.terms).items():
-        if name in TERMS and not (TERMS[name].level or TERMS[name].friction):
-            body += values[name] * x
-    measured, fitted, w = whole.force - body, whole.force_at(values) - body, rows.weight > 0
-    kept = rows.kept[w]
-    found = Prediction(log.time[kept], log.position[kept], log.velocity[kept], measured[w], fitted[w])
-    size = float(np.linalg.norm(measured[w]))
-    return found, float(np.linalg.norm((measured - fitted)[w])) / max(size, 1e-300)
+    lib, record, x = choice.library, choice.library.record, choice.coefficients
+    i, friction = lib.index(choice.model), np.zeros(len(record.at))
+    place = lib.k
+    friction = lib.columns[:, i[: lib.k]] @ x[: lib.k]
+    known = record.known(lib.curve, lib.nodes[choice.model[0]])
+    friction = friction if known is None else friction + known
+    for name in lib.body:
+        if name == "sigma_2" or TERMS[name].level or TERMS[name].friction:
+            friction = friction + lib.columns[:, i[place]] * x[place]
+        place += 1
+    if "sigma_2" in record.given:
+        friction = friction + record.given["sigma_2"] * record.column(record.log.velocity)
+    for j in range(lib.first_form, len(i)):
+        if not lib.name[i[j]][0].startswith(("weight", "spring", "ripple", *OF_RECORD)):
+            friction = friction + lib.columns[:, i[j]] * x[j]
+    measured = friction + lib.residual(choice.model, x)
+    log, at = record.log, record.at
+    found = Prediction(log.time[at], log.position[at], log.velocity[at], measured, friction)
+    return found, _size(measured - friction) / max(_size(measured), 1e-300)
 
 
-def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int, unseen: int = 0) -> LeftOut:
-    """The model fitted anew without each part of the log, and what it misses there.
-
-    Coefficients are solved for exactly; shapes move by a step of Gauss and Newton where that fits the rest better. All that
-    was sought counts as a parameter, also where it came out at its bound: rounding decides about that.
-    """
-    missed_without = _foretelling(whole, solution, rows)
-    sought = len(whole.wanted) + len(whole.free) + len(whole.shapes) + unseen
-    return cross_validate(rows.log.rows(rows.kept), folds, sought, missed_without)
+def _size(x: Array) -> float:
+    return float(np.linalg.norm(x))
 
 
-def missed_beyond(settled: Settled) -> Array:
-    """The sums of the squared residuals at both ends of the way, a fifth of it each, of fits without that end."""
-    position = settled.rows.log.position[settled.rows.kept]
-    foretold = _foretelling(settled.model.whole, settled.solution, settled.rows)
-    low, high = np.quantile(position, (0.0, 1.0))
-    ends = (position < low + _FIFTH * (high - low), position > high - _FIFTH * (high - low))
-    return np.array([foretold(end)[0] for end in ends])
+def _candidates(choice: Selection) -> list[Candidate]:
+    """The best model of each law, and the plainest model, on the rows that were compared."""
+    every, found = np.ones(len(choice.library.gram)), list[Candidate]()
+    for n, lib in enumerate(choice.libraries):
+        kinds = (
+            {False: lib.curve.law, True: "least squares"}
+            if lib.curve.law == PLAIN and not choice.alone
+            else {choice.alone: lib.curve.law}
+        )
+        for alone, name in kinds.items():
+            _, i, x, _ = choice.choose(every, within=n, alone=alone)
+            r, model = lib.residual(lib.models[i], x), lib.models[i]
+            size = _size(lib.record.column(lib.record.log.force))
+            error = float(np.linalg.norm(r)) / max(size, 1e-300)
+            is_fit = n == choice.law and alone == choice.alone
+            found.append({
+                "name": name, "law": lib.curve.law, "forms": list(model[1]), "numbers": len(lib.index(model)),
+                "relative_force_error": error, "cross_validated_error": None, "chosen": is_fit,
+            })  # fmt: skip
+    return found
 
 
-def _foretelling(whole: Separable, solution: Minimum, rows: Rows) -> Callable[[NDArray[np.bool_]], tuple[float, float]]:
-    """What tells the sums of the squared residual and the squared force at rows, of a fit without them."""
-    at = linearised(whole, solution)
-    here = {s.name: solution.values[s.name] for s in whole.shapes}
+def nearest_stribeck(choice: Selection) -> dict[str, float]:
+    """The Stribeck law nearest to a curve of bends, over the speeds that were seen: for simulations."""
+    lib = choice.library
+    slow, fast = lib.at.speeds[0], lib.at.speeds[3]
+    v = np.geomspace(max(slow, 1e-3 * fast), fast, 60)
+    level = lib.level(choice.model, choice.coefficients, v)
+    best: tuple[float, dict[str, float]] = (np.inf, {})
+    for v_s in np.geomspace(v[0], fast, 60).tolist():
+        rise = np.exp(-((v / v_s) ** 2))
+        a = np.column_stack([np.ones(len(v)), rise, v])
+        x = np.linalg.lstsq(a, level, rcond=None)[0]
+        left = _size(level - a @ x) / max(_size(level), 1e-300)
+        if x[0] > 0 and x[1] >= 0 and left < best[0]:
+            best = (
+                left,
+                {"F_c": x[0], "F_s": x[0] + x[1], "v_s": v_s, "sigma_2": max(float(x[2]), 0.0), "deviation": left},
+            )
+    return {n: float(z) for n, z in best[1].items()}
 
-    def missed_without(out: NDArray[np.bool_]) -> tuple[float, float]:
-        training = whole.weighted(np.where(out, 0.0, whole.weight))
-        found = training.solve(here)
-        if whole.shapes:
-            there = training.solve(_stepped(whole, here, at.names, at.slopes[~out], at.misfit[~out]))
-            found = min(found, there, key=lambda s: s.cost)
-        counted = out & (rows.weight > 0)
-        missed, force = (whole.force - whole.force_at(found.values))[counted], whole.force[counted]
-        return float(missed @ missed), float(force @ force)
 
-    return missed_without
-
-
-def _stepped(
-    whole: Separable, here: Mapping[str, float], names: Sequence[str], slopes: Array, misfit: Array
-) -> dict[str, float]:
-    """Shapes after a step of Gauss and Newton, within their range."""
-    size: Array = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    step = dict(zip(names, (np.linalg.lstsq(slopes / size, misfit, rcond=1e-10)[0] / size).tolist(), strict=True))
-    moved = {}
-    for s in whole.shapes:
-        by = step.get(s.name, 0.0)
-        by = float(np.clip(by, -_LONGEST_STEP, _LONGEST_STEP)) if s.log else by
-        moved[s.name] = s.at(s.share(here[s.name] * np.exp(by) if s.log else here[s.name] + by))
-    return moved
+def _notes(
+    choice: Selection, found: Mapping[str, Estimate], unused: Sequence[str], forms: Mapping[str, float], log: Log
+) -> list[str]:
+    """What a reader should know, a sentence each, the most important first."""
+    out, left = [], missed(choice)
+    if left > EXPLAINED:
+        out.append(
+            f"The fit leaves {left:.0%} of the force's deviation: the model lacks something, and nothing is identified."
+        )
+    if unused:
+        terms_of = " and ".join(MEASURED[n] for n in unused)
+        out.append(
+            f"The column {' and '.join(unused)} was not used, as it changes with the motion alone: give {terms_of} with --set."
+        )
+    if "mass" in found and found["mass"].value < 0:
+        out.append(
+            "The mass comes out below 0: it stands in for a weight or spring, which a motion of one frequency cannot separate."
+        )
+    hanging = {n: e.depends_on for n, e in found.items() if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on}
+    for cause in dict.fromkeys(hanging.values()):
+        names = [n for n, c in hanging.items() if c == cause]
+        out.append(f"{', '.join(names)}: the range is wide because of the form '{cause}'.")
+    for name, e in found.items():
+        if e.state in (EstimateState.NOT_IDENTIFIABLE, EstimateState.AT_LEAST) and e.experiment:
+            out.append(f"{name}: {e.experiment}.")
+    if forms:
+        told = ", ".join(f"{name} ({size:.2g} N)" for name, size in forms.items())
+        out.append(f"Beside the law the force holds: {told}.")
+    if len(set(log.files)) < 2:
+        out.append("The intervals are of this one file: another day or another motion may differ by more.")
+    return out

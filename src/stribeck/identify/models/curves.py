@@ -11,7 +11,7 @@ import numpy as np
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.core.states import EstimateState, JudgedEstimate
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.features.sliding import Sliding
 from stribeck.laws.base import Law
 
@@ -23,6 +23,7 @@ HIGHEST = 3.0  # times the largest force: a level above it is balanced by anothe
 STEP = 0.02  # of a shape's logarithm, for its slopes: their error is its square
 SPEEDS = 25  # at which the highest level of a curve is looked for, over three decades
 ANCHORED = 0.1  # of the level: the least coefficient with which slopes by a shape are taken; of 0 they are 0
+MOST_FORCE = 1e100  # N: squares of what is more overflow
 ROUGH = 5.0  # times a law's example value, up and down: the range of a shape without a unit of speed
 
 
@@ -41,6 +42,8 @@ class SteadyCurve(ABC):
         self.shapes: tuple[str, ...] = ()
         self.sigma_2 = True
 
+    inertia, positive = ("mass", "sigma_2"), ("mass",)  # of the body: what is never 0; what is never below
+
     @abstractmethod
     def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
         """What each coefficient multiplies."""
@@ -58,6 +61,10 @@ class SteadyCurve(ABC):
     @abstractmethod
     def sign(self, v: Array, shape: Mapping[str, float]) -> Array:
         """The direction of the friction."""
+
+    def coulomb(self, value: Mapping[str, float], otherwise: float) -> float:
+        """The Coulomb level among estimates."""
+        return value.get("F_c", otherwise)
 
     def speeds(self, fast: float) -> Array:
         """At which the level is looked at for its highest value."""
@@ -110,9 +117,7 @@ class SteadyCurve(ABC):
         """Coefficients with which slopes are taken: none of them 0."""
         return {n: max(x, least * max(c[0], 1e-9)) for n, x in zip(self.names, c, strict=False)}
 
-    def judged(
-        self, found: dict[str, JudgedEstimate], slow: JudgedEstimate, slowest: float
-    ) -> dict[str, JudgedEstimate]:
+    def judged(self, found: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
         """Estimates as they are told; ``slow``: the level at the slowest speed seen."""
         return found
 
@@ -176,9 +181,7 @@ class StribeckCurve(SteadyCurve):
             out["F_s"] = max(float(level.max()), 0.0)
         return out | dict(shape)
 
-    def judged(
-        self, found: dict[str, JudgedEstimate], slow: JudgedEstimate, slowest: float
-    ) -> dict[str, JudgedEstimate]:
+    def judged(self, found: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
         """No speed was seen that is slow beside v_s: F_s is at least the level there and F_c, v_s at most what it may be."""
         if not {"F_s", "v_s"} <= found.keys() or slowest <= REACHED * found["v_s"].value:
             return found
@@ -214,7 +217,11 @@ class SlidingCurve(SteadyCurve):
     def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
         """The derivatives by the constants, from a table over the speeds."""
         speeds, table = self._table(v, shape)
-        return {n: np.interp(v, speeds, table[n]) for n in self.names}
+        found = {n: np.interp(v, speeds, table[n]) for n in self.names}
+        if not all(np.all(abs(x) <= MOST_FORCE) for x in found.values()):
+            text = f"gives no force within 1e100 in size at the speeds of this record ({v.min():.3g} to {v.max():.3g})"
+            raise InputError(f"law '{laws.find(self.law).name}': {text}")
+        return found
 
     def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
         """What given constants multiply."""

@@ -9,28 +9,6 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.log import Log
 
-_SHORTEST, _LONGEST = 2e-3, 0.5  # of the way that the record makes
-_PLACES = 12  # at which it is looked for first
-_AT_END = 0.02  # of the search, on its scale
-
-
-def range_of(log: Log) -> tuple[float, float] | None:
-    """Between what ways (m) it is looked for; None where the body does not come back, or is not moved at all."""
-    way = float(np.ptp(log.position))
-    back = min(float(np.max(log.velocity)), -float(np.min(log.velocity)))
-    return (_SHORTEST * way, _LONGEST * way) if way > 0 and back > 0 else None
-
-
-def places(low: float, high: float) -> list[float]:
-    """Ways evenly over a search, in the logarithm."""
-    return [float(x) for x in np.geomspace(low, high, _PLACES + 2)[1:-1]]
-
-
-def at_an_end(way: float, low: float, high: float) -> bool:
-    """Whether a way lies at an end of its search: nothing of the kind was found."""
-    share = np.log(way / low) / np.log(high / low)
-    return not _AT_END < share < 1 - _AT_END
-
 
 def turned(log: Log, way: float) -> Array:
     """Which part of the friction has which direction: from -1 (all of it that of motion backwards) to 1.

@@ -42,13 +42,3 @@ def peaks(position: Array, left: Array, low: float, high: float) -> list[float]:
         found.append(float(waves[int(np.argmax(power))]))
         power[abs(waves - found[-1]) < 4 * np.pi / way] = 0.0
     return found
-
-
-def share(position: Array, left: Array, low: float, high: float) -> float:
-    """What share of a squared residual a ripple would take away, by itself."""
-    rest = left - left.mean()
-    most = 0.0
-    for waves in peaks(position, left, low, high):
-        columns = np.column_stack([np.sin(waves * position), np.cos(waves * position), np.ones(len(position))])
-        most = max(most, float(np.sum((columns @ np.linalg.lstsq(columns, rest, rcond=None)[0]) ** 2)))
-    return most / max(float(rest @ rest), 1e-300)

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg
 from stribeck.identify.data import filters
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
-from stribeck.identify.models.columns import Columns, Reduce
 
+Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
 RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 _MOST_ROWS = 25_000
@@ -24,7 +23,6 @@ _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
 _FEW = 400  # rows: fewer do not show a bend of the curve, however little of the force's power lies in them
 _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sign, by which they differ
 _FEWEST = 150  # rows that a band lowered for the mass's sake leaves
-_FEWEST_ROWS = 20  # that are fitted at all
 _MOVES = 0.015  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
 _LITTLE_REST = 0.02  # of the rows: less rest stays in
@@ -51,24 +49,13 @@ class Rows:
     kept: NDArray[np.intp]
     weight: Array
     rest: NDArray[np.bool_]
-    _columns: dict[object, Columns] = field(default_factory=dict)
-
-    def columns(self, sliding: Sliding) -> Columns:
-        """The columns for a law."""
-        key = (sliding.law, tuple(sorted((n, str(x)) for n, x in sliding.base.items())))
-        if key not in self._columns:
-            self._columns[key] = Columns(self.log, sliding, thinning(self.log, self.q))
-        return self._columns[key]
 
 
-def rows_of(log: Log, decimate: int | None = None, to_choose: bool = False) -> Rows:
+def rows_of(log: Log, to_choose: bool = False) -> Rows:
     """The rows that a static fit of a record compares.
 
     Args:
         to_choose: laws are to be chosen from: a wider band, as another record is met at all frequencies.
-
-    Raises:
-        InputError: hardly one is left.
     """
     notes, source = [], log
     rest = at_rest(log)
@@ -85,13 +72,8 @@ def rows_of(log: Log, decimate: int | None = None, to_choose: bool = False) -> R
         notes.append(
             f"the body rests in {share:.0%} of the rows: they are left out, as friction takes any value there up to break-away"
         )
-    if decimate:
-        q, why = decimate, f"one row in {decimate} is fitted"
-    else:
-        q, why = _by_effect(log, *decimation(log, _FEW_TO_CHOOSE if to_choose else _FEW), rest)
+    q, why = _by_effect(log, *decimation(log, _FEW_TO_CHOOSE if to_choose else _FEW), rest)
     kept = kept_rows(log, q)
-    if decimate and len(kept) < _FEWEST_ROWS:
-        raise InputError(f"{arg('decimate')}: {decimate}: leaves {len(kept)} rows; must leave {_FEWEST_ROWS} or more")
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
         near = np.convolve(rest, np.ones(2 * q + 1), mode="same") > 0.5

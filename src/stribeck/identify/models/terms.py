@@ -73,13 +73,11 @@ TERMS: dict[str, Term] = {
     "F_c_by_time": Term(
         "N/s", "growth of the level with time, about the middle of the record: warmth", lambda log: _about_middle(log.time), True
     ),
-    "play": Term(
-        "m", "way over which friction turns round behind a reversal: backlash, or a contact that yields", None, positive=True
-    ),
     "delay": Term("s", "time by which the measured motion lags the force", None),
 }  # fmt: skip
 OF_RECORD = ("F_c_by_time",)  # what went on during that record, and is not taken to another
 RIPPLE = ("ripple_sin", "ripple_cos", "ripple_waves")  # one without the others is none
+OF_MOTION = ("delay", *RIPPLE)  # numbers that a column hangs on: a fit by simulation finds them as shapes
 OF_POSITION = ("stiffness", "gravity_sin", "gravity_cos", "F_c_by_position", *RIPPLE)
 
 

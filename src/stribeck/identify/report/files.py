@@ -7,35 +7,45 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
+from stribeck.errors import note
 from stribeck.files import write_text
-from stribeck.identify.log import Log
 from stribeck.identify.result import Estimate, Fit
-from stribeck.identify.statistics.choose import Choice
 from stribeck.version import __version__
 
 # What each kind of fit leaves and the other does not write: it would stand beside numbers that are not its own.
 FITS = {"machine.toml": "# Found by: ", "fit.json": r'\{\s*"format": '}
 
 
-def write_fit(result: Fit | Choice, log: Log, folder: Path, command: str, data: str) -> list[str]:
-    """Write report.html and parameters.toml; their names."""
+def write_fit(
+    fit: Fit, folder: Path, command: str, data: str, reading: Mapping[str, object] | None = None
+) -> list[str]:
+    """Write parameters.toml and fit.json, then report.html: a page that fails loses no result; their names.
+
+    Args:
+        reading: how the record was read, for fit.json; as the fit has it unless given.
+    """
+    from stribeck.identify import predict
     from stribeck.identify.report.page import page
 
-    fit = result.best if isinstance(result, Choice) else result
     folder.mkdir(parents=True, exist_ok=True)
-    report, parameters = folder / "report.html", folder / "parameters.toml"
-    write_text(report, page(result, log, command, data))
-    write_text(parameters, toml(fit, command, data))
-    return [parameters.name, report.name]
+    write_text(folder / "parameters.toml", toml(fit, command, data))
+    write_text(folder / predict.FILE, predict.saved(fit, reading if reading is not None else fit.reading))
+    try:
+        write_text(folder / "report.html", page(fit, command, data))
+    except (KeyError, ValueError, IndexError, TypeError, ZeroDivisionError) as error:
+        note(f"report.html: could not be drawn ({type(error).__name__}: {error}); the results are written")
+        return ["parameters.toml", predict.FILE]
+    return ["parameters.toml", "report.html", predict.FILE]
 
 
 def toml(fit: Fit, command: str, data: str) -> str:
     """The fit as a parameter set; what the data do not determine is marked in [parameters], and explained in [unknown]."""
     lines = [
-        "# Friction parameters from measured data, by 'stribeck fit'. SI units; intervals at 95 %.",
-        f"title = {_text(f'{fit.law} fitted to {data}')}",
+        "# Friction parameters from measured data, by 'stribeck fit'. SI units; intervals and ranges at 95 %.",
+        f"title = {_text(f'{fit.law_name} fitted to {data}')}",
         f"source = {_text(f'stribeck {__version__}: {command}')}",
-        f"law = {_text(fit.law)}",
+        *(['motion = "rotary"'] if fit.log is not None and fit.log.rotary else []),
+        f"law = {_text(fit.law_name)}",
         f"method = {_text(fit.method)}",
         f"data = {_text(data)}",
         f"data_sha256 = {_text(fit.data_hash)}",
@@ -46,25 +56,29 @@ def toml(fit: Fit, command: str, data: str) -> str:
     ]
     if fit.cross_validated_error is not None:
         lines.append(f"cross_validated_error = {_number(fit.cross_validated_error)}")
-    if any(not e.identifiable for e in fit.estimates.values()):
+    lines.append("")
+    if any(not e.usable for e in fit.estimates.values()):
         lines += [
-            "",
             "# determined = false: the data do not tell this number; it is the fitted curve's, and is refused",
+            "# unless --allow-undetermined is given. [unknown] says why, and what to measure.",
         ]
-        lines += ["# unless --allow-undetermined is given. [unknown] says why, and what to measure.", "[parameters]"]
-    else:
-        lines += ["", "[parameters]"]
-    lines += [f"{name} = {text}" for name, e in fit.estimates.items() if (text := _estimate(e, fit.used.get(name)))]
-    lines += [f"{name} = {_given(value)}" for name, value in fit.fixed.items() if name in stribeck_constants(fit.law)]
-    if body := {n: text for n, e in fit.body.items() if (text := _estimate(e, fit.used.get(n)))}:
-        lines += ["", "# The rig, not the law", "[body]", *(f"{name} = {text}" for name, text in body.items())]
-    unknown = {n: e for n, e in {**fit.estimates, **fit.body}.items() if not e.identifiable}
-    if unknown:
-        lines += ["", "# Not determined by the data"]
-    for name, e in unknown.items():
-        lines += [f"[unknown.{name}]", f"unit = {_text(e.unit)}", f"why = {_text(e.why)}"]
-        lines += [f"{side} = {_number(x)}" for side, x in (("low", e.low), ("high", e.high)) if x is not None]
-        lines += [f"experiment = {_text(e.experiment)}"]
+    lines.append("[parameters]")
+    lines += [f"{name} = {_estimate(e, fit.used.get(name))}" for name, e in fit.estimates.items()]
+    lines += [
+        f"{name} = {_given(value)}" for name, value in fit.fixed.items() if name in stribeck_constants(fit.law_name)
+    ]
+    if fit.body:
+        lines += ["", "# The rig, not the law", "[body]", *(f"{n} = {_estimate(e, None)}" for n, e in fit.body.items())]
+    if fit.levels:
+        speeds = fit.details.get("speeds", {})
+        lines += ["", "# Friction at speeds that were seen", "[levels]"]
+        for n, e in fit.levels.items():
+            speed = f"speed = {_number(speeds[n])}, " if n in speeds else ""
+            lines.append(f"{_text(n)} = {{ {speed}{_estimate(e, None)[2:]}")
+    for name, e in {**fit.estimates, **fit.body}.items():
+        if not e.usable:
+            lines += ["", f"[unknown.{name}]", f"unit = {_text(e.unit)}", f"why = {_text(e.why)}"]
+            lines += [f"experiment = {_text(e.experiment)}"]
     if len(fit.names):
         rows = (", ".join(_number(x) for x in row) for row in fit.covariance.tolist())
         lines += ["", "[covariance]", f"names = [{', '.join(map(_text, fit.names))}]"]
@@ -80,13 +94,14 @@ def stribeck_constants(law: str) -> Mapping[str, object]:
 
 
 def _estimate(e: Estimate, used: float | None) -> str:
-    """The value with its interval, or the best one, marked; nothing where there is none."""
-    best = e.value if e.identifiable else e.best if e.best is not None else used
-    if best is None:
-        return ""
+    """The value as the curve uses it, with interval, range and state; marked if the data do not determine it."""
+    value = e.value if used is None else used
     ends = "".join(f", {side} = {_number(x)}" for side, x in (("low", e.low), ("high", e.high)) if x is not None)
-    mark = "" if e.identifiable else ", determined = false"
-    return f"{{ value = {_number(best)}{ends}, unit = {_text(e.unit)}{mark} }}"
+    if e.range:
+        ends += f", range = [{_number(e.range[0])}, {_number(e.range[1])}]"
+    state = f", state = {_text(str(e.state))}" + (f", depends_on = {_text(e.depends_on)}" if e.depends_on else "")
+    mark = "" if e.usable else ", determined = false"
+    return f"{{ value = {_number(value)}{ends}, unit = {_text(e.unit)}{state}{mark} }}"
 
 
 def _given(value: float | str) -> str:

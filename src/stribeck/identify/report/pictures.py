@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import SimpleNamespace
-from typing import cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from stribeck.arrays import Array
-from stribeck.identify.details import FileLevel, MeasuredLoop
+from stribeck.errors import InputError
+from stribeck.identify.details import MeasuredLoop
 from stribeck.identify.log import Log
-from stribeck.identify.models.terms import TERMS, column
-from stribeck.identify.report.traces import inner_rows
 from stribeck.identify.result import Fit
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
 from stribeck.report.quantities import Quantity, prefixed, scale
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _DOTS = 2500  # points of a cloud: more make the page heavy and show nothing new
 _LOOPS = 6
@@ -76,72 +77,38 @@ def _some(count: int) -> NDArray[np.intp]:
     return np.linspace(0, count - 1, min(count, _DOTS)).astype(np.intp)
 
 
-def curve(fit: Fit, log: Log) -> FigureSvg:
-    """Friction against velocity: measured, stretches of constant speed, and the law's steady force."""
+def curve(fit: Fit) -> FigureSvg:
+    """Friction against velocity: measured, fitted, and the law's steady force."""
+    with plots.style():
+        return plots.finish(curve_figure(fit), "curve", "Measured friction and the fitted law at held speeds.")
+
+
+def curve_figure(fit: Fit) -> Figure:
+    """The same as a Matplotlib figure."""
     p = fit.prediction
-    assert p is not None
-    inner = np.flatnonzero(inner_rows(log, p.time))
-    rows = inner[_some(len(inner))]
+    if p is None:
+        raise InputError("fit: it holds no measured friction; there is nothing to plot")
+    rows = _some(len(p.time))
     of_v = scale([Quantity("velocity", "m/s", "", p.velocity)])
     speeds = of_v.of(p.velocity[rows])
     with plots.style():
         made, axes = plots.figure([["curve"]], 3.6)
         axis = axes["curve"]
         axis.plot(speeds, p.measured[rows], ".", color=plots.COLOURS[6], markersize=2, label="measured")
-        if segments := fit.details.get("segments"):
-            held, friction = (np.array([s[key] for s in segments]) for key in ("velocity", "friction"))
-            where, black = of_v.of(held), plots.COLOURS[0]
-            axis.plot(where, friction, "o", color=black, fillstyle="none", markersize=5, label="constant speed")
+        if fit.method == "static":
+            axis.plot(speeds, p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
         fastest = float(np.max(abs(p.velocity)))
         # from the slowest speed that the data hold: what is below nobody measured
         slowest = float(np.quantile(abs(p.velocity), _SLOWEST))
         half = np.geomspace(max(slowest, 1e-5 * fastest), fastest, 400)
-        if any(TERMS[n].level for n in fit.used if n in TERMS):  # the curve is not one line then
-            axis.plot(speeds, p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
-        else:
-            v = np.concatenate([-half[::-1], half])
-            speeds_alone = cast(Log, SimpleNamespace(velocity=v))
-            force = fit.as_law(guessing=True).steady_force(v)
-            for name, x in fit.used.items():
-                if name in TERMS and TERMS[name].friction:
-                    force = force + x * column(name, speeds_alone, {})
-            bend = all(fit.estimates[n].identifiable for n in ("F_s", "v_s") if n in fit.estimates)
-            most = _ROOM if bend else 1.0  # of the data: a bend that nobody saw stays within them
-            force = np.where(abs(force) < most * np.max(abs(p.measured[inner])), force, np.nan)
-            axis.plot(of_v.of(v), force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
+        v = np.concatenate([-half[::-1], half])
+        force = fit.law(guessing=True).steady_force(v)
+        force = np.where(abs(force) < _ROOM * np.max(abs(p.measured)), force, np.nan)
+        axis.plot(of_v.of(v), force, color=plots.COLOURS[2], label=f"{fit.law_name}, steady")
         axis.set_xlabel(of_v.label)
         axis.set_ylabel("friction (N)")
         plots.legend(made, axis)
-        return plots.finish(made, "curve", "Measured friction and the fitted law at held speeds.")
-
-
-def levels(rows: Sequence[FileLevel]) -> FigureSvg:
-    """The friction level of each file against what it depends on."""
-    name = next(iter(rows[0]["at"]))
-    role = name.removeprefix("F_c_by_")
-    unit = {"pressure": "Pa", "load": "N", "position": "m"}[role]
-    at = np.array([r["at"][name] for r in rows])
-    of_x = scale([Quantity(role, unit, "", at)])
-    x = of_x.of(at)
-    with plots.style():
-        made, axes = plots.figure([["levels"]], 3.0)
-        axis = axes["levels"]
-        kinds = [("its own", [(r["low"], r["level"], r["high"]) for r in rows])]
-        if "predicted" in rows[0]:
-            others = [(r["predicted_low"], r["predicted"], r["predicted_high"]) for r in rows]
-            kinds.append(("predicted", others))
-        for i, (label, numbers) in enumerate(kinds):
-            low, y, high = np.array(numbers).T
-            where = x + 0.01 * i * float(np.ptp(x))
-            axis.errorbar(
-                where, y, [y - low, high - y], fmt="os"[i], color=plots.COLOURS[i], label=label, capsize=3, markersize=4
-            )
-        axis.set_xlabel(of_x.label)
-        axis.set_ylabel("F_c (N)")
-        plots.legend(made, axis)
-        return plots.finish(
-            made, "levels", "Friction level of each file, and its prediction from the others; 95 % intervals."
-        )
+        return made
 
 
 def loops(found: Sequence[MeasuredLoop]) -> FigureSvg:
@@ -165,12 +132,11 @@ def loops(found: Sequence[MeasuredLoop]) -> FigureSvg:
         return plots.finish(made, "loops", "Friction against position in small reversals.")
 
 
-def residuals(fit: Fit, log: Log) -> FigureSvg:
+def residuals(fit: Fit) -> FigureSvg:
     """Measured less fitted friction, in time and against the velocity."""
     p = fit.prediction
     assert p is not None
-    inner = np.flatnonzero(inner_rows(log, p.time))
-    rest, when, speed = (p.measured - p.fitted)[inner], p.time[inner], p.velocity[inner]
+    rest, when, speed = p.measured - p.fitted, p.time, p.velocity
     of_v, of_rest = scale([Quantity("velocity", "m/s", "", speed)]), scale([Quantity("residual", "N", "", rest)])
     rest, speed, rows = of_rest.of(rest), of_v.of(speed), _some(len(rest))
     with plots.style():
@@ -193,7 +159,7 @@ def profiles(fit: Fit) -> FigureSvg:
     columns = min(len(names), 3)
     layout = [names[i : i + columns] for i in range(0, len(names), columns)]
     layout[-1] += [layout[-1][-1]] * (columns - len(layout[-1]))
-    units = {n: e.unit for n, e in {**fit.estimates, **fit.body}.items()}
+    units = {n: e.unit for n, e in fit.parameters.items()}
     with plots.style():
         made, axes = plots.figure(layout, 1.9 * len(layout) + 0.3)
         for name in names:

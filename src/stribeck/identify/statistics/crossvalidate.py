@@ -1,8 +1,8 @@
-"""Cross-validation: how well a law predicts data that its fit has not seen, and which of several laws to take."""
+"""Cross-validation: how well a law predicts data that its fit has not seen."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +13,6 @@ from stribeck.identify.log import Log
 
 FOLDS = 10
 _BLOCKS = 5  # in a part
-_CLEARLY = 2.0  # standard errors
-_ALIKE = 0.001  # of the error: laws that differ by less are as good, however sure that is
 
 
 @dataclass(frozen=True)
@@ -69,36 +67,3 @@ def cross_validate(
     part, how = groups(log, folds)
     squares, size = zip(*(missed_without(part == number) for number in range(int(part.max()) + 1)), strict=True)
     return LeftOut(np.array(squares), np.array(size), how, parameters)
-
-
-def beyond_chance(one: LeftOut, other: LeftOut) -> bool:
-    """Whether one's squared error is less than another's by more than two standard errors of that over the parts: the best of
-    several models is looked at, and neighbouring parts err alike."""
-    fall = other.squares - one.squares
-    if len(fall) < 2:
-        return True
-    return bool(float(fall.sum()) > _CLEARLY * float(np.std(fall, ddof=1)) * np.sqrt(len(fall)))
-
-
-def choose(candidates: Mapping[str, LeftOut]) -> tuple[str, str]:
-    """The law to take, and why: the one with the fewest parameters whose error is within a standard error, or within a
-    thousandth, of the best.
-
-    The standard error is that of the difference between the two over the parts.
-    """
-    best = min(candidates, key=lambda name: candidates[name].error)
-    kept = best
-    for name in sorted(candidates, key=lambda name: (candidates[name].parameters, candidates[name].error)):
-        difference = candidates[name].squares - candidates[best].squares
-        noise = float(np.std(difference, ddof=1)) * np.sqrt(len(difference)) if len(difference) > 1 else 0.0
-        alike = float(candidates[best].squares.sum()) * ((1 - _ALIKE) ** -2 - 1)
-        if name == best or float(difference.sum()) <= max(noise, alike):
-            kept = name
-            break
-    if kept == best:
-        return best, f"lowest cross-validated error ({candidates[best].error:.4%}), and no simpler law is as good"
-    return kept, (
-        f"{candidates[kept].parameters} parameters do as well as the {candidates[best].parameters} of {best}: its "
-        f"cross-validated error ({candidates[kept].error:.4%}) is within a standard error (or 0.1 %) of the lowest "
-        f"({candidates[best].error:.4%})"
-    )

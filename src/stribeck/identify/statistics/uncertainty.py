@@ -16,13 +16,13 @@ from stribeck.arrays import Array
 from stribeck.identify.details import SeenNoise
 from stribeck.identify.features.filtering import filter_bias, sampling
 from stribeck.identify.features.guess import Sizes, sizes_of
-from stribeck.identify.features.what_to_measure import experiment_for, reachable
+from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
-from stribeck.identify.result import Estimate, Profile
+from stribeck.identify.result import Estimate, Profile, simulated
 from stribeck.identify.statistics.correlated import covariance, noise_memory, supporting_samples
 from stribeck.identify.statistics.curves import NO_CURVE, no_curve_seen
 from stribeck.identify.statistics.late import asked
@@ -38,7 +38,6 @@ from stribeck.identify.statistics.verdicts import (
     Noise,
     SampledSignal,
     between_samples,
-    effect,
     farther,
     hangs,
     indistinct,
@@ -124,7 +123,7 @@ def without(problem: Problem, u: Array, why: str) -> ConfidenceIntervals:
     units = {c.name: c.unit for c in problem.coordinates}
     misfit = problem.misfit(u)
     deviation = float("nan") if misfit is None else float(np.sqrt(np.mean(misfit**2)))
-    estimates = {n: Estimate(None, None, None, units[n], False, why, best=x) for n, x in values.items()}
+    estimates = {n: simulated(None, None, None, units[n], False, why, best=x) for n, x in values.items()}
     nothing = np.full((len(values), len(values)), np.nan)
     return ConfidenceIntervals(
         u, estimates, tuple(values), nothing, {}, (), {"standard_deviation": deviation, "memory": 0}
@@ -223,16 +222,14 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         if never := never_slides(problem, values, log):
             doubts[k], intervals[k] = never, (None, None)
     open_ = {problem.coordinates[k].name for k in at.own if doubts[k]}
-    numbers = reachable(values, sizes, open_)
     estimates = {}
     for k, (low, high) in intervals.items():
         c, best = problem.coordinates[k], float(problem.coordinates[k].outer(u[k]))
         if doubts[k]:
             what = experiment_for(c.name, values, sizes, open_)
-            what += effect(problem, k, values, at.inner, at.own, sizes, expected, numbers, stays[k], low is not None)
-            estimates[c.name] = Estimate(None, low, high, c.unit, False, doubts[k], what, best)
+            estimates[c.name] = simulated(None, low, high, c.unit, False, doubts[k], what, best)
         else:
-            estimates[c.name] = Estimate(best, low, high, c.unit, best=best)
+            estimates[c.name] = simulated(best, low, high, c.unit, best=best)
     names = tuple(problem.coordinates[k].name for k in at.own)
     stretch = np.array([c.outer(u[k]) if c.log else c.scale for k, c in enumerate(problem.coordinates)])
     outer = (at.inner * np.outer(stretch, stretch))[np.ix_(at.own, at.own)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -11,23 +11,16 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.features.guess import Sizes, reversals
-from stribeck.identify.features.what_to_measure import Reach
 from stribeck.identify.log import Log
-from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Coordinate, Problem, linear_step
 from stribeck.identify.result import Estimate
-from stribeck.identify.statistics.effects import by_simulation
 from stribeck.identify.statistics.profiles import THRESHOLD
 
 _WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
 _MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
 _BOUND = 0.95  # correlation with one that is inflated so
 _FEWEST = 12.0  # samples that an estimate must rest on
-_TYPICAL_NOISE, _LEAST_NOISE = (
-    0.01,
-    0.001,
-)  # of the friction level: a force sensor's; less is a command's, not a sensor's
 _STRIBECK = ("F_s", "v_s")
 _ENDS = 0.3  # of the largest speed
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
@@ -119,25 +112,6 @@ def _turns(log: Log, rows: slice) -> Array:
     """The positions at the ends of a run's strokes."""
     inner = [first for first, _ in reversals(log.velocity[rows])]
     return np.asarray(log.position[rows][[0, *inner, -1]])
-
-
-def effect(
-    problem: Problem, k: int, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Sizes, noise: Noise,
-    at: Reach, stays: float, told: bool,
-) -> str:  # fmt: skip
-    """What the advised experiment would do to the 95 % interval, in words; ``stays``: what of it is not the
-    noise's; ``told``: whether there is one."""
-    inverse = problem if isinstance(problem, VelocityProblem) else getattr(problem, "inverse", None)
-    if inverse is None:
-        return ""
-    own_force = inverse is problem and noise.measured > 0
-    level = max(noise.measured, _LEAST_NOISE * sizes.force) if own_force else _TYPICAL_NOISE * sizes.force
-    names = [problem.coordinates[k].name for k in own]
-    found = by_simulation(
-        inverse, values, inner[np.ix_(own, own)], names, problem.coordinates[k].name, level, at, sizes
-    )
-    half = float(np.sqrt(THRESHOLD * inner[k, k])) + stays
-    return found.told(half if told or not problem.coordinates[k].log else None, stays) if found else ""
 
 
 def shape(c: Coordinate, values: Mapping[str, float], sizes: Sizes, unseen: str) -> str:

@@ -1,0 +1,301 @@
+"""Are the two uncertainties of static fits right, and do their predictions hold? Counts on fresh seeds, by family of records.
+
+    python benchmarks/estimates.py other lacking bent pointed agree same held rigs kinds [--first 70000] [--count 20] [--page]
+
+other, lacking, bent, pointed: wrong or incomplete friction; how many intervals and ranges hold the truth, and are usable.
+agree, same: halves of a record and records with other motions; the same motion measured twice.
+held, rigs, kinds: the error on further motions, as the logarithm of its ratio to the best plain fit of each motion.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import held_out
+import held_out_kinds
+import held_out_rigs
+import lacking_terms
+import numpy as np
+import other_friction
+
+from stribeck.identify.api import read_log
+from stribeck.identify.core.choice import chosen
+from stribeck.identify.core.judging import judged
+from stribeck.identify.core.states import Estimate
+from stribeck.identify.features.rest import at_rest
+from stribeck.identify.log import Log
+from stribeck.identify.methods.static import LAWS, Setting, fit_static
+from stribeck.identify.models.curves import curve_of
+from stribeck.identify.models.record import record_of
+from stribeck.identify.models.static_problem import rows_of
+
+RESULTS = Path(__file__).parent / "results" / "estimates.json"
+PAGE = Path(__file__).parent.parent / "docs" / "fit-evidence.md"
+NAMES, SPEED = {"time": "t", "position": "y", "force": "F"}, {"time": "t", "velocity": "v", "force": "F"}
+OF_ALL = ("mass", "offset", "F_c", "sigma_2")
+FAMILIES = {
+    "lacking": ("stribeck_tanh", "coulomb_viscous"), "bent": ("stribeck", "stribeck_tanh", "coulomb_viscous"),
+    "pointed": ("stribeck", "stribeck_tanh"), "other": ("coulomb_viscous", "stribeck"),
+}  # fmt: skip
+
+
+def estimates(log: Log, law: str) -> tuple[dict[str, Estimate], dict[str, float]]:
+    """Every estimate of one law's fit, and the speeds of the levels."""
+    curve = curve_of(law, {})
+    choice = chosen([(record_of(rows_of(log), ("offset",), {}), curve)])
+    return judged(choice), choice.library.levels
+
+
+def holds(e: Estimate, truth: float, how: str) -> bool:
+    """Whether an interval or a range holds the truth."""
+    low, high = getattr(e, how)
+    return bool(low <= truth <= high)
+
+
+def usable(name: str, e: Estimate) -> bool:
+    """Identified, or a range below a factor of two; F_s at least within half, v_s at most within twice: these are bounds."""
+    low, high = e.range or e.interval
+    if e.state in ("at least", "at most"):
+        return bool(low > 0.5 * e.value if e.state == "at least" else high < 2 * e.value)
+    return bool(e.state == "identified" or (low > 0 and high < 2 * low))
+
+
+def truths(family: str, seed: int) -> Iterator[dict[str, Any]]:
+    """Each estimate with a truth: whether its interval and its range hold, its state, and how wide it is."""
+    for kind in other_friction.KINDS if family == "other" else [family]:
+        friction: Any = None
+        if family == "other":
+            what, (columns, truth, _) = kind, other_friction.record(kind, seed)
+        else:
+            of = getattr(lacking_terms, "record" if family == "lacking" else family)
+            what, columns, truth, friction = of(seed)
+        log = read_log(columns, columns=NAMES)
+        for law in FAMILIES[family]:
+            found, speeds = estimates(log, law)
+            told = {
+                n: x
+                for n, x in truth.items()
+                if n in found and n != "k_v" and (law != "coulomb_viscous" or n in OF_ALL)
+            }
+            levels = {n: friction(v) for n, v in speeds.items()} if friction else {}
+            for name, x in (told | levels).items():
+                e = found[name]
+                low, high = e.range or e.interval
+                yield {
+                    "kind": what, "law": law, "name": name, "state": str(e.state), "level": name in speeds,
+                    "interval": holds(e, x, "interval"), "range": holds(e, x, "range"), "usable": usable(name, e),
+                    "half": (high - low) / 2 / max(abs(e.value), 1e-300) if np.isfinite(high) else None,
+                }  # fmt: skip
+
+
+def pairs(family: str, seed: int) -> Iterator[tuple[list[Log], str, dict[str, float]]]:
+    """Two records whose estimates should agree, the law, and the truth where the law is complete."""
+    draw = np.random.default_rng(seed)
+    if family == "agree":
+        m = held_out.machine(draw, held_out.FRICTION[seed % 6])
+        motions = [held_out.motion(draw, held_out.MOTION[seed // 6 % 4]) for _ in range(2)]
+        logs = [read_log(held_out.record(m, v, draw), columns=SPEED) for v in motions]
+        middle = len(logs[0]) // 2
+        yield [logs[0].rows(slice(None, middle)), logs[0].rows(slice(middle, None))], "stribeck_tanh", {}
+        yield logs, "stribeck_tanh", {}
+        return
+    m = other_friction.machine(draw, bool(seed % 2))
+    at = other_friction.motion(draw, other_friction.MOTIONS[seed // 2 % 4], m["fastest"])
+    complete = seed // 8 % 2 == 0
+    kind = ("belt", "directions", "bristles", "gms")[seed // 16 % 4]
+    force = (other_friction.complete if complete else other_friction.KINDS[kind][1])(draw, m, at)
+    force = force + m["mass"] * at[2] + m["offset"]
+    rows, e = slice(other_friction.WITHIN // 2, None, other_friction.WITHIN), m["encoder"]
+    y, force, logs = at[0][rows], force[rows], []
+    for _ in range(2):
+        seen = e * np.round((y + e * draw.uniform(-0.5, 0.5) + 0.3 * e * draw.standard_normal(len(y))) / e)
+        t = np.arange(len(y)) * other_friction.STEP
+        noise = m["noise"] * draw.standard_normal(len(y))
+        logs.append(read_log({"t": t, "y": seen, "F": force + noise}, columns=NAMES))
+    names = ("mass", "offset", "F_c", "sigma_2", *(("F_s", "v_s") if seed % 2 else ()))
+    yield logs, "stribeck" if seed % 2 else "coulomb_viscous", {n: m[n] for n in names} if complete else {}
+
+
+def agreements(family: str, seed: int) -> Iterator[dict[str, Any]]:
+    """How far two estimates are apart, in their joint interval; and whether both hold the truth."""
+    for logs, law, truth in pairs(family, seed):
+        (a, speeds), (b, _) = (estimates(log, law) for log in logs)
+        for name in (a.keys() & b.keys()) - set(speeds):
+            half = [np.hypot(e[name].parts["C"], e[name].parts["A"]) for e in (a, b)]
+            apart = abs(a[name].value - b[name].value)
+            if name in ("v_s", "k_v"):
+                half = [h / e[name].value for h, e in zip(half, (a, b), strict=True)]
+                apart = abs(np.log(a[name].value / b[name].value))
+            held = [holds(e[name], truth[name], "interval") for e in (a, b)] if name in truth else []
+            yield {"name": name, "apart": float(apart / max(np.hypot(*half), 1e-300)), "holds": held}
+
+
+def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
+    """The error on each further motion beside the best plain fit's."""
+    draw = np.random.default_rng(seed)
+    if family == "held":
+        m, kind = held_out.machine(draw, held_out.FRICTION[seed % 6]), held_out.MOTION[seed // 6 % 4]
+        logs = [read_log(held_out.record(m, held_out.motion(draw, kind), draw), columns=SPEED) for _ in range(2)]
+        rows = [np.flatnonzero(held_out.away_from_rest(log)) for log in logs]
+        seen = [
+            (log.velocity[r], log.acceleration[r], log.force[r], np.zeros((len(r), 0)))
+            for log, r in zip(logs, rows, strict=True)
+        ]
+    else:
+        bench: Any = {"rigs": held_out_rigs, "kinds": held_out_kinds}[family]
+        kind = bench.KINDS[seed % len(bench.KINDS)]
+        m = bench.machine(draw, kind)
+        made = [bench.record(m, kind, draw) for _ in range(4)]
+        logs = [read_log(c, columns=NAMES) for c in made]
+        rows = [np.flatnonzero(~at_rest(log)) for log in logs]
+        seen = []
+        for c, log in zip(made, logs, strict=True):
+            (v, a, w), inside = held_out_rigs.measured(c), held_out_rigs.in_motion(c, log)
+            seen.append((v[inside], a[inside], c["F"][inside], w[inside]))
+    plain = []
+    for way in (held_out.least_squares, held_out.tanh_stribeck):
+        for weigh in (False, True) if seen[0][3].shape[1] else (False,):
+            v, a, force, w = seen[0]
+            plain.append((weigh, way(v, a, force, w if weigh else w[:, :0])))
+    made_by = fit_static(logs[0], LAWS, Setting({})).predictor
+    assert made_by is not None
+    for log, r, (v, a, force, w) in zip(logs[1:], rows[1:], seen[1:], strict=True):
+        best = min(np.linalg.norm(force - f(v, a, w if weigh else w[:, :0])) for weigh, f in plain if f)
+        yield {"kind": kind, "worse": float(np.log(np.linalg.norm(force - made_by.force(log)[r]) / best))}
+
+
+def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
+    """The counts of a family."""
+    if family in FAMILIES:
+        own, levels = ([e for e in found if e["level"] is level] for level in (False, True))
+        out = {
+            "n": len(own), "interval": np.mean([e["interval"] for e in own]), "range": np.mean([e["range"] for e in own]),
+            "usable": np.mean([e["usable"] for e in own]),
+        }  # fmt: skip
+        complete = [e["interval"] for e in own if e["kind"] in ("complete", "nothing")]
+        if complete:
+            out |= {"complete n": len(complete), "complete interval": np.mean(complete)}
+        if levels:
+            half = [e["half"] for e in levels if e["half"] is not None]
+            out |= {
+                "levels n": len(levels), "levels range": np.mean([e["range"] for e in levels]),
+                "levels usable": np.mean([e["usable"] for e in levels]), "levels half width": np.median(half),
+            }  # fmt: skip
+    elif family in ("agree", "same"):
+        apart, held = np.array([e["apart"] for e in found]), [h for e in found for h in e["holds"]]
+        out = {"n": len(apart), "agree": np.mean(apart <= 1), "median difference": np.median(apart)}
+        out |= {"complete n": len(held), "complete interval": np.mean(held)} if held else {}
+    else:
+        x = np.array([e["worse"] for e in found])
+        out = {
+            "n": len(x),
+            "mean log ratio": x.mean(),
+            "within 1 %": np.mean(x <= 0.01),
+            "within 5 %": np.mean(x <= 0.05),
+        }
+        out |= {"worst": x.max()}
+    return {name: round(float(value), 4) for name, value in out.items()}
+
+
+ASKED = {
+    "lacking": "a term lacks, or none", "bent": "friction bends otherwise", "pointed": "another exponent",
+    "other": "friction of another kind", "agree": "halves; other motions", "same": "the same motion twice",
+    "held": "speeds measured", "rigs": "encoders", "kinds": "rigs of other kinds",
+}  # fmt: skip
+
+
+def page(kept: dict[str, Any]) -> str:
+    """docs/fit-evidence.md, of the counts."""
+    lines = [
+        "# Evidence: static fits",
+        "",
+        "Counts of `benchmarks/estimates.py` on seeds that no choice was made on. `docs/fit.md` says what the words mean.",
+        "This page is made by `python benchmarks/estimates.py --page`.",
+        "",
+        "| records | seeds | estimates | interval holds | range holds | usable | levels | range holds | usable | half width |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for name in (n for n in FAMILIES if n in kept):
+        c = kept[name]
+        shares = [f"{100 * c[k]:.1f} %" for k in ("interval", "range", "usable")]
+        levels = (
+            [f"{100 * c[k]:.1f} %" for k in ("levels range", "levels usable", "levels half width")]
+            if "levels n" in c
+            else ["-"] * 3
+        )
+        first = f"{c['first']} to {c['first'] + c['seeds'] - 1}"
+        count = f"{c['levels n']:.0f}" if "levels n" in c else "-"
+        lines.append(
+            f"| {name}: {ASKED[name]} | {first} | {c['n']:.0f} | {' | '.join(shares)} | {count} | {' | '.join(levels)} |"
+        )
+    told = {n: kept[n] for n in (*FAMILIES, "agree", "same") if n in kept and "complete n" in kept[n]}
+    if told:
+        total = sum(c["complete n"] for c in told.values())
+        held = sum(c["complete n"] * c["complete interval"] for c in told.values())
+        lines += ["", f"Where the law is complete, {100 * held / total:.1f} % of {total:.0f} intervals hold the truth."]
+    lines += [
+        "",
+        "| two records | seeds | pairs | intervals agree | median difference, in joint intervals |",
+        "|---|---|---|---|---|",
+    ]
+    for name in (n for n in ("agree", "same") if n in kept):
+        c = kept[name]
+        lines.append(
+            f"| {ASKED[name]} | {c['seeds']} | {c['n']:.0f} | {100 * c['agree']:.1f} % | {c['median difference']:.2f} |"
+        )
+    lines += [
+        "",
+        "The error on further motions, beside the best plain fit (least squares, tanh-Stribeck) of each motion:",
+        "",
+    ]
+    lines += [
+        "| rigs | seeds | motions | mean log ratio | within 1 % | within 5 % | worst |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name in (n for n in ("held", "rigs", "kinds") if n in kept):
+        c = kept[name]
+        told_shares = f"{100 * c['within 1 %']:.0f} % | {100 * c['within 5 %']:.0f} %"
+        lines.append(
+            f"| {ASKED[name]} | {c['seeds']} | {c['n']:.0f} | {c['mean log ratio']:+.2f} | {told_shares} | {c['worst']:+.2f} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Run the families that are asked for; print and write the counts."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("families", nargs="*", metavar="FAMILY", help=", ".join(ASKED))
+    parser.add_argument("--page", action="store_true", help="write docs/fit-evidence.md of what was counted")
+    parser.add_argument("--first", type=int, default=70000)
+    parser.add_argument("--count", type=int, default=20)
+    parser.add_argument("--out", type=Path, default=RESULTS)
+    given = parser.parse_args()
+    if unknown := set(given.families) - set(ASKED):
+        parser.error(f"{', '.join(unknown)}: must be of {', '.join(ASKED)}")
+    kept = json.loads(given.out.read_text()) if given.out.exists() else {}
+    for family in given.families:
+        found, began = list[dict[str, Any]](), time.process_time()
+        of = truths if family in FAMILIES else agreements if family in ("agree", "same") else motions
+        for seed in range(given.first, given.first + given.count):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                found += of(family, seed)
+        counts = counted(family, found) | {"seconds": round(time.process_time() - began, 1)}
+        by_kind = {}
+        for kind in dict.fromkeys(e["kind"] for e in found if "kind" in e):
+            by_kind[kind] = counted(family, [e for e in found if e["kind"] == kind])
+        kept[family] = {"first": given.first, "seeds": given.count, **counts, "kinds": by_kind}
+        print(family, {k: v for k, v in kept[family].items() if k != "kinds"}, flush=True)
+        given.out.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    if given.page:
+        PAGE.write_text(page(kept), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
