@@ -8,8 +8,8 @@ import pytest
 import stribeck
 from stribeck.expressions.exact import Exact
 from stribeck.expressions.graph import constant, symbol
+from stribeck.expressions.intervals import Box
 from stribeck.expressions.ops import atan, clip, either, exp, pi, sign, sin, sqrt, where
-from stribeck.expressions.ranges import Box
 from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
 from stribeck.properties import WORK, check

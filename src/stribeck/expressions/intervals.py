@@ -1,36 +1,246 @@
-"""Interval arithmetic with outward rounding, for many boxes at once.
+"""Interval arithmetic with outward rounding, for one box (floats) and for many at once (arrays).
 
-Sums, products and quotients of floats are rounded outward by their exact rounding error; exp, atan and the like come
-from python-flint's arb. An interval may be unbounded; 0 times unbounded is 0, as for sets of real numbers.
+Ends are floats, exact where results are; functions come from python-flint's arb. An interval may be unbounded; 0 times
+unbounded is 0, as for sets of real numbers. A :class:`Range` is a pair of floats, quick for a single box; an
+:class:`Interval` holds arrays, and rounds sums, products and quotients by their exact rounding error.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from math import comb
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.expressions import ranges
-from stribeck.expressions.exact import Exact
+from stribeck.expressions.exact import Exact, tree_of
 from stribeck.expressions.graph import Expr, ordered
 from stribeck.expressions.ops import Value
 
+Range = tuple[float, float]
+INF = math.inf
+EVERYTHING: Range = (-INF, INF)
 _BITS = 80  # of arb: 27 more than a float's
 _SPLIT = 134217729.0  # 2^27 + 1: halves a float's digits (Dekker)
 
 
-def _down(x: Array) -> Array:
+# -- one box: pairs of floats -------------------------------------------------------------------------------------------
+
+
+def down(x: float) -> float:
+    """The float below."""
+    return math.nextafter(x, -INF)
+
+
+def up(x: float) -> float:
+    """The float above."""
+    return math.nextafter(x, INF)
+
+
+def add(a: Range, b: Range) -> Range:
+    """a + b."""
+    return _sum(a[0], b[0], True), _sum(a[1], b[1], False)
+
+
+def _sum(x: float, y: float, lower: bool) -> float:
+    s = x + y
+    if s != s:
+        return -INF if lower else INF
+    if math.isinf(s):
+        return (
+            s
+            if math.isinf(x) or math.isinf(y)
+            else (math.copysign(1.7976931348623157e308, s) if lower == (s > 0) else s)
+        )
+    y_ = s - x
+    error = (x - (s - y_)) + (y - y_)
+    if error == 0:
+        return s
+    return (s if error > 0 else down(s)) if lower else (s if error < 0 else up(s))
+
+
+def neg(a: Range) -> Range:
+    """-a."""
+    return -a[1], -a[0]
+
+
+def _product(x: float, y: float) -> tuple[float, float]:
+    if x == 0 or y == 0:
+        return 0.0, 0.0
+    p = x * y
+    if abs(x) == 1 or abs(y) == 1 or math.isinf(x) or math.isinf(y):
+        return p, p
+    low, high = down(p), up(p)
+    return (max(low, 0.0), high) if (x > 0) == (y > 0) else (low, min(high, 0.0))
+
+
+def mul(a: Range, b: Range) -> Range:
+    """a b; 0 times unbounded is 0."""
+    ends = [_product(x, y) for x in a for y in b]
+    return min(e[0] for e in ends), max(e[1] for e in ends)
+
+
+def _quotient(x: float, y: float) -> tuple[float, float]:
+    if x == 0 or (math.isinf(y) and not math.isinf(x)):
+        return 0.0, 0.0
+    if math.isinf(x) and math.isinf(y):
+        return (0.0, INF) if (x > 0) == (y > 0) else (-INF, 0.0)
+    q = x / y
+    if abs(y) == 1 or math.isinf(x):
+        return q, q
+    low, high = down(q), up(q)
+    return (max(low, 0.0), high) if (x > 0) == (y > 0) else (low, min(high, 0.0))
+
+
+def div(a: Range, b: Range) -> Range:
+    """a/b, for the b that are not 0."""
+    if b[0] < 0 < b[1]:
+        return EVERYTHING
+    if b == (0.0, 0.0):
+        return EVERYTHING
+    if b[1] == 0:
+        return div(neg(a), neg(b))
+    if b[0] == 0:
+        low = _quotient(a[0], b[1])[0] if a[0] >= 0 else -INF
+        high = _quotient(a[1], b[1])[1] if a[1] <= 0 else INF
+        return low, high
+    ends = [_quotient(x, y) for x in a for y in b]
+    return min(e[0] for e in ends), max(e[1] for e in ends)
+
+
+@lru_cache(maxsize=20000)
+def ends_of(name: str, x: float) -> Range:
+    """A function's value at a float, between two floats."""
+    if x == 0 and name in ("exp", "sin", "cos", "atan", "tanh", "sqrt"):
+        return (1.0, 1.0) if name in ("exp", "cos") else (0.0, 0.0)
+    if x == 1 and name == "log":
+        return 0.0, 0.0
+    import flint
+
+    with flint.ctx.workprec(_BITS):
+        y = getattr(flint.arb(x), name)()
+        low, high = float(y.lower()), float(y.upper())
+    if low != low or high != high:
+        return EVERYTHING
+    return down(low), up(high)
+
+
+_LIMITS: dict[str, tuple[float, float, dict[float, float]]] = {
+    "exp": (0.0, INF, {-INF: 0.0, INF: INF}),
+    "atan": (down(-math.pi / 2), up(math.pi / 2), {-INF: down(-math.pi / 2), INF: up(math.pi / 2)}),
+    "tanh": (-1.0, 1.0, {-INF: -1.0, INF: 1.0}),
+    "log": (-INF, INF, {0.0: -INF, INF: INF}),
+    "sqrt": (0.0, INF, {INF: INF}),
+}
+
+
+def rising(name: str, x: Range) -> Range:
+    """exp, atan, tanh, log, sqrt."""
+    if name in ("log", "sqrt") and x[0] < 0:
+        return EVERYTHING
+    least, most, known = _LIMITS[name]
+    low = known[x[0]] if x[0] in known else ends_of(name, x[0])[0]
+    high = known[x[1]] if x[1] in known else ends_of(name, x[1])[1]
+    return max(low, least), min(high, most)
+
+
+def _wave(name: str, x: Range) -> Range:
+    if not x[1] - x[0] < 100:
+        return -1.0, 1.0
+    if x[0] == x[1]:
+        return ends_of(name, x[0])
+    import flint
+
+    with flint.ctx.workprec(_BITS):
+        y = getattr(flint.arb(x[0]).union(flint.arb(x[1])), name)()
+        return max(down(float(y.lower())), -1.0), min(up(float(y.upper())), 1.0)
+
+
+def power(a: Range, b: Range) -> Range:
+    """a^b for a >= 0."""
+    if a[0] < 0 or (a[0] == 0 and b[0] <= 0):
+        return EVERYTHING
+    if b == (0.0, 0.0):
+        return 1.0, 1.0
+    if b == (1.0, 1.0):
+        return a
+    found = rising("exp", mul(b, rising("log", a)))
+    if a[0] == 0:
+        return (0.0, rising("exp", mul(b, rising("log", (a[1], a[1]))))[1]) if a[1] > 0 else (0.0, 0.0)
+    return found
+
+
+PI: Range = (down(math.pi), up(math.pi))
+
+
+def _tree(tree: Value) -> Range:
+    if tree == "pi":
+        return PI
+    if isinstance(tree, float):
+        return tree, tree
+    op, *args = tree
+    values = [_tree(a) for a in args]
+    if op == "mul" and len(values) > 2:
+        found = values[0]
+        for each in values[1:]:
+            found = mul(found, each)
+        return found
+    value: Range = _apply(op, values)
+    return value
+
+
+def _apply(op: str, args: list[Value]) -> Value:
+    """An operation on single ranges."""
+    if op == "add":
+        return add(*args)
+    if op == "sub":
+        return add(args[0], neg(args[1]))
+    if op == "mul":
+        return mul(*args)
+    if op == "div":
+        return div(*args)
+    if op == "neg":
+        return neg(args[0])
+    if op == "abs":
+        a, b = args[0]
+        return (a, b) if a >= 0 else (-b, -a) if b <= 0 else (0.0, max(-a, b))
+    if op == "sign":
+        return tuple((x > 0) - (x < 0) + 0.0 for x in args[0])
+    if op in _LIMITS:
+        return rising(op, args[0])
+    if op in ("sin", "cos"):
+        return _wave(op, args[0])
+    if op == "pow":
+        return power(*args)
+    if op == "lt":
+        return True if args[0][1] < args[1][0] else False if args[0][0] >= args[1][1] else None
+    if op == "le":
+        return True if args[0][1] <= args[1][0] else False if args[0][0] > args[1][1] else None
+    if op == "both":
+        return False if False in args else True if args == [True, True] else None
+    if op == "either":
+        return True if True in args else False if args == [False, False] else None
+    raise KeyError(op)
+
+
+def number(x: float) -> Range:
+    """A constant of an equation: the number that it stands for."""
+    return _tree(tree_of(x))
+
+
+# -- many boxes: arrays -------------------------------------------------------------------------------------------------
+
+
+def _below(x: Array) -> Array:
     return np.nextafter(x, -np.inf)
 
 
-def _up(x: Array) -> Array:
+def _above(x: Array) -> Array:
     return np.nextafter(x, np.inf)
 
 
@@ -55,7 +265,7 @@ def _product_error(a: Array, b: Array, p: Array) -> Array:
 
 def _ends_of(x: Array, error: Array) -> tuple[Array, Array]:
     """Rounded results and their errors as intervals."""
-    return np.where(error >= 0, x, _down(x)), np.where(error <= 0, x, _up(x))
+    return np.where(error >= 0, x, _below(x)), np.where(error <= 0, x, _above(x))
 
 
 def _products(a: Array, b: Array) -> tuple[Array, Array]:
@@ -148,116 +358,50 @@ def interval(low: ArrayLike, high: ArrayLike) -> Interval:
     return Interval(np.asarray(low, float), np.asarray(high, float))
 
 
-@cache
-def _flint() -> ModuleType:
-    import flint
-
-    flint.ctx.prec = _BITS
-    return flint
-
-
-def _ends(name: str, x: float) -> tuple[float, float]:
-    """A function's value as an interval of floats, from arb."""
-    flint = _flint()
-    y = getattr(flint.arb(x), name)()
-    low, high = float(y.lower()), float(y.upper())
-    return np.nextafter(low, -np.inf), np.nextafter(high, np.inf)
+def _each(of: Callable[..., Range], *args: Interval) -> Interval:
+    """A function of single ranges, box by box; equal boxes once."""
+    ends = np.broadcast_arrays(*(end for x in args for end in (x.low, x.high)))
+    rows = np.stack([end.ravel() for end in ends], axis=-1)
+    unique, back = np.unique(rows, axis=0, return_inverse=True)
+    found = np.array([of(*zip(row[::2], row[1::2], strict=True)) for row in unique.tolist()])
+    table = found[back.ravel()].reshape(*ends[0].shape, 2)
+    return Interval(table[..., 0], table[..., 1])
 
 
-def _monotone(name: str, x: Interval, low: float, high: float, exact: Mapping[float, float]) -> Interval:
-    """A rising function with values in [low, high]; ``exact`` holds values that are known."""
+def _rising(name: str) -> Callable[[Interval], Interval]:
+    """exp, atan, tanh, log: each end by itself, equal ends once."""
 
-    def end(ends: Array, lower: bool) -> Array:
-        unique, back = np.unique(ends, return_inverse=True)
-        values = [exact[e] if e in exact else _ends(name, e)[0 if lower else 1] for e in unique.tolist()]
-        return np.asarray(values)[back].reshape(ends.shape)
-
-    return Interval(np.maximum(end(x.low, True), low), np.minimum(end(x.high, False), high))
-
-
-def pi() -> Interval:
-    """The number pi."""
-    flint = _flint()
-    y = flint.arb.pi()
-    return interval(np.nextafter(float(y.lower()), 0), np.nextafter(float(y.upper()), 4))
-
-
-def _exp(x: Interval) -> Interval:
-    return _monotone("exp", x, 0.0, np.inf, {0.0: 1.0, -np.inf: 0.0, np.inf: np.inf})
-
-
-def _atan(x: Interval) -> Interval:
-    half = float(np.nextafter(pi().high / 2, 4))
-    return _monotone("atan", x, -half, half, {0.0: 0.0, -np.inf: -half, np.inf: half})
-
-
-def _tanh(x: Interval) -> Interval:
-    return _monotone("tanh", x, -1.0, 1.0, {0.0: 0.0, -np.inf: -1.0, np.inf: 1.0})
-
-
-def _log(x: Interval) -> Interval:
-    low = np.maximum(x.low, 0.0)
-    found = _monotone(
-        "log", Interval(low, np.maximum(x.high, 0.0)), -np.inf, np.inf, {0.0: -np.inf, np.inf: np.inf, 1.0: 0.0}
-    )
-    return Interval(np.where(x.low < 0, -np.inf, found.low), np.where(x.low < 0, np.inf, found.high))
-
-
-def _sqrt(x: Interval) -> Interval:
-    with np.errstate(all="ignore"):
-        low, high = np.sqrt(np.maximum(x.low, 0.0)), np.sqrt(np.maximum(x.high, 0.0))
-    bad = x.low < 0
-    down = np.where((low == 0) | (low == 1), low, np.maximum(_down(low), 0.0))
-    up = np.where((high == 0) | (high == 1), high, _up(high))
-    return Interval(np.where(bad, -np.inf, down), np.where(bad, np.inf, up))
-
-
-def _wave(name: str) -> Callable[[Interval], Interval]:
-    """sin or cos."""
-
-    def ends(low: float, high: float) -> tuple[float, float]:
-        if not high - low < 100:
-            return -1.0, 1.0
-        flint = _flint()
-        ball = flint.arb(low).union(flint.arb(high))
-        y = getattr(ball, name)()
-        return max(np.nextafter(float(y.lower()), -2), -1.0), min(np.nextafter(float(y.upper()), 2), 1.0)
+    def ends(x: Array, side: int) -> Array:
+        unique, back = np.unique(x, return_inverse=True)
+        found = np.array([rising(name, (end, end))[side] for end in unique.tolist()])
+        return found[back.ravel()].reshape(x.shape)
 
     def of(x: Interval) -> Interval:
-        low, high = np.broadcast_arrays(x.low, x.high)
-        values = [ends(a, b) for a, b in zip(low.ravel().tolist(), high.ravel().tolist(), strict=True)]
-        table = np.asarray(values).reshape(*low.shape, 2)
-        return Interval(table[..., 0], table[..., 1])
+        return Interval(ends(x.low, 0), np.where((x.low < 0) & (name == "log"), np.inf, ends(x.high, 1)))
 
     return of
 
 
-def _sign(x: Interval) -> Interval:
-    return Interval(np.sign(x.low), np.sign(x.high))
+def _root(x: Interval) -> Interval:
+    """The square root, which NumPy rounds correctly."""
+    with np.errstate(all="ignore"):
+        low, high = np.sqrt(np.maximum(x.low, 0.0)), np.sqrt(np.maximum(x.high, 0.0))
+    bad = x.low < 0
+    least = np.where((low == 0) | (low == 1), low, np.maximum(_below(low), 0.0))
+    most = np.where((high == 0) | (high == 1), high, _above(high))
+    return Interval(np.where(bad, -np.inf, least), np.where(bad, np.inf, most))
 
 
-def _pow(a: Interval, b: Interval) -> Interval:
-    """a^b = exp(b log a) for a >= 0; 0^b = 0 for b > 0."""
-    found = _exp(b * _log(a))
-    known = (a.low >= 0) & ((a.low > 0) | (b.low > 0))
-    return Interval(np.where(known, found.low, -np.inf), np.where(known, found.high, np.inf))
-
-
-_FUNCTIONS: dict[str, Callable[..., Value]] = {
+_OF_ARRAYS: dict[str, Callable[..., Value]] = {
     "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b, "div": lambda a, b: a / b,
-    "neg": lambda a: -a, "abs": abs, "exp": _exp, "atan": _atan, "tanh": _tanh, "log": _log, "sqrt": _sqrt,
-    "sin": _wave("sin"), "cos": _wave("cos"), "sign": _sign, "pow": _pow,
+    "neg": lambda a: -a, "abs": abs, **{name: _rising(name) for name in ("exp", "atan", "tanh", "log")}, "sqrt": _root,
+    "sin": lambda a: _each(lambda x: _wave("sin", x), a), "cos": lambda a: _each(lambda x: _wave("cos", x), a),
+    "sign": lambda a: Interval(np.sign(a.low), np.sign(a.high)), "pow": lambda a, b: _each(power, a, b),
     "lt": lambda a, b: Truth(a.high < b.low, a.low < b.high),
     "le": lambda a, b: Truth(a.high <= b.low, a.low <= b.high),
     "both": lambda a, b: Truth(a.must & b.must, a.may & b.may),
     "either": lambda a, b: Truth(a.must | b.must, a.may | b.may),
 }  # fmt: skip
-
-
-def number(x: float) -> Interval:
-    """A constant of an equation: the number that it stands for, pi where pi was written."""
-    low, high = ranges.number(x)
-    return interval(low, high)
 
 
 Polynomial = tuple[Expr, tuple[Fraction, ...]]
@@ -307,7 +451,7 @@ def _fraction(x: Fraction) -> Interval:
     return (
         point(float(x.numerator)) / point(float(x.denominator))
         if abs(x.numerator) < 2**53 > x.denominator
-        else interval(np.nextafter(float(x), -np.inf), np.nextafter(float(x), np.inf))
+        else interval(down(float(x)), up(float(x)))
     )
 
 
@@ -334,28 +478,107 @@ def bernstein(coefficients: tuple[Fraction, ...], x: Interval) -> Interval:
     return Interval(np.where(bounded, found.low, -np.inf), np.where(bounded, found.high, np.inf))
 
 
-def _where(node: Expr, known: Mapping[Expr, Value], limits: Mapping[Expr, Interval]) -> Interval:
+# -- expressions over boxes ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Carrier:
+    """What an expression is evaluated on: single ranges, or arrays of them.
+
+    Attributes:
+        free: an end that says nothing.
+        number, apply: a constant, an operation.
+        ends, of: an interval from its ends, the ends of an interval.
+        meet: what two intervals that hold the same value have in common.
+        choose: the value of a condition's cases, which are evaluated when called.
+    """
+
+    free: Value
+    number: Callable[[float], Value]
+    apply: Callable[[str, list[Value]], Value]
+    ends: Callable[[Value, Value], Value]
+    of: Callable[[Value], tuple[Value, Value]]
+    meet: Callable[[Value, Value], Value]
+    choose: Callable[[Value, Callable[[], Value], Callable[[], Value]], Value]
+
+
+def _meet(a: Range, b: Range) -> Range:
+    low, high = max(a[0], b[0]), min(a[1], b[1])
+    return (low, high) if low <= high else a
+
+
+def _chosen(truth: bool | None, if_true: Callable[[], Range], if_false: Callable[[], Range]) -> Range:
+    if truth is not None:
+        return if_true() if truth else if_false()
+    x, y = if_true(), if_false()
+    return min(x[0], y[0]), max(x[1], y[1])
+
+
+def _chosen_each(truth: Truth, if_true: Callable[[], Interval], if_false: Callable[[], Interval]) -> Interval:
+    x, y = if_true(), if_false()
+    either = x.hull(y)
+    low = np.where(truth.must, x.low, np.where(truth.may, either.low, y.low))
+    return Interval(low, np.where(truth.must, x.high, np.where(truth.may, either.high, y.high)))
+
+
+_SINGLE = _Carrier(INF, number, _apply, lambda low, high: (low, high), lambda x: x, _meet, _chosen)
+_MANY = _Carrier(
+    np.asarray(np.inf), lambda x: interval(*number(x)), lambda op, args: _OF_ARRAYS[op](*args), Interval,
+    lambda x: (x.low, x.high), Interval.within, _chosen_each,
+)  # fmt: skip
+
+
+def _value(on: _Carrier, node: Expr, known: Mapping[Expr, Value], inputs: Mapping[str, Value]) -> Value:
+    """The range of a node whose arguments' are known."""
+    if node.op == "symbol":
+        return inputs[str(node.value)]
+    if node.op == "constant":
+        assert isinstance(node.value, float)
+        return on.number(node.value)
+    if node.op == "where":
+        return _where(on, node, known, {})
+    args = [known[a] for a in node.args]
+    if node.op == "mul" and node.args[0] is node.args[1]:
+        args = [on.apply("abs", args[:1])] * 2
+    return on.apply(node.op, args)
+
+
+def _where(on: _Carrier, node: Expr, known: Mapping[Expr, Value], limits: Mapping[Expr, Value]) -> Value:
     """The range of a node, with what the conditions around it say of some nodes."""
     if node in limits:
-        return known[node].within(limits[node])  # type: ignore[no-any-return]
+        return on.meet(known[node], limits[node])
     if node.op != "where":
-        return known[node]  # type: ignore[no-any-return]
+        return known[node]
     condition, a, b = node.args
-    truth = known[condition]
-    yes, no = {}, {}
+    yes: dict[Expr, Value] = {}
+    no: dict[Expr, Value] = {}
     if condition.op in ("lt", "le"):
         less, more = condition.args
-        free = np.asarray(np.inf)
-        yes = {less: Interval(-free, known[more].high), more: Interval(known[less].low, free)}
-        no = {less: Interval(known[more].low, free), more: Interval(-free, known[less].high)}
-    if_true, if_false = (_where(x, known, _joined(limits, says)) for x, says in ((a, yes), (b, no)))
-    either = if_true.hull(if_false)
-    low = np.where(truth.must, if_true.low, np.where(truth.may, either.low, if_false.low))
-    return Interval(low, np.where(truth.must, if_true.high, np.where(truth.may, either.high, if_false.high)))
+        (l_low, l_high), (m_low, m_high) = on.of(known[less]), on.of(known[more])
+        yes = {less: on.ends(-on.free, m_high), more: on.ends(l_low, on.free)}
+        no = {less: on.ends(m_low, on.free), more: on.ends(-on.free, l_high)}
+
+    def side(x: Expr, says: Mapping[Expr, Value]) -> Value:
+        joined = {n: on.meet(limits[n], y) if n in limits else y for n, y in says.items()}
+        return _where(on, x, known, {**limits, **joined})
+
+    return on.choose(known[condition], lambda: side(a, yes), lambda: side(b, no))
 
 
-def _joined(a: Mapping[Expr, Interval], b: Mapping[Expr, Interval]) -> dict[Expr, Interval]:
-    return {**a, **{node: x.within(a[node]) if node in a else x for node, x in b.items()}}
+class Box:
+    """One box: the ranges of symbols, and of what is computed from them."""
+
+    def __init__(self, inputs: Mapping[str, Range]) -> None:
+        self.inputs = inputs
+        self.known: dict[Expr, Value] = {}
+
+    def __call__(self, node: Expr) -> Value:
+        """The range of an expression; True, False or None (not settled) for a condition."""
+        if node not in self.known:
+            for each in ordered([node]):
+                if each not in self.known:
+                    self.known[each] = _value(_SINGLE, each, self.known, self.inputs)
+        return self.known[node]
 
 
 class Evaluator:
@@ -368,29 +591,11 @@ class Evaluator:
 
     def __call__(self, inputs: Mapping[str, Interval]) -> list[Interval]:
         """The range of each output, given that of each symbol."""
-        return [self.all(inputs)[node] for node in self.outputs]
-
-    def all(self, inputs: Mapping[str, Interval]) -> dict[Expr, Value]:
-        """The range of every node: an :class:`Interval`, or a :class:`Truth` for conditions."""
         known: dict[Expr, Value] = {}
         with np.errstate(all="ignore"):
             for node in self.nodes:
-                known[node] = self._value(node, known, inputs)
-        return known
-
-    def _value(self, node: Expr, known: dict[Expr, Value], inputs: Mapping[str, Interval]) -> Value:
-        if node.op == "symbol":
-            return inputs[str(node.value)]
-        if node.op == "constant":
-            assert isinstance(node.value, float)
-            return number(node.value)
-        args = [known[a] for a in node.args]
-        if node.op == "where":
-            return _where(node, known, {})
-        if node.op == "mul" and args[0] is args[1]:
-            args = [abs(args[0])] * 2
-        value = _FUNCTIONS[node.op](*args)
-        if node in self.polynomials:
-            leaf, coefficients = self.polynomials[node]
-            value = value.within(bernstein(coefficients, known[leaf]))
-        return value
+                known[node] = _value(_MANY, node, known, inputs)
+                if node in self.polynomials:
+                    leaf, coefficients = self.polynomials[node]
+                    known[node] = known[node].within(bernstein(coefficients, known[leaf]))
+        return [known[node] for node in self.outputs]

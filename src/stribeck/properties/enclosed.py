@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stribeck.expressions.graph import Expr
-from stribeck.expressions.intervals import Evaluator, Interval, interval, point
-from stribeck.expressions.ranges import Box, Range
+from stribeck.expressions.intervals import Box, Evaluator, Interval, Range, interval, point
 from stribeck.properties.model import Model
 
 _PANELS = (64, 1024, 16384)

@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 
 from stribeck.expressions.graph import wrap
-from stribeck.expressions.ranges import Box, Range
+from stribeck.expressions.intervals import Box, Range
 from stribeck.properties import cycles, replay
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U

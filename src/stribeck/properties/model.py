@@ -23,8 +23,8 @@ from stribeck.expressions.graph import (
     symbols,
     wrap,
 )
+from stribeck.expressions.intervals import Box, Range
 from stribeck.expressions.ops import sqrt, where
-from stribeck.expressions.ranges import Box, Range
 from stribeck.laws.base import Law
 from stribeck.properties.prover.leaf import Leaf, Rules
 from stribeck.properties.prover.region import Axis, Region

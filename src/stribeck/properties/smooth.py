@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from stribeck.expressions.graph import Expr, derivative, ordered
-from stribeck.expressions.ranges import EVERYTHING, Box, Range
+from stribeck.expressions.intervals import EVERYTHING, Box, Range
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U, W, depends, divided

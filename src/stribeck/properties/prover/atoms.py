@@ -7,8 +7,8 @@ from math import ceil, floor, isqrt
 from typing import TYPE_CHECKING
 
 from stribeck.expressions.graph import Expr, constant, rebuild
+from stribeck.expressions.intervals import INF, PI, Range, ends_of
 from stribeck.expressions.ops import sqrt
-from stribeck.expressions.ranges import INF, PI, Range, ends_of
 from stribeck.properties.plain import Polynomial
 from stribeck.properties.prover.region import down, up
 from stribeck.properties.prover.ring import Quotient, Ring, Unclear

@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import lru_cache
 
 from stribeck.expressions.graph import Expr, ordered
-from stribeck.expressions.ranges import Box, Range
+from stribeck.expressions.intervals import Box, Range
 from stribeck.properties.plain import Json, Polynomial
 from stribeck.properties.prover import atoms
 from stribeck.properties.prover.bernstein import POSITIVE, UNIT, UNKNOWN, Signs, signs

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import nextafter
 
-from stribeck.expressions.ranges import INF, Range
+from stribeck.expressions.intervals import INF, Range
 
 _FAR = Fraction(10) ** 300
 End = Fraction | None  # None: no end

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import frexp, ldexp, log
 
 from stribeck.expressions.graph import Expr, ordered
-from stribeck.expressions.ranges import INF, Box, Range
+from stribeck.expressions.intervals import INF, Box, Range
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.leaf import Leaf, Rules
 from stribeck.properties.prover.region import Axis, End, Region
