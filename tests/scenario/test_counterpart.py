@@ -8,7 +8,8 @@ import pytest
 
 from stribeck import InputError, Scenario, examples, simulate
 from stribeck.cli import _status
-from stribeck.loops import design, loop_and_controller
+from stribeck.loops import design
+from stribeck.loops.loop import loop_of
 from stribeck.scenario.counterpart import as_machine, machine_path
 from stribeck.simulation import compiler
 from tests.simulation.rig import needs_compiler
@@ -84,12 +85,12 @@ PID = {
 
 
 def test_the_loop_of_a_pid_controller_is_judged():
-    loop, name = loop_and_controller(Scenario(PID))
-    assert name == "controller"
+    loop = loop_of(Scenario(PID))
+    assert [each.name for each in loop.scenario.system.controllers] == ["controller"]
     poles = np.roots([1.0, 8.0 + 1.0, 50.0, 80.0])  # mass, K_d + sigma_2, K_p, K_i
     assert loop.slowest == pytest.approx(1 / min(-poles.real), rel=1e-6)
     with pytest.raises(InputError, match="'spring': must be 'pid'"):
-        loop_and_controller(Scenario.load(examples.path("stick_slip")))
+        loop_of(Scenario.load(examples.path("stick_slip")))
 
 
 def test_design_knows_the_paths_of_the_file():

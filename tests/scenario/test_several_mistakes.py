@@ -44,8 +44,7 @@ def test_equal_friction_forces_are_allowed():
         ([0.0, 1.0, 0.5], [0.0, 1.0, 2.0], "drive.signal.t[2]: 0.5: times must not decrease (the one before is 1.0)"),
         ([0.0, 1.0], [0.0], "drive.signal.value: a list of 1: must be as long as t (2)"),
         ([0.0], [0.0, 1.0], "drive.signal.value: a list of 2: must be as long as t (1)"),
-        ([], [], "drive.signal.t: []: must hold at least one time"),
-        ([], [1.0], "drive.signal.t: []: must hold at least one time"),
+        ([], [1.0], "drive.signal.t: []: must hold at least one number"),
         (["a"] * 1000, [1.0], "drive.signal.t[0]: 'a': must be a finite number, not text"),
     ],
 )

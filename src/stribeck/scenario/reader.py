@@ -8,17 +8,19 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from pydantic import ValidationError
+
 from stribeck import memory
 from stribeck.constants import kind_of, show
 from stribeck.errors import nearest
 from stribeck.kinds import in_a_file
 from stribeck.machine.law import LawReader, kind_of_table, unknown
-from stribeck.machine.table import no_table
+from stribeck.machine.signal import SignalTable
+from stribeck.machine.table import Reading, no_table, problems_of
 from stribeck.plants import Mass
 from stribeck.scenario import tables, trust
 from stribeck.scenario.drives import DRIVES, drive_table, find_plant, settings
 from stribeck.scenario.parts import Parts
-from stribeck.scenario.signal import read_signal
 from stribeck.scenario.single import structure
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
@@ -172,21 +174,12 @@ class Reader:
         return kind_of_table(table, path, kinds, lambda each: model(each).model_fields, self.problems)
 
     def _signal(self, table: object) -> None:
-        path = "drive.signal"
-        if not isinstance(table, dict):
-            self.problems.append((path, no_table(table)))
-            return
-        kind = self._kind(table, path, tables.SIGNALS, tables.signal_table)
-        if kind is None:
-            return
-        values, found = tables.validate(tables.signal_table(kind), table, path)
-        self.problems += found
-        if values is None:
-            return
-        signal, found = read_signal(kind, values, self.folder)
-        self.problems += [(f"{path}.{key}", text) for key, text in found]
-        if signal is not None:
-            self._found(signal=signal)
+        try:
+            made = SignalTable.model_validate(table, context=Reading(self.folder, of_file=True))
+        except ValidationError as error:
+            self.problems += problems_of(error, "drive.signal")
+        else:
+            self._found(signal=made.built)
 
     def _plant(self) -> None:
         drive = self.parts.drive

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
-from stribeck import signals
 from stribeck.constants import Constant, kind_of, show
 from stribeck.drives.base import Column
 from stribeck.errors import nearest
@@ -18,8 +17,6 @@ from stribeck.plants import Mass, Plant
 Problem = tuple[str, str]  # path, message
 Fields = dict[str, tuple[object, object]]  # the type of each key and its pydantic field
 Table = TypeVar("Table", bound="StrictTable")
-
-SIGNALS: dict[str, type[signals.Signal]] = signals.KINDS
 
 RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
 _Y, _V, _Z = Column("y", "m", "position"), Column("v", "m/s", "velocity"), Column("z", "m", "bristle deflection")
@@ -115,29 +112,6 @@ def given_table(name: str, about: str, constants: dict[str, Constant], all_optio
     fields: Fields = {n: number(c, left_out=all_optional) for n, c in constants.items()}
     model = made(name, fields, about)
     return (model, Field(default_factory=model, description=about))
-
-
-@cache
-def signal_table(kind: str) -> type[StrictTable]:
-    """The model of [drive.signal] for a kind of signal."""
-    signal = SIGNALS[kind]
-    fields: Fields = {"kind": (Literal[kind], Field(description=signal.meaning))}
-    if issubclass(signal, signals.Curve):
-        fields["t"] = (list[float], Field(description="times of the points, s; must increase"))
-        fields["value"] = (list[float], Field(description="the signal at these times"))
-    else:
-        fields |= {name: number(constant) for name, constant in signal.constants.items()}
-    if signal is signals.PointsSignal:
-        fields["t"] = (list[float], Field(description="times, s; must not decrease, two equal times make a jump"))
-        fields["value"] = (list[float], Field(description="the signal at these times"))
-    if signal is signals.FileSignal:
-        kinds = "CSV, Parquet, MAT or NPZ file, relative to the scenario file"
-        fields["path"] = (str, Field(min_length=1, description=kinds))
-        fields["time"] = (str, Field(description="name of the column of times"))
-        fields["time_unit"] = (str, Field("s", description="unit of that column, such as ms"))
-        fields["value"] = (str, Field(description="name of the column of values"))
-        fields["unit"] = (str | None, Field(None, description="unit of that column, such as mm; SI unless given"))
-    return made(f"{kind.capitalize()}Signal", fields, signal.meaning)
 
 
 def validate(model: type[Table], data: object, path: str) -> tuple[Table | None, list[Problem]]:
