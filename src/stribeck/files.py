@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from stribeck.errors import needed
-from stribeck.platforms import locked
+from stribeck.platforms import locked, refuse_open
 
 
 def write_with(path: Path, write: Callable[[Path], object]) -> None:
@@ -56,10 +56,16 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
         with _named(beside, folder):
             folder.mkdir(parents=True, exist_ok=True)
             beside.mkdir()
+            there = folder.stat()
             yield beside
             files = {file.relative_to(beside) for file in beside.rglob("*") if file.is_file()}
             with locked(folder):
+                if not beside.is_dir() or not os.path.samestat(there, folder.stat()):
+                    raise OSError(errno.ESTALE, "was replaced by another folder meanwhile", str(folder))
                 gone = (_listed(folder / last) | _marked(folder, older or {})) - files
+                for path in (folder / name for name in {*files, *gone, Path(last)}):
+                    if path.is_file():
+                        refuse_open(path)
                 (folder / last).unlink(missing_ok=True)
                 for name in gone:
                     (folder / name).unlink(missing_ok=True)
@@ -125,7 +131,10 @@ def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | Non
                 is_, must = ("file", "folder") if folder else ("folder", "file")
                 text = f"is a {is_}; must be a {must} or a new name"
                 return None if not folder and not stat.S_ISDIR(mode) else text
-        existing = next(p for p in (path if folder else path.parent, *path.absolute().parents) if os.path.lexists(p))
+        ways = (path if folder else path.parent, *path.absolute().parents)
+        existing = next((p for p in ways if os.path.lexists(p)), None)
+        if existing is None:
+            return f"there is no {path.absolute().anchor}"
         if not existing.is_dir():
             return f"{existing} is a file, not a folder"
         if not parents and existing.absolute() != path.absolute().parent:
@@ -183,7 +192,12 @@ def _open_at_once(path: str, flags: int) -> int:
     """Open for reading without waiting for a writer; pipes that a shell has opened (/dev/fd/63) are read as they are."""
     if path.startswith(("/dev/fd/", "/dev/stdin", "/proc/self/fd/")):
         return os.open(path, flags)
-    handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+    try:
+        handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+    except PermissionError:
+        if os.path.isdir(path):  # noqa: PTH112 (Windows opens no folders)
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path) from None
+        raise
     if not stat.S_ISREG(mode := os.fstat(handle).st_mode):
         os.close(handle)
         if stat.S_ISDIR(mode):

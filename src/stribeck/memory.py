@@ -20,10 +20,10 @@ def available() -> float:
     """Bytes of memory that a process may still use; infinite where the system does not say."""
     limits = []
     with contextlib.suppress(OSError):
-        lines = Path("/proc/meminfo").read_text().splitlines()
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         limits += [float(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:")]
     with contextlib.suppress(OSError, ValueError):
-        limits.append(float(Path("/sys/fs/cgroup/memory.max").read_text()))
+        limits.append(float(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
     if not limits and hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
         limits.append(float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")))
     return min(limits, default=float("inf"))

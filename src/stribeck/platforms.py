@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+# The process_group of a process that end_with_children() ends.
+OWN_GROUP = 0 if os.name == "posix" else -1
+# Code that a shared library is made of: on Windows all code is, and compilers refuse the option.
+POSITION_INDEPENDENT = ("-fPIC",) if os.name == "posix" else ()
 
 
 class Occupied(Exception):
@@ -46,6 +53,24 @@ if sys.platform == "win32":
         name = sha256(os.path.normcase(folder.resolve()).encode("utf-8", "surrogatepass")).hexdigest()[:16]
         return os.open(Path(tempfile.gettempdir()) / f"stribeck-{name}.lock", os.O_RDWR | os.O_CREAT)
 
+    def refuse_open(path: Path) -> None:
+        """Raise PermissionError where another program has the file open: it could not be replaced."""
+        os.rename(path, path)  # noqa: PTH104 (a Path would do, and say less)
+
+    def signal_self(number: int) -> None:
+        """Have this process get a signal; os.kill would end it at once."""
+        signal.raise_signal(number)
+
+    def end_with_children(process: subprocess.Popen[str]) -> None:
+        """End a process that was started in a group of its own, and what it has started."""
+        with suppress(OSError):
+            subprocess.run(["taskkill", "/F", "/T", "/PID", str(process.pid)], capture_output=True, check=False)
+        process.kill()
+
+    def user_name() -> str:
+        """What tells this machine's users from each other."""
+        return os.environ.get("USERNAME", "user")
+
     def _lock(handle: int, wait: bool) -> None:
         while True:
             try:
@@ -58,6 +83,22 @@ if sys.platform == "win32":
 
 else:
     import fcntl
+
+    def refuse_open(path: Path) -> None:
+        """Nothing: a file that another program has open can be replaced."""
+
+    def signal_self(number: int) -> None:
+        """Have this process get a signal, whichever thread asks: it interrupts what the main one waits for."""
+        os.kill(os.getpid(), number)
+
+    def end_with_children(process: subprocess.Popen[str]) -> None:
+        """End a process that was started in a group of its own, and what it has started."""
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+    def user_name() -> str:
+        """What tells this machine's users from each other."""
+        return str(os.geteuid())
 
     def _opened(folder: Path) -> int:
         return os.open(folder, os.O_RDONLY)

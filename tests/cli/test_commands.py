@@ -112,13 +112,6 @@ def test_a_new_scenario_begins_with_a_law_that_is_proved_passive(stribeck, tmp_p
     assert check(law)["passive"].holds is True
 
 
-def test_doctor_passes_its_self_test(stribeck):
-    data = json.loads(stribeck("doctor", "--json").out)
-    assert data["self_test"]["passed"]
-    assert {"compiler", "cache", "packages", "stribeck"} <= set(data)
-    assert "self-test  passed" in stribeck("doctor").out
-
-
 def test_the_command_that_was_given_is_made_alone():
     names = [c.name or c.callback.__name__ for c in app.registered_commands]
     assert len(names) > 15

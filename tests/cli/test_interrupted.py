@@ -80,6 +80,25 @@ def test_a_result_that_fails_half_way(tmp_path):
     assert not (tmp_path / "x" / "y").exists()
 
 
+def swap(folder, other):
+    folder.rename(folder.with_name("moved"))
+    folder.symlink_to(other)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs links")
+def test_a_folder_that_was_swapped_for_a_link_meanwhile(tmp_path):
+    """The files that another folder's summary lists were deleted there."""
+    out, other = tmp_path / "out", tmp_path / "other"
+    for folder in (out, other):
+        with together(folder) as place:
+            write_text(place / "a", str(folder))
+            write_text(place / "summary.json", json.dumps({"files": [str(folder / n) for n in ("a", "summary.json")]}))
+    before = content(other)
+    with pytest.raises(OSError, match="was replaced by another folder meanwhile"), together(out):
+        swap(out, other)
+    assert content(other) == before
+
+
 def test_what_an_older_result_alone_had_is_taken_away(tmp_path):
     """A figure of the older result stood beside the new summary; what the summary does not list is not ours."""
     out = tmp_path / "out"
@@ -357,7 +376,7 @@ def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, m
     def stopped(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(files, "write_fit", stopped)
+    monkeypatch.setattr(files, "write_report", stopped)
     monkeypatch.setattr(actuator, "write_machine_fit", stopped)
     t = np.arange(0.0, 8.0, 0.01)
     force = np.sign(np.cos(t)) + 0.4 * np.cos(t)
@@ -381,14 +400,24 @@ def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, m
     said = capsys.readouterr()
     assert "F_c" in said.out
     assert "interrupted" in said.err
+    assert content(tmp_path / "out").keys() == {"parameters.toml", "fit.json"}  # written before the page is drawn
     record(tmp_path / "run.csv", body(amplitude=5.0))
     unknown = {"bodies.a.mass": {"low": 0.2, "high": 5.0}}
     path = logs(tmp_path, ["run.csv"], unknown)
     (tmp_path / "axis.toml").write_text(tomli_w.dumps(body()))
-    words = ["fit", str(tmp_path / "axis.toml"), "--logs", str(path), "--starts", "1", "--out", str(tmp_path / "out")]
+    words = [
+        "fit",
+        str(tmp_path / "axis.toml"),
+        "--logs",
+        str(path),
+        "--starts",
+        "1",
+        "--out",
+        str(tmp_path / "machine"),
+    ]
     assert _status(words) == 130
     assert "bodies.a.mass" in capsys.readouterr().out
-    assert content(tmp_path / "out") == {}
+    assert content(tmp_path / "machine") == {}
 
 
 @needs_signals

@@ -17,6 +17,7 @@ from typing import NoReturn
 
 from stribeck.cli.options import said
 from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote, one_line
+from stribeck.platforms import signal_self
 
 _EXTRA = {
     "fit": "fit",
@@ -127,7 +128,7 @@ def _again(number: int) -> None:
 
     def come() -> None:
         _Stop.due = True
-        os.kill(os.getpid(), number)
+        signal_self(number)
 
     again = threading.Timer(_MOMENT, come)
     again.daemon = True

@@ -6,7 +6,7 @@ from copy import copy
 
 from typer import Typer
 
-from stribeck.cli.shared import Json, PlainCommand, app
+from stribeck.cli.shared import PlainCommand, app
 
 # isort: off
 from stribeck.cli import run as run
@@ -21,17 +21,10 @@ from stribeck.cli import library as library
 from stribeck.cli import fit as fit
 from stribeck.cli import predict as predict
 from stribeck.cli.commands import measured as measured
+from stribeck.cli import doctor as doctor
 # isort: on
 
 __all__ = ["app", "with_command"]
-
-
-@app.command(epilog="Example: stribeck doctor --json")
-def doctor(json: Json = False) -> int:
-    """Show compiler, cache and versions, and run a self-test."""
-    from stribeck.cli import doctor as command
-
-    return command.doctor(json)
 
 
 for _each in app.registered_commands:

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import os
 import platform
-import subprocess
 import sys
+from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
-from typing import TypedDict
+from typing import TypedDict, TypeVar
 
-import numpy as np
-
-import stribeck
-from stribeck import examples
-from stribeck.cli.show import print_json
+from stribeck.cli.shared import Json, app
 from stribeck.cli.text import say
-from stribeck.scenario import Scenario
-from stribeck.simulation import Solution, backend, cache, compiler, simulate, wasm
+from stribeck.errors import BuildError, one_line, said_by
+
+T = TypeVar("T")
 
 _PACKAGES = (
     "numpy", "pydantic", "typer", "rich", "matplotlib", "jinja2", "pyarrow", "python-flint", "sympy", "scipy", "pandas",
     "ziglang", "wasmtime",
 )  # fmt: skip
+_ANSWERS_WITHIN = 5.0  # s, for a compiler to say its version: one that is asked over a network takes 1 s
+_AGREES = 1e-6  # of the peaks: what is promised of y and v
 
 
 class CompilerFound(TypedDict):
@@ -41,45 +40,59 @@ class CacheFound(TypedDict):
 
 
 class SelfTest(TypedDict):
-    """How a solution agrees with another's."""
+    """How a solution agrees with another's; why it could not be compared."""
 
     passed: bool
-    solver: str
-    deviation: float
-    milliseconds: float
-    against: str
+    solver: str | None
+    deviation: float | None
+    milliseconds: float | None
+    against: str | None
+    reason: str | None
 
 
-class Installation(TypedDict):
-    """All that the command tells."""
+@app.command(epilog="Example: stribeck doctor --json")
+def doctor(json: Json = False) -> int:
+    """Show compiler, cache and versions, and run a self-test."""
+    import stribeck
+    from stribeck.cli.show import print_json
 
-    stribeck: str
-    python: str
-    machine: str
-    packages: dict[str, str | None]
-    compiler: CompilerFound
-    backend: str
-    cache: CacheFound
-    self_test: SelfTest
-
-
-def doctor(json: bool) -> int:
-    """Print compiler, cache, versions and a self-test; 1 where the self-test fails."""
-    report: Installation = {
-        "stribeck": stribeck.__version__,
-        "python": f"{platform.python_version()} ({sys.executable})",
-        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
-        "packages": {name: _version(name) for name in _PACKAGES},
-        "compiler": _compiler(),
-        "backend": backend.chosen(),
-        "cache": _cache(),
-        "self_test": _self_test(),
-    }
+    backend, why_none = _tried(_backend, "")
+    compiler, trouble = _tried(_compiler, CompilerFound(command=None, version=None))
+    cache, unknown = _tried(_cache, CacheFound(folder="", writable=False, systems=0, bytes=0))
+    untested = SelfTest(passed=False, solver=None, deviation=None, milliseconds=None, against=None, reason=None)
+    test, reason = _tried(_self_test, untested)
+    if reason:
+        test["reason"] = reason
+    packages = {name: _version(name) for name in _PACKAGES}
+    python = f"{platform.python_version()} ({sys.executable})"
+    machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
     if json:
-        print_json(report)
-    else:
-        _print(report)
-    return 0 if report["self_test"]["passed"] else 1
+        print_json({
+            "stribeck": stribeck.__version__, "python": python, "machine": machine, "packages": packages,
+            "compiler": compiler, "backend": backend or None, "cache": cache, "self_test": test,
+        })  # fmt: skip
+        return 0 if test["passed"] else 1
+    none = trouble or "none: WebAssembly solves (1.5 times slower)"
+    state = "writable" if cache["writable"] else "NOT writable: every process compiles anew"
+    kept = f"{cache['folder']}, {state}, {cache['systems']} systems, {cache['bytes'] / 1e6:.1f} MB"
+    for name, text in {
+        "stribeck": stribeck.__version__, "python": python, "machine": machine,
+        "packages": ", ".join(f"{name} {found or 'not installed'}" for name, found in packages.items()),
+        "compiler": none if compiler["command"] is None else f"{compiler['command']}: {compiler['version']}",
+        "backend": {"c": "C", "wasm": "WebAssembly"}.get(backend, f"none: {why_none}"),
+        "cache": f"unknown: {unknown}" if unknown else kept,
+        "self-test": _told(test),
+    }.items():  # fmt: skip
+        say(text, 11, f"{name:11}")
+    return 0 if test["passed"] else 1
+
+
+def _tried(what: Callable[[], T], otherwise: T) -> tuple[T, str]:
+    """What is found; or the other thing, and what went wrong: this command is for installations in which anything may."""
+    try:
+        return what(), ""
+    except Exception as error:
+        return otherwise, one_line(said_by(error))
 
 
 def _version(name: str) -> str | None:
@@ -89,65 +102,70 @@ def _version(name: str) -> str | None:
         return None
 
 
+def _backend() -> str:
+    from stribeck.simulation import backend
+
+    return backend.chosen()
+
+
 def _compiler() -> CompilerFound:
+    from pathlib import Path
+    from tempfile import gettempdir
+
+    from stribeck.simulation import compiler
+
     found = compiler.find()
     if found is None:
         return {"command": None, "version": None}
     try:
-        text = subprocess.run([*found.command, "--version"], capture_output=True, text=True, timeout=30, check=False)
-        first = (text.stdout or text.stderr).splitlines()[0]
-    except (OSError, subprocess.TimeoutExpired, IndexError):
-        first = "does not answer to --version"
-    return {"command": " ".join(found.command), "version": first}
+        asked = compiler.called([*found.command, "--version"], found.command[0], _ANSWERS_WITHIN, Path(gettempdir()))
+        lines = (asked.stdout or asked.stderr).splitlines()
+        first = lines[0] if lines else "does not answer to --version"
+    except BuildError as error:
+        first = str(error)
+    return {"command": " ".join(found.command), "version": one_line(first)}
 
 
 def _cache() -> CacheFound:
+    from stribeck.files import trouble
+    from stribeck.simulation import cache
+
     folder = cache.folder()
-    files = list(folder.glob("*.so")) if folder.is_dir() else []
-    existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
-    writable = existing.is_dir() and os.access(existing, os.W_OK) and cache.distrusted(folder) is None
+    files = [*folder.glob("*.so"), *folder.glob("*.cwasm")] if folder.is_dir() else []
     return {
         "folder": str(folder),
-        "writable": writable,
+        "writable": trouble(folder, folder=True) is None and cache.distrusted(folder) is None,
         "systems": len(files),
-        "bytes": sum(f.stat().st_size for f in files),
+        "bytes": sum(file.stat().st_size for file in files),
     }
 
 
 def _self_test() -> SelfTest:
     """The shortest of the paper's scenarios must agree within 1e-6 of the peaks with WebAssembly's solution; where that is
     the backend, with one at a far smaller tolerance."""
+    import numpy as np
+
+    from stribeck import examples
+    from stribeck.scenario import Scenario
+    from stribeck.simulation import Solution, backend, simulate, wasm
+
     scenario = Scenario.load(examples.path("break_away"))
     solution = simulate(scenario)
     if backend.chosen() == "c":
         system = wasm.system_module(scenario.system)
-        other, against = (
-            Solution(scenario, wasm.solve(wasm.compiled(system.module)[0], system, scenario)),
-            "WebAssembly",
-        )
+        other = Solution(scenario, wasm.solve(wasm.compiled(system.module)[0], system, scenario))
+        against = "WebAssembly"
     else:
         other, against = simulate(scenario.with_changes({"solve.rtol": 1e-11})), "itself at rtol = 1e-11"
     worst = max(float(np.max(np.abs(solution[n] - other[n])) / other.peaks[n]) for n in ("y", "v"))
     return {
-        "passed": solution.status == other.status == "done" and worst < 1e-6, "solver": solution.stats["solver"],
-        "deviation": worst, "milliseconds": 1e3 * solution.stats["seconds"], "against": against,
+        "passed": solution.status == other.status == "done" and worst < _AGREES, "solver": solution.stats["solver"],
+        "deviation": worst, "milliseconds": 1e3 * solution.stats["seconds"], "against": against, "reason": None,
     }  # fmt: skip
 
 
-def _print(report: Installation) -> None:
-    for key, text in (("stribeck", report["stribeck"]), ("python", report["python"]), ("machine", report["machine"])):
-        say(text, 11, f"{key:11}")
-    packages = ", ".join(f"{name} {v or 'not installed'}" for name, v in report["packages"].items())
-    say(packages, 11, "packages   ")
-    command = report["compiler"]["command"]
-    none = "none: WebAssembly solves (1.5 times slower)"
-    words = f"{command}: {report['compiler']['version']}" if command else none
-    say(words, 11, "compiler   ")
-    say({"c": "C", "wasm": "WebAssembly"}[report["backend"]], 11, "backend    ")
-    c = report["cache"]
-    state = "writable" if c["writable"] else "NOT writable: every process compiles anew"
-    say(f"{c['folder']}, {state}, {c['systems']} systems, {c['bytes'] / 1e6:.1f} MB", 11, "cache      ")
-    t = report["self_test"]
+def _told(t: SelfTest) -> str:
     verdict = "passed" if t["passed"] else "FAILED"
-    solved = f"{verdict}: {t['solver']} {t['milliseconds']:.1f} ms"
-    say(f"{solved}, {t['deviation']:.1e} of the peaks from {t['against']}", 11, "self-test  ")
+    if t["deviation"] is None:
+        return f"{verdict}: {t['reason']}"
+    return f"{verdict}: {t['solver']} {t['milliseconds']:.1f} ms, {t['deviation']:.1e} of the peaks from {t['against']}"

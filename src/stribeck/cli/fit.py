@@ -246,13 +246,15 @@ def _fit_log(
     try:
         if out is not None:
             from stribeck.files import seen_from, together
-            from stribeck.identify.report.files import FITS, write_fit
+            from stribeck.identify.report.files import FITS, write_numbers, write_report
 
             reading = fitting.reading(data, columns, how, options) | {"files": [seen_from(out, path) for path in data]}
-            with together(out, last="parameters.toml", older=FITS) as place:
-                found = write_fit(result, place, show.command_line(), ", ".join(p.name for p in data), reading)
-            written = [str(out / name) for name in found]
-    except KeyboardInterrupt:  # while the page is drawn: what was found is said
+            named = show.command_line(), ", ".join(p.name for p in data)
+            with together(out, last="parameters.toml", older={**FITS, "report.html": ""}) as place:
+                written = [str(out / name) for name in write_numbers(result, place, *named, reading)]
+            with together(out, last="report.html") as place:  # drawing takes seconds, and may be stopped
+                written += [str(out / name) for name in write_report(result, place, *named)]
+    except BaseException:  # while the page is drawn: what was found is said
         _tell(result, log, data, summary, written, json)
         raise
     _tell(result, log, data, summary, written, json)

@@ -78,7 +78,7 @@ def sweep(
     else:
         found = f", {job.found} of them there already" if job.found else ""
         print(f"{loaded.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {seconds:.1f} s")
-        print(f"  wrote {job.place}/_manifest.json and {job.place}/part-*.parquet")
+        print(f"  wrote {job.place.path('_manifest.json')} and {job.place.path('part-*.parquet')}")
     if job.failed:
         print(f"stribeck: {job.failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
     return 1 if status == "failed" else 0

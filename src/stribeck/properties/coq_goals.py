@@ -77,7 +77,7 @@ def main(arguments: list[str]) -> int:
     """Print the goals of a file's certificate of passivity; 2 where it has none that can be written so."""
     try:
         file, slowest, fastest = arguments
-        certificate = json.loads(Path(file).read_text())["certificates"]["passive"]
+        certificate = json.loads(Path(file).read_text(encoding="utf-8"))["certificates"]["passive"]
         print(goals(certificate, Fraction(slowest), Fraction(fastest)))
     except (OSError, ValueError, KeyError, TypeError, InputError) as error:
         print(f"no goals: {type(error).__name__}: {error}\n{__doc__}", file=sys.stderr)

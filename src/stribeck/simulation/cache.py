@@ -18,6 +18,7 @@ from pathlib import Path
 
 from stribeck.errors import BuildError, note
 from stribeck.files import sha256_of
+from stribeck.platforms import user_name
 from stribeck.simulation.compiler import Compiler
 
 _loaded: dict[tuple[str, str], ctypes.CDLL] = {}  # by the compiler's key and the source
@@ -35,7 +36,7 @@ def folder() -> Path:
     except RuntimeError:  # a container's user may be a number alone, without $HOME
         from tempfile import gettempdir
 
-        return Path(gettempdir(), f"stribeck-{os.geteuid()}")
+        return Path(gettempdir(), f"stribeck-{user_name()}")
 
 
 def library(
@@ -133,20 +134,21 @@ def _build(key: str, source: str, compiler: Compiler, check: Callable[[ctypes.CD
         code, built = Path(work) / "system.c", Path(work) / "system.so"
         code.write_text(source, encoding="utf-8")
         compiler.build(code, built)
-        try:
-            library = ctypes.CDLL(str(built))
-            check(library)
-            _keep(key, built)
-        except OSError:  # where programs may not lie among temporary files they may in the cache
-            if (kept := _keep(key, built)) == built:
-                raise
+        kept = _keep(key, built)
+        # the one in the cache: programs may not lie among temporary files, and Windows removes no library in use
+        for place in dict.fromkeys((kept, built)):
             try:
-                library = ctypes.CDLL(str(kept))
+                library = ctypes.CDLL(str(place))
                 check(library)
-            except (OSError, BuildError):
-                kept.unlink(missing_ok=True)
+                return library
+            except BuildError:
+                with contextlib.suppress(OSError):
+                    place.unlink()
                 raise
-        return library
+            except OSError:  # the next process says so
+                if place == built:
+                    raise
+        raise AssertionError
 
 
 def _keep(key: str, built: Path) -> Path:
@@ -159,6 +161,8 @@ def _keep(key: str, built: Path) -> Path:
         note(f"cache: {home} {reason}: it is not used; the next process compiles again (set STRIBECK_CACHE)")
         return built
     try:
+        if kept.is_file() and not foreign(kept) and _digest(kept) == _digest(built):
+            return kept  # by another process, which may have it in use
         home.mkdir(parents=True, exist_ok=True, mode=0o700)
         with NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
             try:

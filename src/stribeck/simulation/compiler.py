@@ -6,21 +6,20 @@ import importlib.util
 import os
 import platform
 import shutil
-import signal
 import subprocess
 import sys
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
 from stribeck.errors import BuildError
+from stribeck.platforms import OWN_GROUP, POSITION_INDEPENDENT, end_with_children
 
 # Rounding may differ in the last bit from what is written; nan, inf and the order of evaluation of calls do not change.
 # One trajectory has no vectors: what the compiler makes into some is written as numbers and read back late (5 %).
 _FLAGS = (
     "-O3", "-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros", "-fassociative-math", "-freciprocal-math",
-    "-fno-tree-vectorize", "-fPIC", "-shared", "-fvisibility=hidden",
+    "-fno-tree-vectorize", *POSITION_INDEPENDENT, "-shared", "-fvisibility=hidden",
 )  # fmt: skip
 # Passes that take much of the compiler's time; one trajectory's code is as fast without, and its numbers differ by
 # rounding at most. Lanes are a little faster with them.
@@ -33,6 +32,7 @@ _BESIDE = ("-fschedule-insns", "-fsched-pressure")
 # libm's exp, whose wrapper is of older instructions, waits for them.
 _NARROW = ("-mmove-max=128", "-mstore-max=128")
 _TIME_LIMIT = 120  # s
+_FIRST_OF_ZIG = 600  # s: it builds its C library once for each user
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ class Compiler:
         own = "-march=native"
         for target in dict.fromkeys([(own, *self.extra), (own,), ()]):  # not every compiler knows its own machine
             command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
-            result = called(command, self.command[0], _TIME_LIMIT, library.parent)
+            limit = _FIRST_OF_ZIG if "ziglang" in self.command else _TIME_LIMIT
+            result = called(command, self.command[0], limit, library.parent)
             if result.returncode == 0 and library.is_file():
                 return
             silent = f"exit status {result.returncode}, no message" if result.returncode else "it wrote no library"
@@ -86,27 +87,18 @@ def called(
         with subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
             env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)), cwd=folder if inside else None,
-            process_group=0 if os.name == "posix" else -1,
+            process_group=OWN_GROUP,
         ) as process:  # fmt: skip
             try:
                 printed, complaint = process.communicate(timeout=limit)
             except BaseException:
-                _end(process)
+                end_with_children(process)
                 raise
         return subprocess.CompletedProcess(command, process.returncode, printed, complaint)
     except subprocess.TimeoutExpired:
         raise BuildError(f"{name} did not finish within {limit:g} s") from None
     except OSError as error:
         raise BuildError(f"{name} cannot be run: {error.strerror}") from None
-
-
-def _end(process: subprocess.Popen[str]) -> None:
-    """End a compiler and what it has started, which would go on after it."""
-    if os.name != "posix":
-        process.kill()
-        return
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
 
 
 def find() -> Compiler | None:
@@ -139,9 +131,12 @@ def _state(path: str) -> tuple[int, int] | None:
 
 def _search() -> Compiler | None:
     for variable in ("STRIBECK_CC", "CC"):
-        if words := os.environ.get(variable, "").split():
-            if words == ["none"]:
+        if asked := os.environ.get(variable, "").strip():
+            if asked == "none":
                 return None
+            if path := shutil.which(asked):  # blanks may be a part of it: C:\\Program Files\\...
+                return _from_path(path, [])
+            words = asked.split()
             path = shutil.which(words[0])
             if path or variable == "STRIBECK_CC":
                 return _from_path(path or words[0], words[1:])

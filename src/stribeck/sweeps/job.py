@@ -82,7 +82,7 @@ class Sweep:
     @property
     def files(self) -> list[str]:
         """The manifest and the parts, as paths or URLs."""
-        return [f"{self.place}/{name}" for name in (_MANIFEST, *map(self.name, range(self.parts)))]
+        return [self.place.path(name) for name in (_MANIFEST, *map(self.name, range(self.parts)))]
 
     @property
     def failed(self) -> int:

@@ -23,6 +23,10 @@ class Folder:
     def __str__(self) -> str:
         return str(self.folder)
 
+    def path(self, name: str) -> str:
+        """The path of a file."""
+        return str(self.folder / name)
+
     def put(self, name: str, content: bytes) -> None:
         """Write a file atomically. A link, a pipe or a device in its place is removed, not followed."""
         path = self.folder / name
@@ -81,6 +85,10 @@ class Store:
 
     def __str__(self) -> str:
         return self.url
+
+    def path(self, name: str) -> str:
+        """The URL of an object."""
+        return f"{self.url}/{name}"
 
     def put(self, name: str, content: bytes) -> None:
         """Write an object: it appears once all of it was sent."""

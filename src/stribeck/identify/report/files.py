@@ -19,23 +19,36 @@ FITS = {"machine.toml": "# Found by: ", "fit.json": r'\{\s*"format": '}
 def write_fit(
     fit: Fit, folder: Path, command: str, data: str, reading: Mapping[str, object] | None = None
 ) -> list[str]:
-    """Write parameters.toml and fit.json, then report.html: a page that fails loses no result; their names.
+    """Write parameters.toml and fit.json, then report.html; their names."""
+    return [*write_numbers(fit, folder, command, data, reading), *write_report(fit, folder, command, data)]
+
+
+def write_numbers(
+    fit: Fit, folder: Path, command: str, data: str, reading: Mapping[str, object] | None = None
+) -> list[str]:
+    """Write parameters.toml and fit.json; their names.
 
     Args:
         reading: how the record was read, for fit.json; as the fit has it unless given.
     """
     from stribeck.identify import predict
-    from stribeck.identify.report.page import page
 
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "parameters.toml", toml(fit, command, data))
     write_text(folder / predict.FILE, predict.saved(fit, reading if reading is not None else fit.reading))
+    return ["parameters.toml", predict.FILE]
+
+
+def write_report(fit: Fit, folder: Path, command: str, data: str) -> list[str]:
+    """Write report.html; its name, or none where it could not be drawn, which a note says."""
+    from stribeck.identify.report.page import page
+
     try:
         write_text(folder / "report.html", page(fit, command, data))
     except (KeyError, ValueError, IndexError, TypeError, ZeroDivisionError) as error:
         note(f"report.html: could not be drawn ({type(error).__name__}: {error}); the results are written")
-        return ["parameters.toml", predict.FILE]
-    return ["parameters.toml", "report.html", predict.FILE]
+        return []
+    return ["report.html"]
 
 
 def toml(fit: Fit, command: str, data: str) -> str:

@@ -1,0 +1,67 @@
+"""stribeck doctor: what it finds, and that it says so in any installation."""
+
+import json
+import os
+
+import pytest
+
+from tests.simulation.rig import needs_compiler
+
+needs_scripts = pytest.mark.skipif(os.name != "posix", reason="needs scripts that run")
+
+
+def told(stribeck):
+    found = stribeck("doctor", "--json")
+    assert found.err == ""
+    return found.status, json.loads(found.out)
+
+
+@pytest.fixture
+def compiler(tmp_path, monkeypatch):
+    """A compiler that answers to --version with these bytes in octal, at a path with a blank."""
+
+    def made(answer):
+        path = tmp_path / "my compilers" / "cc"
+        path.parent.mkdir()
+        path.write_text(f'#!/bin/sh\nif [ "$1" = --version ]; then {answer}; exit; fi\nexec cc "$@"\n')
+        path.chmod(0o755)
+        monkeypatch.setenv("STRIBECK_CC", str(path))
+        return str(path)
+
+    return made
+
+
+@needs_compiler
+def test_a_healthy_installation_passes(stribeck):
+    status, found = told(stribeck)
+    assert (status, found["backend"], found["self_test"]["passed"]) == (0, "c", True)
+    assert found["self_test"]["deviation"] < 1e-6
+    assert found["compiler"]["version"]
+    assert "self-test  passed" in stribeck("doctor").out
+
+
+def test_without_a_compiler_it_says_what_solves(stribeck, monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "none")
+    status, found = told(stribeck)
+    assert (status, found["backend"], found["compiler"]["command"]) == (0, "wasm", None)
+    assert "none: WebAssembly solves" in stribeck("doctor").out
+
+
+@needs_scripts
+@needs_compiler
+@pytest.mark.parametrize(
+    ("answer", "version"),
+    [("printf '\\377\\376 cc 1\\n'", "\ufffd\ufffd cc 1"), ("exit 1", "does not answer to --version")],
+)
+def test_a_compiler_with_a_blank_in_its_path_and_a_version_that_is_no_text(stribeck, compiler, answer, version):
+    path = compiler(answer)
+    status, found = told(stribeck)
+    assert (status, found["compiler"]["command"], found["compiler"]["version"]) == (0, path, version)
+
+
+def test_what_cannot_be_found_out_is_a_line_and_not_the_end(stribeck, monkeypatch):
+    monkeypatch.setenv("STRIBECK_BACKEND", "zig")
+    status, found = told(stribeck)
+    assert (status, found["backend"]) == (1, None)
+    assert found["self_test"]["reason"] == "InputError: STRIBECK_BACKEND: 'zig': must be auto, c or wasm"
+    assert "self-test  FAILED: InputError" in stribeck("doctor").out
