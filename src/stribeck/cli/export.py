@@ -11,6 +11,7 @@ from stribeck.cli.show import check_file, print_json
 from stribeck.errors import InputError, note
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario, parse_assignments
+from stribeck.scenario.changes import Toml
 
 
 def export(
@@ -108,7 +109,8 @@ def _law(
     if parameters is not None:
         values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters).rotary
     elif rig is not None and own_law is not None:
-        exports.refuse_losses(rig, contact)
+        if (whole := exports.contact_law(rig, contact)).inputs:
+            return _at_contact(whole, name, given)
         own = found.own_constants()
         values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in own}
         rotary = rotary_body
@@ -121,6 +123,15 @@ def _law(
         if gap := laws.gap(law):
             note(f"law '{law.name}': {gap}")
     return law
+
+
+def _at_contact(law: Law, name: str, given: dict[str, Toml]) -> Law:
+    """The friction of a contact with loads or factors, with what --set adds; no other law has them."""
+    if name != law.name:
+        raise InputError(f"{', '.join(law.beside)}: would be lost: the contact's law is {law.name!r}, not {name!r}")
+    if problems := law.problems({**law.machine, **law.p.numbers, **law.p.words, **given}):
+        raise InputError([f"{key}: {text}" for key, text in problems])
+    return law.replace(**given)
 
 
 def _of(rig: Scenario, contact: str | None) -> tuple[Law, bool]:

@@ -9,15 +9,15 @@ from pathlib import Path
 from types import ModuleType
 
 from stribeck import kinds
-from stribeck.analysis.comparison import law_path
 from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, nearest, note
+from stribeck.export.contact import contact_law
 from stribeck.export.request import Request, Target
 from stribeck.files import together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 
-__all__ = ["PARTS", "TARGETS", "Target", "export"]
+__all__ = ["PARTS", "TARGETS", "Target", "contact_law", "export"]
 
 PARTS = {
     "law": "the friction law",
@@ -104,6 +104,9 @@ def export(
         content, notes = _block(law, chosen, part, scenario, step, self_test, origin, fmi, controller)
     else:
         request = Request(_law(law, scenario, contact), part, scenario, step, self_test, origin, fmi)
+        if (lost := request.law.beside) and not chosen.loads:
+            able = ", ".join(name for name, each in TARGETS.items() if each.loads)
+            raise InputError(f"{', '.join(lost)}: would be lost: target '{target}' cannot be given them; {able} can")
         content, notes = _content(chosen, request)
     for text in notes:
         note(text)
@@ -147,29 +150,13 @@ def _block(
     return module.files(block, **given), notes(block)
 
 
-def refuse_losses(scenario: Scenario, contact: str | None = None) -> None:
-    """Let nobody take the law of a contact whose friction is more than its law.
-
-    Raises:
-        InputError: loads raise the contact's level, or factors multiply its constants.
-    """
-    path = law_path(scenario, contact)
-    (part,) = (each for each in scenario.rig.machine.contacts if each.law_path == path)
-    lost = [f"{part.path}.loads"] if part.loads else []
-    lost += [f"{part.path}.factors.{of}" for of in part.factors]
-    if lost:
-        text = "would be lost: the law alone does not have it; part 'machine' (targets c and fmu) does"
-        raise InputError(f"{', '.join(lost)}: {text}")
-
-
 def _law(law: Law | None, scenario: Scenario | None, contact: str | None) -> Law:
-    """The law given, or the scenario's."""
+    """The law given, or the friction of the scenario's contact."""
     if law is not None:
         return law
     if scenario is None:
         raise InputError(f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it")
-    refuse_losses(scenario, contact)
-    return scenario.rig.laws[law_path(scenario, contact)]
+    return contact_law(scenario, contact)
 
 
 def _write_file(out: Path, content: dict[str, str | bytes]) -> list[Path]:

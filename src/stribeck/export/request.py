@@ -20,7 +20,8 @@ class Target:
     """A tool to write for.
 
     Its ``module`` has ``files(request)``, which returns the content by file name, and may have ``notes(request)``: what
-    the law loses there. ``folder`` is False where the target is one file, ``out`` itself.
+    the law loses there. ``folder`` is False where the target is one file, ``out`` itself. ``loads``: it
+    can be given, at each step, what the level of a contact follows.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Target:
     parts: tuple[str, ...] = ("law",)
     folder: bool = True
     self_test: bool = False
+    loads: bool = False
 
 
 @dataclass(frozen=True)

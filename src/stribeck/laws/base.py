@@ -120,6 +120,8 @@ class Law(AsObject, Evaluation, ToTools):
     uses: ClassVar[tuple[str, ...]] = ()  # the machine parameters that the equations use
     relations: ClassVar[tuple[Relation, ...]] = ()
     has_z: ClassVar[bool] = True
+    inputs: ClassVar[tuple[str, ...]] = ()  # constants that are given anew at each instant: loads of a contact
+    beside: ClassVar[tuple[str, ...]] = ()  # the keys of a machine's file that the inputs stand for
     symmetric: ClassVar[bool] = True  # F and dz/dt change sign with (v, z)
 
     def __init__(self, values: Mapping[str, Any], rotary: bool = False) -> None:

@@ -52,7 +52,7 @@ class ToTools:
         return _exporter("jax").to_jax(self)
 
     def to_torch(self) -> Any:
-        """The law in PyTorch: ``rate``, ``force``, and ``step(state, v, effort, inertia, dt) -> (state, friction)``.
+        """The law in PyTorch: ``rate``, ``force``, and ``step(state, v, effort, inertia, dt, load) -> (state, friction)``.
 
         See :class:`stribeck.export.python.torch.TorchLaw`.
         """

@@ -8,4 +8,5 @@ TARGET = Target(
     "C99 for a drive's firmware",
     ("law", "body", "observer", "machine", "controller", "compensator"),
     self_test=True,
+    loads=True,
 )

@@ -7,7 +7,7 @@ from importlib.resources import files as resources
 
 from stribeck.control.observer import least_K_D
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, c_condition, net_force, pair, render
+from stribeck.export.c.ccode import ARGUMENTS, WORDS, Call, LawCode, c_condition, net_force, pair, render
 from stribeck.export.request import Request
 from stribeck.expressions import pretty
 from stribeck.expressions.graph import symbol, wrap
@@ -36,16 +36,21 @@ def context(request: Request) -> dict[str, object]:
     if bad := [name for name in request.constants if name in WORDS | ARGUMENTS or not name.isascii()]:
         raise InputError([f"{name}: a constant of this name cannot be exported to C: rename it" for name in bad])
     declared = request.declared
+    every = {name: (declared[name], value) for name, value in request.constants.items()}
+    inputs = {name: declared[name] for name in law.inputs}
     return {
         "u": request.unit,
         "w": request.words,
         "P": request.name,
         "about": request.about(),
         "law": law,
-        "constants": {name: (declared[name], value) for name, value in request.constants.items()},
+        "constants": {name: of for name, of in every.items() if name not in inputs},
+        "inputs": inputs,
+        "call": Call(request.name, law.inputs),
+        "now": "&now" if inputs else "&m->p",
         "relations": _relations(law, request.constants),
         "eq": equations,
-        "smooth": law.differentiable,
+        "smooth": law.differentiable and not inputs,
         "costs": costs(law),
         "with_body": request.part in ("law", "body"),
         "net_force": net_force(),

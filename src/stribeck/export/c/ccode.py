@@ -100,7 +100,7 @@ class LawCode:
     def body(self, outputs: Sequence[tuple[str, str]], arguments: Sequence[str]) -> str:
         """Statements that assign expressions, given as (target, name), for a function that has these arguments."""
         found = self.expressions
-        inputs = {name: f"p->{name}" for name in self.law.numbers(self.law.form)}
+        inputs = {name: f"p->{self.inside(name)}" for name in self.law.numbers(self.law.form)}
         inputs |= {name: name for name in arguments if name != "p"}
         used = symbols(found[name] for _, name in outputs)
         unused = [name for name in arguments if name != "p" and name not in used]
@@ -109,9 +109,53 @@ class LawCode:
         written = statements([(target, found[name]) for target, name in outputs], inputs, self.names)
         return "\n".join([*(f"    (void){name};" for name in unused), written])
 
+    def inside(self, name: str) -> str:
+        """A constant as a member of what the equations are given in C."""
+        law = self.law
+        return name if not law.inputs else f"load.{name}" if name in law.inputs else f"p.{name}"
+
     def uses(self, *operations: str) -> bool:
         """True where any expression needs one of these operations."""
         return any(node.op in operations for node in ordered(self.expressions.values()))
+
+
+@dataclass(frozen=True)
+class Call:
+    """How a law's functions in C are given its constants, and the loads of a contact where it has inputs."""
+
+    name: str
+    inputs: Sequence[str]
+
+    @property
+    def type(self) -> str:
+        """What the equations take."""
+        return "given" if self.inputs else "parameters"
+
+    @property
+    def declared(self) -> str:
+        """The first arguments of each function in the header."""
+        return f"const {self.name}_parameters *p" + (f", const {self.name}_load *load" if self.inputs else "")
+
+    @property
+    def declared_inside(self) -> str:
+        """The same where the function is defined."""
+        return f"const parameters *constants, const {self.name}_load *load" if self.inputs else "const parameters *p"
+
+    @property
+    def begin(self) -> str:
+        """Lines that make ``p`` of these arguments."""
+        if not self.inputs:
+            return ""
+        finite = " || ".join(f"!isfinite(load->{name})" for name in self.inputs)
+        lines = (
+            "const given now = { *constants, *load }, *const p = &now;",
+            f"if ({finite}) return {self.name}_NOT_FINITE;",
+        )
+        return "".join(f"    {line}\n" for line in lines)
+
+    def given(self, p: str, load: str) -> str:
+        """What a caller writes for them."""
+        return f"{p}, {load}" if self.inputs else p
 
 
 def c_condition(holds: Callable[[Constants], Value], law: Law, place: str = "p->") -> str:

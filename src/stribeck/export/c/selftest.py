@@ -28,7 +28,8 @@ def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
 
 
 def _cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
-    law, equations = request.law, LawCode(request.law)
+    law = at_a_load(request.law)
+    equations = LawCode(law)
     scales, rng = law.scales(law.p), np.random.default_rng(1)
     speeds = scales.speed * np.array([0.0, 1e-9, -1e-3, 0.3, -1.0, 2.5, -30.0, 1e4])
     z = scales.length * rng.uniform(-1, 1, speeds.size) if law.has_z else np.zeros(speeds.size)
@@ -36,6 +37,7 @@ def _cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     size = terms(equations, ("rate", "force"))
     rates, forces = law.rate(v, z), law.force(v, z)
     found: dict[str, list[tuple[str, ...]]] = {"points": [], "steps": []}
+    found["load"] = [_row(law.values[name] or 0.0 for name in law.inputs)]
     for i in range(v.size):
         rate_terms, force_terms = size(v[i], z[i])
         row = (v[i], z[i], rates[i], rate_terms, forces[i], force_terms, float(law.steady_force(v[i])))
@@ -45,6 +47,14 @@ def _cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
         after = advance(law, v[i], z[i], dt)
         found["steps"].append(_row((v[i], z[i], dt, after, scales.length)))
     return found
+
+
+def at_a_load(law: Law) -> Law:
+    """The law with numbers for its inputs at which its loads show: some of its own force, half of its length."""
+    force = float(law.scales(law.p).force) or 1.0
+    given = {n: 1.25 if n.startswith("factor_") else 0.5 * float(law.scales(law.p).length) for n in law.inputs}
+    given |= {n: (1 - 1.75 * (i % 2)) * force for i, n in enumerate(law.inputs) if n.startswith("load_")}
+    return law.replace(**{n: float(np.float32(x)) for n, x in given.items()}) if given else law
 
 
 def _single(numbers: Array) -> Array:

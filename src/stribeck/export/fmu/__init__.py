@@ -4,5 +4,5 @@ from stribeck.export.request import Target
 
 TARGET = Target(
     "fmu", "fmu.archive", "an FMU for FMI 2.0 and 3.0",
-    ("law", "body", "machine", "controller", "compensator"), folder=False,
+    ("law", "body", "machine", "controller", "compensator"), folder=False, loads=True,
 )  # fmt: skip

@@ -62,12 +62,14 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
     states = [v for v in variables if v.start is not None and v.name in ("y", "v", "z") and v.nominal is not None]
     model = f"{request.name}_{request.part}"
     about = [*request.about(), *([f"mass = {mass!r} {request.unit('kg')}"] if body else [])]
-    of = Description(request.name, model, request.fmi, about, variables, states, exchange=True)
+    of = Description(
+        request.name, model, request.fmi, about, variables, states, exchange=True, slopes=not law.inputs
+    )  # fmt: skip
     return of, values | {
         "body": body, "mass": mass, "acceleration": _acceleration(),
         "partials": _partials(by_name, body, law.has_z), "length": float(scales.length), "speed": float(scales.speed),
         "unknowns": [v.reference for v in variables if v.calculated_from or v.derivative_of is not None],
-        "knowns": [v.reference for v in variables if v.causality == "input" or v in states],
+        "knowns": [v.reference for v in variables if (v.causality == "input" or v in states) and v.name not in law.inputs],
     }  # fmt: skip
 
 
@@ -88,12 +90,17 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
         v = add("v", "m/s", "velocity", "output", "m->x[1]", start=initial.get("v", 0.0), nominal=float(scales.speed))
     else:
         v = add("v", "m/s", "velocity", "input", "m->input", start=0.0)
+    loads = tuple(
+        add(n, c.unit.removeprefix("1"), c.meaning, "input", f"m->load.{n}", start=request.constants[n])
+        for n, c in law.constants().items()
+        if n in law.inputs
+    )
     z = -1
     meaning = "mean bristle deflection"
     if law.has_z:
         slot = f"m->x[{2 if body else 0}]"
         z = add("z", "m", meaning, "local", slot, start=initial.get("z", 0.0), nominal=float(scales.length))
-    of = (v, z) if law.has_z else (v,)
+    of = (v, *loads, z) if law.has_z else (v, *loads)
     force = "friction force, positive when it opposes positive velocity"
     add("F", "N", force, "output", "e.force", settable=False, calculated_from=of)
     slots: list[tuple[str, str, int, tuple[int, ...]]] = []
@@ -106,10 +113,13 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
         add(name, unit, f"rate of {name[4]}", "local", c, derivative_of=state, settable=False, calculated_from=known)
     if body:
         add("mass", "kg", Mass.constants["mass"].meaning, "parameter", "m->mass", start=mass, minimum=0.0)
-    if bad := [key for key in request.constants if key in {variable.name for variable in found}]:
+    if bad := [
+        key for key in request.constants if key not in law.inputs and key in {variable.name for variable in found}
+    ]:
         raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
     for key, value in request.constants.items():
-        found.append(parameter(len(found), key, request.declared[key], f"m->p.{key}", value))
+        if key not in law.inputs:
+            found.append(parameter(len(found), key, request.declared[key], f"m->p.{key}", value))
     return found
 
 

@@ -64,8 +64,8 @@ class Details(TypedDict, total=False):
 @dataclass(frozen=True)
 class Description:
     """An FMU: the prefix of its names in C, its model, the version of FMI, what its header says, its variables, the
-    continuous states among them, whether it is for model exchange too and has events; end (s), step (s) and tolerance of
-    a simulation that its user did not set otherwise."""
+    continuous states among them, whether it is for model exchange too, has events and gives directional derivatives;
+    end (s), step (s) and tolerance of its default experiment."""
 
     prefix: str
     model: str
@@ -75,6 +75,7 @@ class Description:
     states: list[Variable] = field(default_factory=list)
     exchange: bool = False
     events: bool = False
+    slopes: bool = True
     t_end: float = 1.0
     step: float | None = None
     rtol: float = 1e-6
@@ -125,7 +126,7 @@ def model_description(of: Description) -> str:
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
-    if of.exchange and not of.events:  # a machine has no directional derivatives
+    if of.exchange and of.slopes:
         common[directional] = "true"
         if fmi == 3:
             common["providesAdjointDerivatives"] = "true"

@@ -13,4 +13,4 @@ def header(request: Request) -> str:
 
 def warp_file(request: Request, template: str) -> str:
     """A file for an engine on Warp; engines of learning compute in single precision."""
-    return text(request.law, "float32", template, about=header(request))
+    return text(request.law, "float32", template, about=header(request), inputs=request.law.inputs)

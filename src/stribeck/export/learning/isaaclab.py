@@ -14,7 +14,7 @@ from stribeck.export.request import Request, Target
 _ANNOTATIONS = re.compile(
     r": (ModuleType|Value|Callable\[\.\.\., Value\])(?=[,)\n])| -> [\w\[\]., ]+(?=:$)", re.MULTILINE
 )
-TARGET = Target("isaaclab", "learning.isaaclab", "an actuator for IsaacLab", folder=False)
+TARGET = Target("isaaclab", "learning.isaaclab", "an actuator for IsaacLab", folder=False, loads=True)
 
 
 def files(request: Request) -> dict[str, str]:
@@ -22,5 +22,7 @@ def files(request: Request) -> dict[str, str]:
     parts = (stepping.loop, stepping.settled, stepping.balance, stepping.solved)
     text = _ANNOTATIONS.sub("", "\n\n".join(inspect.getsource(part) for part in parts).rstrip())
     text = text.replace("xp, ", "").replace("xp.", "torch.")
-    content = render("isaaclab.txt", about=header(request), eq=Written(request.law), stepping=text)
+    content = render(
+        "isaaclab.txt", about=header(request), eq=Written(request.law), stepping=text, inputs=request.law.inputs
+    )
     return {f"{request.name}_isaaclab.py": content}

@@ -16,7 +16,7 @@ def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
     states = [v for v in variables if v.nominal is not None]
     scenario = model.scenario
     of = Description(
-        model.name, model.name, fmi, model.about(), variables, states, exchange=True, events=True,
+        model.name, model.name, fmi, model.about(), variables, states, exchange=True, events=True, slopes=False,
         t_end=float(scenario.end), step=float(scenario.output.step), rtol=float(scenario.solve.rtol),
     )  # fmt: skip
     return packed("machine", "fmu_machine", of, model.context())

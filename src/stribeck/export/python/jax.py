@@ -7,7 +7,7 @@ from types import ModuleType, SimpleNamespace
 from stribeck.errors import note
 from stribeck.export.optional import package
 from stribeck.export.python import stepping
-from stribeck.export.python.constants import checked
+from stribeck.export.python.constants import with_load
 from stribeck.export.python.written import FUNCTIONS, written_equations
 from stribeck.expressions import ops
 from stribeck.expressions.ops import Value
@@ -39,28 +39,38 @@ class JaxLaw:
         self.law = law
         self._step: Value = None
 
-    def _constants(self, given: dict[str, Value]) -> Constants:
-        return self.law.p.replaced(checked(self.law, given))
+    def _given(self, constants: dict[str, Value], load: Value) -> dict[str, Value]:
+        return with_load(self.law, constants, None if load is None else self._arrays(load)[0])
 
-    def rate(self, v: Value, z: Value, **constants: Value) -> Value:
+    def _constants(self, given: dict[str, Value], load: Value) -> Constants:
+        return self.law.p.replaced(self._given(given, load))
+
+    def rate(self, v: Value, z: Value, load: Value = None, **constants: Value) -> Value:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
         v, z = self._arrays(v, z)
-        return self.law.dz_dt(self._constants(constants), v, z)
+        return self.law.dz_dt(self._constants(constants, load), v, z)
 
-    def force(self, v: Value, z: Value = 0.0, **constants: Value) -> Value:
+    def force(self, v: Value, z: Value = 0.0, load: Value = None, **constants: Value) -> Value:
         """Friction force in N for velocities v (m/s) and deflections z (m)."""
         v, z = self._arrays(v, z)
-        p = self._constants(constants)
+        p = self._constants(constants, load)
         return self.law.friction(p, v, z, self.law.dz_dt(p, v, z))
 
     def step(
-        self, state: Value, v: Value, effort: Value, inertia: Value, dt: Value, **constants: Value
+        self,
+        state: Value,
+        v: Value,
+        effort: Value,
+        inertia: Value,
+        dt: Value,
+        load: Value = None,
+        **constants: Value,
     ) -> tuple[Value, Value]:
         """One implicit step of joints and their bristles: the state after it, and the friction during it.
 
         See :meth:`stribeck.export.python.torch.TorchLaw.step`; here grad, jvp, jit, vmap and scan apply.
         """
-        given = checked(self.law, constants)
+        given = self._given(constants, load)
         numbers = {n: x for n, x in {**self.law.values, **given}.items() if x is not None}
         jnp: ModuleType = package("jax.numpy", "jax")
         arrays = jnp.broadcast_arrays(*self._arrays(state, v, effort, inertia, dt, *numbers.values()))
@@ -69,12 +79,12 @@ class JaxLaw:
         x, force, _, _ = self._step(dict(zip(numbers, arrays[5:], strict=True)), tuple(arrays[:5]))
         return x, force
 
-    def settle(self, state: Value, v: Value, dt: Value, **constants: Value) -> Value:
+    def settle(self, state: Value, v: Value, dt: Value, load: Value = None, **constants: Value) -> Value:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
         jnp: ModuleType = package("jax.numpy", "jax")
         state, v, dt = self._arrays(state, v, dt)
         p = SimpleNamespace(
-            **{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants)).items() if _number(x)}
+            **{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants, load)).items() if _number(x)}
         )
         return stepping.settled(jnp, _loop, _equations(self.law), p, v, state + 0 * v, dt)
 

@@ -6,7 +6,7 @@ from types import ModuleType, SimpleNamespace
 
 from stribeck.export.optional import package
 from stribeck.export.python import stepping
-from stribeck.export.python.constants import checked
+from stribeck.export.python.constants import with_load
 from stribeck.export.python.written import FUNCTIONS, written_equations
 from stribeck.expressions import ops
 from stribeck.expressions.ops import Value
@@ -39,18 +39,25 @@ class TorchLaw:
         scope = {name: getattr(torch, _NAMES.get(name, name)) for name in FUNCTIONS}
         self._equations = written_equations(law, {**scope, "like": torch.full_like})
 
-    def rate(self, v: Value, z: Value, **constants: Value) -> Value:
+    def rate(self, v: Value, z: Value, load: Value = None, **constants: Value) -> Value:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
-        p, (v, z) = self._prepared(constants, v, z)
+        p, (v, z) = self._prepared(load, constants, v, z)
         return self._equations.slopes(p, v, z)[0] + 0 * v
 
-    def force(self, v: Value, z: Value = 0.0, **constants: Value) -> Value:
+    def force(self, v: Value, z: Value = 0.0, load: Value = None, **constants: Value) -> Value:
         """Friction force in N for velocities v (m/s) and deflections z (m)."""
-        p, (v, z) = self._prepared(constants, v, z)
+        p, (v, z) = self._prepared(load, constants, v, z)
         return self.law.friction(p, v, z, self.law.dz_dt(p, v, z))
 
     def step(
-        self, state: Value, v: Value, effort: Value, inertia: Value, dt: Value, **constants: Value
+        self,
+        state: Value,
+        v: Value,
+        effort: Value,
+        inertia: Value,
+        dt: Value,
+        load: Value = None,
+        **constants: Value,
     ) -> tuple[Value, Value]:
         """One implicit step of joints and their bristles: the state after it, and the friction during it.
 
@@ -63,12 +70,14 @@ class TorchLaw:
             effort: what else acts on the joints during the step, N (N m): drives, gravity, the rest of the machine.
             inertia: what the joints feel, kg (kg m^2); a smaller number than the true one is on the safe side.
             dt: the step, s.
+            load: of a contact (:func:`stribeck.export.contact_law`) what its level follows, held over the step: its
+                inputs along the last axis, or its one input.
             **constants: constants of the law in the place of its own.
 
         Returns:
             z and the friction, N (N m), positive against positive velocity; nan where a number was not finite.
         """
-        p, given = self._prepared(constants, v, state, effort, inertia, dt)
+        p, given = self._prepared(load, constants, v, state, effort, inertia, dt)
         v, state, *rest = self._torch.broadcast_tensors(*given, *vars(p).values())[:5]
         names = [name for name, value in vars(p).items() if value.requires_grad]
         arguments = (state, v, *rest)
@@ -79,14 +88,16 @@ class TorchLaw:
         z, friction, _, _ = stepping.solved(self._torch, stepping.loop, self._equations, p, arguments)
         return z, friction
 
-    def settle(self, state: Value, v: Value, dt: Value, **constants: Value) -> Value:
+    def settle(self, state: Value, v: Value, dt: Value, load: Value = None, **constants: Value) -> Value:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
-        p, (v, state, dt) = self._prepared(constants, v, state, dt)
+        p, (v, state, dt) = self._prepared(load, constants, v, state, dt)
         return stepping.settled(self._torch, stepping.loop, self._equations, p, v, state + 0 * v, dt)
 
-    def _prepared(self, constants: dict[str, Value], *values: Value) -> tuple[SimpleNamespace, list[Value]]:
+    def _prepared(
+        self, load: Value, constants: dict[str, Value], *values: Value
+    ) -> tuple[SimpleNamespace, list[Value]]:
         """The constants and the values as tensors of one type, on one device."""
-        given = checked(self.law, constants)
+        given = with_load(self.law, constants, None if load is None else self._torch.as_tensor(load))
         tensors = [x for x in values if self._torch.is_tensor(x)]
         like = next((x for x in tensors if x.is_floating_point()), self._torch.zeros((), dtype=self._torch.float64))
 

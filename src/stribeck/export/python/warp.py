@@ -21,7 +21,7 @@ PRECISIONS = {"single": "float32", "double": "float64"}
 
 def text(law: Law, real: str, template: str = "kernels_warp.txt", **values: Value) -> str:
     """Python source of the law's functions and kernels for Warp."""
-    return render(template, eq=Written(law), real=real, **values)
+    return render(template, **{"eq": Written(law), "real": real, "inputs": law.inputs, **values})
 
 
 def load(source: str) -> dict[str, Value]:
@@ -61,7 +61,14 @@ class WarpLaw:
         return self._wp.array(table, dtype=self.real, device=device, requires_grad=requires_grad)
 
     def step(
-        self, state: Value, v: Value, effort: Value, inertia: Value, dt: Value, constants: Value = None
+        self,
+        state: Value,
+        v: Value,
+        effort: Value,
+        inertia: Value,
+        dt: Value,
+        load: Value = None,
+        constants: Value = None,
     ) -> tuple[Value, Value]:
         """One implicit step of joints and their bristles: the state after it, and the friction during it.
 
@@ -70,7 +77,7 @@ class WarpLaw:
         """
         wp, count = self._wp, len(v)
         inputs = [self._array(x, v.device) for x in (state, v, effort, inertia, dt)]
-        p = self.constants(device=v.device) if constants is None else constants
+        p = self._at_load(constants, load, count, v.device)
         tape = wp._src.context.runtime.tape
         wanted = tape is not None and any(x.requires_grad for x in (p, *inputs))
         z, force, end = (wp.zeros(count, dtype=self.real, device=v.device, requires_grad=wanted) for _ in range(3))
@@ -86,12 +93,29 @@ class WarpLaw:
             tape.record_func(backward, [x for x in (p, *inputs, z, force) if x.requires_grad])
         return z, force
 
-    def settle(self, state: Value, v: Value, dt: Value, constants: Value = None) -> Value:
+    def settle(self, state: Value, v: Value, dt: Value, load: Value = None, constants: Value = None) -> Value:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
         z = self._wp.zeros(len(v), dtype=self.real, device=v.device)
-        p = self.constants(device=v.device) if constants is None else constants
+        p = self._at_load(constants, load, len(v), v.device)
         self._launch("settle", len(v), [p, state, v, self._array(dt, v.device)], [z], v.device)
         return z
+
+    def _at_load(self, constants: Value, load: Value, count: int, device: Value) -> Value:
+        """The table of constants, with the inputs of a contact's law in it; recorded on an active tape."""
+        p = self.constants(device=device) if constants is None else constants
+        names = self.law.inputs
+        if (load is None) != (not names):
+            text = (
+                f"must be an array of {', '.join(names)} a joint" if names else "must be left out: there are no inputs"
+            )
+            raise InputError(f"load: {text}")
+        if load is None:
+            return p
+        load = load.reshape((count, 1)) if load.ndim == 1 else load
+        wanted = p.requires_grad or load.requires_grad
+        made = self._wp.zeros((count, len(self.names)), dtype=self.real, device=device, requires_grad=wanted)
+        self._wp.launch(self._scope["at_load"], count, inputs=[p, load], outputs=[made], device=device)
+        return made
 
     def _launch(self, kernel: str, count: int, inputs: list[Value], outputs: list[Value], device: Value) -> None:
         self._wp.launch(self._scope[kernel], count, inputs=inputs, outputs=outputs, device=device, record_tape=False)

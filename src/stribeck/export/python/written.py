@@ -52,6 +52,12 @@ class Written:
         self._equations = LawCode(law)
 
     @property
+    def columns(self) -> list[tuple[int, int]]:
+        """Each column of the table of constants, and which of the law's inputs stands there; -1 where none does."""
+        inputs = self.law.inputs
+        return [(k, inputs.index(n) if n in inputs else -1) for k, n in enumerate(self.names)]
+
+    @property
     def linear(self) -> bool:
         """True where dz/dt is linear in z."""
         return self.law.has_z and self._equations.linear

@@ -15,6 +15,9 @@
 /* All that an instance is; nothing else is kept anywhere. */
 typedef struct {
     parameters p;
+{% if inputs %}
+    {{ P }}_load load;
+{% endif %}
     double mass, input, x[STATES + 1], time, tolerance, h;
     int initialised;
 } Model;
@@ -29,12 +32,20 @@ static void start(Model *m)
     {{ P }}_defaults(&m->p);
     m->mass = {{ repr(mass) }};
     m->input = 0;
+{% for name in inputs %}
+    m->load.{{ name }} = {{ repr(law.values[name]) }};
+{% endfor %}
     m->tolerance = 1e-6;
 {% for state in states %}
     m->x[{{ loop.index0 }}] = {{ repr(state.start) }};
 {% endfor %}
 }
 
+{% if inputs %}
+/* The constants with the present load. */
+static given at_load(const Model *m) { given g; g.p = m->p; g.load = m->load; return g; }
+
+{% endif %}
 static double velocity(const Model *m) { return {{ "m->x[1]" if body else "m->input" }}; }
 
 static double deflection(const Model *m) { {{ "" if law.has_z else "UNUSED(m); " }}return {{ ("m->x[2]" if body else "m->x[0]") if law.has_z else "0" }}; }
@@ -47,8 +58,11 @@ static double acceleration_by_F(double mass) { return {{ acceleration.by_F }}; }
 
 static void evaluate(const Model *m, Evaluation *e)
 {
-    const double v = velocity(m), z = deflection(m), dz_dt = rate_of(&m->p, v, z);
-    e->force = force_of(&m->p, v, z, dz_dt);
+{% if inputs %}
+    const given now = at_load(m);
+{% endif %}
+    const double v = velocity(m), z = deflection(m), dz_dt = rate_of({{ now }}, v, z);
+    e->force = force_of({{ now }}, v, z, dz_dt);
 {% if body %}
     e->rate[0] = v;
     e->rate[1] = acceleration(m->mass, m->input, e->force);
@@ -69,7 +83,10 @@ static int get(const Model *m, unsigned reference, double *value)
 static int partial(const Model *m, unsigned unknown, unsigned known, double *value)
 {
     Slopes l;
-    slopes(&m->p, velocity(m), deflection(m), &l);
+{% if inputs %}
+    const given now = at_load(m);
+{% endif %}
+    slopes({{ now }}, velocity(m), deflection(m), &l);
     *value = 0;
 {% for unknown, known, c in partials %}
     if (unknown == {{ unknown }} && known == {{ known }}) { *value = {{ c }}; return 1; }
@@ -80,7 +97,7 @@ static int partial(const Model *m, unsigned unknown, unsigned known, double *val
 /* What is wrong with the input or the constants, or NULL. */
 static const char *wrong(const Model *m)
 {
-    if (!isfinite(m->input)) return "the input is not finite";
+    if (!isfinite(m->input){% for name in inputs %} || !isfinite(m->load.{{ name }}){% endfor %}) return "the input is not finite";
 {% if body %}
     if (!(m->mass > 0) || !isfinite(m->mass)) return "mass must be a finite number > 0";
 {% endif %}
@@ -101,12 +118,15 @@ static const char *advance_model(Model *m, double dt)
 {% if not body %}
     {{ P }}_state s;
     s.z = deflection(m);
-    if ({{ P }}_step(&m->p, &s, m->input, dt, &F) != {{ P }}_OK) return "the state or the force is not finite";
+    if ({{ P }}_step({{ call.given("&m->p", "&m->load") }}, &s, m->input, dt, &F) != {{ P }}_OK) return "the state or the force is not finite";
 {% if law.has_z %}
     m->x[0] = s.z;
 {% endif %}
 {% else %}
     /* the implicit step once, and twice of half the length: their difference steers the length, and is taken out */
+{% if inputs %}
+    const given now = at_load(m);
+{% endif %}
     Model next = *m; /* which is kept when all of the communication step is done */
     double left = dt, h = m->h > 0 ? m->h : dt;
     const double tolerance = m->tolerance > FINEST ? m->tolerance : FINEST;
@@ -117,9 +137,9 @@ static const char *advance_model(Model *m, double dt)
         if (h > left) h = left;
         whole.y = next.x[0]; whole.v = next.x[1]; whole.z = deflection(&next);
         half = whole;
-        if ({{ P }}_body_step(&m->p, &whole, m->mass, m->input, h, &F) != {{ P }}_OK
-            || {{ P }}_body_step(&m->p, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK
-            || {{ P }}_body_step(&m->p, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK)
+        if ({{ P }}_body_step({{ call.given("&m->p", "&m->load") }}, &whole, m->mass, m->input, h, &F) != {{ P }}_OK
+            || {{ P }}_body_step({{ call.given("&m->p", "&m->load") }}, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK
+            || {{ P }}_body_step({{ call.given("&m->p", "&m->load") }}, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK)
             return "the body's step found no solution: a state is not finite, or the parameters are extreme";
         scale = tolerance * ({{ repr(length) }} + fabs(half.y));
         error = fabs(half.y - whole.y) / scale;
@@ -132,7 +152,7 @@ static const char *advance_model(Model *m, double dt)
             next.x[0] = 2 * half.y - whole.y;
             next.x[1] = 2 * half.v - whole.v;
 {% if law.has_z %}
-            next.x[2] = {{ "within(&m->p, 2 * half.z - whole.z, next.x[2])" if eq.bounded else "2 * half.z - whole.z" }};
+            next.x[2] = {{ "within(" ~ now ~ ", 2 * half.z - whole.z, next.x[2])" if eq.bounded else "2 * half.z - whole.z" }};
 {% endif %}
             left -= h;
         }

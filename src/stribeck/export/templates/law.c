@@ -18,36 +18,44 @@
 
 static real sign_of(real x) { return R((x > 0) - (x < 0)); }
 {% endif %}
+{% if inputs %}
+
+/* The constants, and what the contact is given at this instant. */
+typedef struct {
+    parameters p;
+    {{ P }}_load load;
+} given;
+{% endif %}
 
 /* ---- the equations ---- */
 
-static real rate_of(const parameters *p, real v, real z)
+static real rate_of(const {{ call.type }} *p, real v, real z)
 {
 {{ eq.body([("return", "rate")], ["p", "v", "z"]) }}
 }
 
-static real force_of(const parameters *p, real v, real z, real rate)
+static real force_of(const {{ call.type }} *p, real v, real z, real rate)
 {
 {{ eq.body([("return", "force_at_rate")], ["p", "v", "z", "rate"]) }}
 }
 {% if law.has_z %}
 
 /* F while v is held, whose sign is side. */
-static real steady_force_of(const parameters *p, real v, real side)
+static real steady_force_of(const {{ call.type }} *p, real v, real side)
 {
 {{ eq.body([("return", "steady_force")], ["p", "v", "side"]) }}
 }
 {% if eq.linear %}
 
 /* dz/dt = a z + b at this velocity. */
-static void hold(const parameters *p, real v, real *a, real *b)
+static void hold(const {{ call.type }} *p, real v, real *a, real *b)
 {
 {{ eq.body([("*a", "a"), ("*b", "b")], ["p", "v"]) }}
 }
 {% else %}
 
 /* dz/dt, and its derivative by z. */
-static real rate_and_slope(const parameters *p, real v, real z, real *slope)
+static real rate_and_slope(const {{ call.type }} *p, real v, real z, real *slope)
 {
 {{ eq.body([("*slope", "rate_z"), ("return", "rate")], ["p", "v", "z"]) }}
 }
@@ -60,7 +68,7 @@ typedef struct {
     real force, rate_v, rate_z, force_v, force_z;
 } Slopes;
 
-static void slopes(const parameters *p, real v, real z, Slopes *l)
+static void slopes(const {{ call.type }} *p, real v, real z, Slopes *l)
 {
 {{ eq.body([("l->force", "force"), ("l->rate_v", "rate_v"), ("l->rate_z", "rate_z"), ("l->force_v", "force_v"), ("l->force_z", "force_z")], ["p", "v", "z"]) }}
 }
@@ -73,7 +81,7 @@ static void slopes(const parameters *p, real v, real z, Slopes *l)
 {% if eq.linear %}
 
 /* z after dt with v held; pull is added to dz/dt. */
-static real advance(const parameters *p, real v, real pull, real z, real dt)
+static real advance(const {{ call.type }} *p, real v, real pull, real z, real dt)
 {
     real a, b;
     hold(p, v, &a, &b);
@@ -82,7 +90,7 @@ static real advance(const parameters *p, real v, real pull, real z, real dt)
 {% if with_body %}
 
 /* z after an implicit step. */
-static real settle(const parameters *p, real v, real z, real dt)
+static real settle(const {{ call.type }} *p, real v, real z, real dt)
 {
     real a, b;
     hold(p, v, &a, &b);
@@ -93,7 +101,7 @@ static real settle(const parameters *p, real v, real z, real dt)
 
 /* The root x of x = z + dt (dz/dt(v, x) + pull) between z and far: Newton's step where it stays inside, else the middle.
  * dz/dt falls with z, so there is one root. */
-static real implicit(const parameters *p, real v, real pull, real z, real far, real dt)
+static real implicit(const {{ call.type }} *p, real v, real pull, real z, real far, real dt)
 {
     real near = z, x = far, first;
     const real rate = rate_and_slope(p, v, z, &first) + pull, guess = z + dt * rate / (1 - dt * first);
@@ -111,7 +119,7 @@ static real implicit(const parameters *p, real v, real pull, real z, real far, r
 
 /* z after dt with v held; pull is added to dz/dt. One step, or up to 64 where the slope changes on the way; what would
  * overshoot even then is left to one implicit step. */
-static real advance(const parameters *p, real v, real pull, real z, real dt)
+static real advance(const {{ call.type }} *p, real v, real pull, real z, real dt)
 {
     const real shortest = dt / 64;
     real left = dt, h = dt, slope, after;
@@ -139,7 +147,7 @@ static real advance(const parameters *p, real v, real pull, real z, real dt)
 {% if with_body %}
 
 /* z after an implicit step. */
-static real settle(const parameters *p, real v, real z, real dt)
+static real settle(const {{ call.type }} *p, real v, real z, real dt)
 {
     const real rate = rate_of(p, v, z);
     return rate > 0 || rate < 0 ? implicit(p, v, R(0), z, z + dt * rate, dt) : z;
@@ -149,7 +157,7 @@ static real settle(const parameters *p, real v, real z, real dt)
 {% if eq.bounded %}
 
 /* Rounding must not carry z over its bound. */
-static real within(const parameters *p, real z, real before)
+static real within(const {{ call.type }} *p, real z, real before)
 {
     real bound;
 {{ eq.body([("bound", "bound")], ["p"]) }}
@@ -160,14 +168,14 @@ static real within(const parameters *p, real z, real before)
 {% else %}
 
 /* There is no bristle: the force follows the velocity at once. */
-static real advance(const parameters *p, real v, real pull, real z, real dt)
+static real advance(const {{ call.type }} *p, real v, real pull, real z, real dt)
 {
     (void)p; (void)v; (void)pull; (void)dt;
     return z;
 }
 {% if with_body %}
 
-static real settle(const parameters *p, real v, real z, real dt)
+static real settle(const {{ call.type }} *p, real v, real z, real dt)
 {
     return advance(p, v, R(0), z, dt);
 }
@@ -204,31 +212,31 @@ static int give(real value, real *result)
     return {{ P }}_OK;
 }
 
-int {{ P }}_force(const parameters *p, real v, real z, real *force)
+int {{ P }}_force({{ call.declared_inside }}, real v, real z, real *force)
 {
-    if (!isfinite(v) || !isfinite(z)) return {{ P }}_NOT_FINITE;
+{{ call.begin }}    if (!isfinite(v) || !isfinite(z)) return {{ P }}_NOT_FINITE;
     return give(force_of(p, v, z, rate_of(p, v, z)), force);
 }
 
-int {{ P }}_rate(const parameters *p, real v, real z, real *rate)
+int {{ P }}_rate({{ call.declared_inside }}, real v, real z, real *rate)
 {
-    if (!isfinite(v) || !isfinite(z)) return {{ P }}_NOT_FINITE;
+{{ call.begin }}    if (!isfinite(v) || !isfinite(z)) return {{ P }}_NOT_FINITE;
     return give(rate_of(p, v, z), rate);
 }
 {% if smooth %}
 
-int {{ P }}_force_rate(const parameters *p, real v, real z, real dv_dt, real *force_rate)
+int {{ P }}_force_rate({{ call.declared_inside }}, real v, real z, real dv_dt, real *force_rate)
 {
-    Slopes l;
+{{ call.begin }}    Slopes l;
     if (!isfinite(v) || !isfinite(z) || !isfinite(dv_dt)) return {{ P }}_NOT_FINITE;
     slopes(p, v, z, &l);
     return give(l.force_v * dv_dt + l.force_z * rate_of(p, v, z), force_rate);
 }
 {% endif %}
 
-int {{ P }}_steady_force(const parameters *p, real v, real *force)
+int {{ P }}_steady_force({{ call.declared_inside }}, real v, real *force)
 {
-    if (!isfinite(v)) return {{ P }}_NOT_FINITE;
+{{ call.begin }}    if (!isfinite(v)) return {{ P }}_NOT_FINITE;
     if (!(v < 0 || v > 0)) return give(R(0), force);
 {% if not law.has_z %}
     return give(force_of(p, v, R(0), R(0)), force);
@@ -238,7 +246,7 @@ int {{ P }}_steady_force(const parameters *p, real v, real *force)
 {% endif %}
 }
 
-static int step(const parameters *p, {{ P }}_state *s, real v, real dt, real pull, real *force)
+static int step(const {{ call.type }} *p, {{ P }}_state *s, real v, real dt, real pull, real *force)
 {
     if (!isfinite(v) || !isfinite(s->z) || !isfinite(pull)) return {{ P }}_NOT_FINITE;
     if (!(dt > 0) || !isfinite(dt)) return {{ P }}_BAD_STEP;
@@ -253,14 +261,14 @@ static int step(const parameters *p, {{ P }}_state *s, real v, real dt, real pul
     return {{ P }}_OK;
 }
 
-int {{ P }}_step(const parameters *p, {{ P }}_state *s, real v, real dt, real *force)
+int {{ P }}_step({{ call.declared_inside }}, {{ P }}_state *s, real v, real dt, real *force)
 {
-    return step(p, s, v, dt, R(0), force);
+{{ call.begin }}    return step(p, s, v, dt, R(0), force);
 }
 
-int {{ P }}_compensate(const parameters *p, const {{ P }}_compensator *c, {{ P }}_state *s, real v, real *force)
+int {{ P }}_compensate({{ call.declared_inside }}, const {{ P }}_compensator *c, {{ P }}_state *s, real v, real *force)
 {
-    {{ P }}_state next = *s; /* which stays where it is when the force is not finite */
+{{ call.begin }}    {{ P }}_state next = *s; /* which stays where it is when the force is not finite */
     real F = 0;
     if (!(c->gain >= 0) || !isfinite(c->gain)) return {{ P }}_BAD_GAIN;
     int status = step(p, &next, v, c->dt, R(0), &F);
@@ -268,12 +276,11 @@ int {{ P }}_compensate(const parameters *p, const {{ P }}_compensator *c, {{ P }
     if (status == {{ P }}_OK) *s = next;
     return status;
 }
-
 {% if with_observer %}
 
-int {{ P }}_observer_step(const parameters *p, {{ P }}_state *s, real v, real error, real K, real dt, real *force)
+int {{ P }}_observer_step({{ call.declared_inside }}, {{ P }}_state *s, real v, real error, real K, real dt, real *force)
 {
-    real pull;
+{{ call.begin }}    real pull;
     if (!(K >= 0) || !isfinite(K)) return {{ P }}_BAD_GAIN;
 {{ eq.body([("pull", "pull")], ["p", "K", "error"]) }}
     return step(p, s, v, dt, pull, force);
@@ -291,7 +298,7 @@ typedef struct {
     real excess, z, slope, force, terms;
 } Balance;
 
-static Balance balance(const parameters *p, const {{ P }}_body *s, real mass, real u, real dt, real w)
+static Balance balance(const {{ call.type }} *p, const {{ P }}_body *s, real mass, real u, real dt, real w)
 {
     Balance r;
     Slopes l;
@@ -306,9 +313,9 @@ static Balance balance(const parameters *p, const {{ P }}_body *s, real mass, re
     return r;
 }
 
-int {{ P }}_body_step(const parameters *p, {{ P }}_body *s, real mass, real u, real dt, real *force)
+int {{ P }}_body_step({{ call.declared_inside }}, {{ P }}_body *s, real mass, real u, real dt, real *force)
 {
-    if (!isfinite(s->y) || !isfinite(s->v) || !isfinite(s->z) || !isfinite(u)) return {{ P }}_NOT_FINITE;
+{{ call.begin }}    if (!isfinite(s->y) || !isfinite(s->v) || !isfinite(s->z) || !isfinite(u)) return {{ P }}_NOT_FINITE;
     if (!(dt > 0) || !isfinite(dt)) return {{ P }}_BAD_STEP;
     if (!(mass > 0) || !isfinite(mass)) return {{ P }}_BAD_MASS;
     real near = s->v, far = near, w = near, move = 0;

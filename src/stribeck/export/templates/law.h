@@ -29,6 +29,15 @@ typedef struct {
     {{ P }}_real {{ name }}; /* {{ (c.unit or "1") | plain }}: {{ c.meaning | plain }}, {{ c.allowed }} */
 {% endfor %}
 } {{ P }}_parameters;
+{% if inputs %}
+
+/* What the contact is given at an instant; a force counts as it acts on its body. */
+typedef struct {
+{% for name, c in inputs.items() %}
+    {{ P }}_real {{ name }}; /* {{ (c.unit or "1") | plain }}: {{ c.meaning | plain }} */
+{% endfor %}
+} {{ P }}_load;
+{% endif %}
 
 /* State of the law. */
 typedef struct {
@@ -72,14 +81,14 @@ int {{ P }}_check(const {{ P }}_parameters *p);
 void {{ P }}_reset({{ P }}_state *s);
 
 /* Friction {{ w("force") }} in {{ u("N") }} at {{ w("velocity") }} v ({{ u("m/s") }}) and deflection z ({{ u("m") }}), positive when it opposes positive {{ w("velocity") }}. */
-int {{ P }}_force(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *force);
+int {{ P }}_force({{ call.declared }}, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *force);
 
 /* dz/dt in {{ u("m/s") }}. */
-int {{ P }}_rate(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *rate);
+int {{ P }}_rate({{ call.declared }}, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *rate);
 {% if smooth %}
 
 /* dF/dt in {{ u("N/s") }} at acceleration dv_dt ({{ u("m/s^2") }}). */
-int {{ P }}_force_rate(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real dv_dt,
+int {{ P }}_force_rate({{ call.declared }}, {{ P }}_real v, {{ P }}_real z, {{ P }}_real dv_dt,
     {{ P }}_real *force_rate);
 {% else %}
 
@@ -87,16 +96,16 @@ int {{ P }}_force_rate(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real
 {% endif %}
 
 /* The {{ w("friction force") }} in {{ u("N") }} when v is held for long; 0 at v = 0. */
-int {{ P }}_steady_force(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real *force);
+int {{ P }}_steady_force({{ call.declared }}, {{ P }}_real v, {{ P }}_real *force);
 
 /* One sample: the state moves on by dt (s) with the measured {{ w("velocity") }} v ({{ u("m/s") }}) held, and gives the {{ w("friction force") }} in {{ u("N") }}
  * at the end of it. */
-int {{ P }}_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real dt, {{ P }}_real *force);
+int {{ P }}_step({{ call.declared }}, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real dt, {{ P }}_real *force);
 
 /* Friction compensation: the {{ w("force") }} in {{ u("N") }} to add to the drive's, c->gain times the friction after one sample at v ({{ u("m/s") }}).
  * With v the reference velocity it is a feedforward, and cannot destabilise the loop; with v measured it also acts on
  * what the reference does not know, but a gain of 1 leaves no margin: an F_s or F_c set too high makes it hunt. */
-int {{ P }}_compensate(const {{ P }}_parameters *p, const {{ P }}_compensator *c, {{ P }}_state *s, {{ P }}_real v,
+int {{ P }}_compensate({{ call.declared }}, const {{ P }}_compensator *c, {{ P }}_state *s, {{ P }}_real v,
     {{ P }}_real *force);
 
 {% if with_observer %}
@@ -110,7 +119,7 @@ int {{ P }}_compensate(const {{ P }}_parameters *p, const {{ P }}_compensator *c
  * Sobczyk, Perondi, Cunha, eqs 14-15; their proof does not cover laws in which dz/dt is not linear in z, such as this.
 {% endif %}
  */
-int {{ P }}_observer_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real error, {{ P }}_real K,
+int {{ P }}_observer_step({{ call.declared }}, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real error, {{ P }}_real K,
     {{ P }}_real dt, {{ P }}_real *force);
 {% endif %}
 {% if with_body %}
@@ -118,7 +127,7 @@ int {{ P }}_observer_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}
 /* A body of this {{ w("mass") }} ({{ u("kg") }}) with this friction, one step under the drive {{ w("force") }} u ({{ u("N") }}), which is held: implicit Euler for
  * y, v and z together. Stable for every dt, of order 1; energy is never created where the law creates none.
  * force ({{ u("N") }}) is the friction at the end of the step. */
-int {{ P }}_body_step(const {{ P }}_parameters *p, {{ P }}_body *s, {{ P }}_real mass, {{ P }}_real u, {{ P }}_real dt,
+int {{ P }}_body_step({{ call.declared }}, {{ P }}_body *s, {{ P }}_real mass, {{ P }}_real u, {{ P }}_real dt,
     {{ P }}_real *force);
 {% endif %}
 

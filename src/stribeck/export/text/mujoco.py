@@ -20,7 +20,7 @@ from stribeck.laws.base import Law
 from stribeck.laws.dahl import Dahl
 from stribeck.laws.lugre import LuGre
 
-TARGET = Target("mujoco", "text.mujoco", "a MuJoCo model, and a callback", ("law", "body"))
+TARGET = Target("mujoco", "text.mujoco", "a MuJoCo model, and a callback", ("law", "body"), loads=True)
 
 _STEP = 1e-3  # s, unless the request says otherwise
 _SLOTS = 10  # numbers that an actuator of MuJoCo can carry (mjNBIAS)
@@ -32,9 +32,9 @@ _LOCALS = ("p", "v", "z", "np", "mujoco", "equations")
 def files(request: Request) -> dict[str, str]:
     """``LAW.xml`` with ``LAW_mujoco.py``, its callback; and ``LAW_dcmotor.xml`` where MuJoCo has the law itself."""
     law, name = request.law, request.name
-    if len(request.constants) > _SLOTS:
+    if len(_carried(request)) > _SLOTS:
         raise InputError(
-            f"law '{law.name}': has {len(request.constants)} constants; must be at most {_SLOTS}, which is what an "
+            f"law '{law.name}': has {len(_carried(request))} constants; must be at most {_SLOTS}, which is what an "
             "actuator of MuJoCo can carry"
         )
     content = {f"{name}.xml": _user_model(request), f"{name}_mujoco.py": _callback(request)}
@@ -81,15 +81,17 @@ def _native_model(request: Request) -> str:
 
 
 def _user_model(request: Request) -> str:
-    state = 'dyntype="user" actdim="1"' if request.law.has_z else 'dyntype="none"'
-    numbers = " ".join(map(repr, request.constants.values()))
+    law = request.law
+    state = 'dyntype="user" actdim="1"' if law.has_z else 'dyntype="none"'
+    numbers = " ".join(map(repr, _carried(request).values()))
+    words = _LOAD["load"] if law.inputs else ""
     actuator = (
         f'<general name="{request.name}" joint="slide" {state} gaintype="fixed" gainprm="0" biastype="user"\n'
         f'             biasprm="{numbers}" damping="1e-9"/>'
     )
     how = (
-        f"biasprm: {', '.join(request.constants)}.\n"
-        f"  The force comes from {request.name}_mujoco.py: load the model, then call its install(model).\n"
+        f"biasprm: {', '.join(_carried(request))}.\n"
+        f"  The force comes from {request.name}_mujoco.py: load the model, then call its install(model{words}).\n"
         "  The callback sets damping at every step; it must be above 0 here."
     )
     return _model(request, actuator, how, "implicitfast")
@@ -129,27 +131,48 @@ def _model(request: Request, actuator: str, how: str, integrator: str) -> str:
 """
 
 
-def _equations(law: Law) -> str:
+def _carried(request: Request) -> dict[str, float]:
+    """The constants that stand in the model; a contact's gains and inputs do not."""
+    law, constants = request.law, request.constants
+    beside = set(type(law).constants()) - set(type(law).__mro__[1].constants()) if law.inputs else set()  # type: ignore[attr-defined]
+    return {n: x for n, x in constants.items() if n not in beside}
+
+
+def _equations(request: Request) -> str:
     """Python statements for dz/dt, F and their derivatives by v and z."""
-    called = Names()
+    called, law, own = Names(), request.law, _carried(request)
     p, v, z = law.symbolic(symbol, law.form, called.term), symbol("v"), symbol("z")
+    p = p.replaced({n: x for n, x in request.constants.items() if n not in own and n not in law.inputs})
     rate = wrap(law.dz_dt(p, v, z)) if law.has_z else wrap(0)
     force = wrap(law.friction(p, v, z, rate))
     outputs = {"rate": rate, "force": force}
     outputs |= {f"{name}_{x}": derivative(of, by) for name, of in outputs.items() for x, by in (("v", v), ("z", z))}
     taken = {*_FUNCTIONS, *_LOCALS, *outputs}
-    names = {n: f"{n}_" if n in taken else n for n in p.numbers}
+    names = {n: f"{n}_" if n in taken else n for n in (*own, *law.inputs)}
     lines = Writer(_DIALECT, {**names, "v": "v", "z": "z"}, taken=taken, names=called).write(list(outputs.items()))
-    rows = [f"{', '.join(names.values())}, = p", *lines, f"return {', '.join(outputs)}"]
+    given = ["".join(f"{names[n]}, " for n in law.inputs) + "= load"] if law.inputs else []
+    rows = [f"{', '.join(names[n] for n in own)}, = p", *given, *lines, f"return {', '.join(outputs)}"]
     return "\n".join(f"    {row}" for row in rows)
 
 
 def _callback(request: Request) -> str:
     about = "\n".join(request.about()).replace("\\", "\\\\").replace('"""', "'''")
+    words = dict.fromkeys(_LOAD, "")
+    if inputs := request.law.inputs:
+        words = {key: text.format(", ".join(inputs)) for key, text in _LOAD.items()}
     return _CALLBACK.format(
-        about=about, name=request.name, count=len(request.constants), equations=_equations(request.law)
+        about=about, name=request.name, count=len(_carried(request)), equations=_equations(request), **words
     )
 
+
+# What the callback of a contact has beside: an argument, its values now, its words, and where the function is kept.
+_LOAD = {
+    "load": ", load",
+    "now": ", _load(model, data, i)",
+    "how": "\nload(model, data, i) is yours: it returns what the level of actuator i follows now, in this order: {}.\n",
+    "default": "\n_load = None\n",
+    "keep": "    global _load\n    _load = load\n",
+}
 
 _CALLBACK = '''\
 """{about}
@@ -158,7 +181,7 @@ A callback for MuJoCo, without a plugin (tested with MuJoCo 4.0):
 
     model = mujoco.MjModel.from_xml_path("{name}.xml")
     data = mujoco.MjData(model)
-    {name}_mujoco.install(model)    # after loading: MuJoCo compiles no model while a Python callback is set
+    {name}_mujoco.install(model{load})    # after loading: MuJoCo compiles no model while a Python callback is set
 
 Every actuator called "{name}" or "{name}:..." then has this friction, with the constants in its biasprm; z is its
 activation, in data.act. The bristle moves by its exact step at held velocity (the exponential Rosenbrock step where dz/dt is
@@ -166,7 +189,7 @@ not linear in z). The force is that at the end of the step, linear in the change
 to MuJoCo as the actuator's damping, which its integrators Euler, implicit and implicitfast take implicitly: the stiff
 contact stays stable where an explicit step would not. The damping is written into the model, so that threads must not
 share one; and data.actuator_force holds only a part of the friction: force() has all of it.
-"""
+{how}"""
 
 import mujoco
 import numpy as np
@@ -176,9 +199,9 @@ from numpy import logical_and as both, logical_or as either  # noqa: F401
 _INTEGRATORS = (
     mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtIntegrator.mjINT_IMPLICIT, mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
 )
+{default}
 
-
-def equations(p, v, z):
+def equations(p, v, z{load}):
     """dz/dt, F, and their derivatives by v and by z, for the constants p."""
 {equations}
 
@@ -188,9 +211,9 @@ def force(model, data, actuator="{name}"):
     return float(_at(model, data, mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, actuator))[0][1])
 
 
-def install(model):
+def install(model{load}):
     """Compute this friction in the actuators of the model from now on; callbacks set before keep the other actuators."""
-    if model.opt.integrator not in _INTEGRATORS:
+{keep}    if model.opt.integrator not in _INTEGRATORS:
         raise ValueError("the integrator must be Euler, implicit or implicitfast")
     names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_ACTUATOR, i) for i in range(len(model.actuator_biastype))]
     mine = {{i for i, name in enumerate(names) if name == "{name}" or (name or "").startswith("{name}:")}}
@@ -212,7 +235,7 @@ def _at(model, data, i):
     v, h = data.actuator_velocity[i], model.opt.timestep
     z = data.act[model.actuator_actadr[i]] if model.actuator_actnum[i] else np.float64(0.0)
     with np.errstate(all="ignore"):
-        values = equations(model.actuator_biasprm[i][:{count}], v, z)
+        values = equations(model.actuator_biasprm[i][:{count}], v, z{now})
     x = h * values[3]
     return values, v, h * (expm1(x) / x if x else 1.0)
 

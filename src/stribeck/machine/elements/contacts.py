@@ -148,9 +148,9 @@ class Factor(FileTable):
         size = sum(map(abs, self.amplitude or ()))
         return 1 - size, 1 + size
 
-    def at(self, a: Assembly, d: Expr) -> Value:
+    def at(self, a: Assembly, d: Value) -> Value:
         """The factor at one instant."""
-        return a.reference(self.signal).value if self.signal is not None else wrap(1 + sum_of_waves(self, d))
+        return a.reference(self.signal).value if self.signal is not None else 1 + sum_of_waves(self, d)
 
 
 def extremes(signal: signals.Signal) -> tuple[float, float] | None:
@@ -240,7 +240,7 @@ class Contact(BetweenBodies, family=True):
         start = 0.0 if self.initial is None else self.initial.z
         return (State("z", "rad" if self.turning(m) else "m", "mean bristle deflection", start),) if self.has_z else ()
 
-    def parameters(self, a: Assembly, d: Expr) -> Constants:
+    def parameters(self, a: Assembly, d: Value) -> Constants:
         """The law's constants at one instant: times the factors, plus what the loads add, times the level's factor."""
         p = self.friction.told(lambda n, latex, args, value: a.called.term(self.of(n, "_"), latex, args, value))
         factors = {of: factor.at(a, d) for of, factor in self.factors.items()}

@@ -1,0 +1,127 @@
+"""The friction of a contact, its loads and factors included, as a law: what raises its level is an input."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from types import SimpleNamespace
+from typing import cast
+
+from stribeck.analysis.comparison import law_path
+from stribeck.constants import Constant
+from stribeck.errors import note
+from stribeck.expressions.names import Names
+from stribeck.expressions.ops import Value
+from stribeck.laws.base import Claims, Law
+from stribeck.laws.values import Constants
+from stribeck.machine.assembly import Assembly
+from stribeck.machine.elements.contacts import Contact
+from stribeck.machine.table import Carrier
+from stribeck.scenario import Scenario
+
+POSITION = "position"
+Places = dict[tuple[str, str], str]
+
+
+def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
+    """The friction of one of a machine's contacts as a law.
+
+    Its constants are those of the contact's law, and the gains, weights and waves of its loads and factors. Its
+    ``inputs`` are constants too, which change from instant to instant: ``load_NAME``, the force of the link, motor or load
+    NAME; ``factor_NAME``, where a signal multiplies the constant NAME; ``position``, where waves of it do.
+
+    Raises:
+        InputError: there is no such contact, or none is named where there are several.
+    """
+    path, rig = law_path(scenario, contact), scenario.rig
+    law = rig.laws[path]
+    (part,) = (each for each in rig.machine.contacts if each.law_path == path)
+    if (ratio := rig.values.get((part.path, "ratio"), 1.0)) != 1:
+        note(f"{part.path}.ratio: {ratio:g}: v and F are those of the contact: F acts on the body by {ratio:g} times")
+    if not part.loads and not part.factors:
+        return law
+    kind, places = _with_inputs(type(law), part)  # type: ignore[arg-type]  # a class is hashable
+    own = {name: rig.values[place] for place, name in places.items() if place[0] != path}
+    return kind({**law.machine, **law.p.numbers, **law.p.words, **own}, law.rotary)
+
+
+@dataclass(frozen=True)
+class _Instant:
+    """What a contact asks the assembly of a machine for, from the law's inputs."""
+
+    p: SimpleNamespace
+    called: Names = field(default_factory=Names)
+
+    def force_of(self, name: str) -> Value:
+        """The force of a link, motor or load."""
+        return getattr(self.p, f"load_{name}")
+
+    def reference(self, signal: Value) -> Value:
+        """The value of a factor's signal."""
+        return SimpleNamespace(value=getattr(self.p, f"factor_{_factor_of(signal)}"))
+
+
+def _factor_of(signal: Value) -> str:
+    """The constant that a signal of a factor multiplies."""
+    return str(signal.path.split(".")[-2])
+
+
+@lru_cache(maxsize=64)
+def _with_inputs(base: type[Law], part: Contact) -> tuple[type[Law], Places]:
+    """The law of such a contact, and its constants for those of the machine's tables."""
+    declared, places = _constants(part)
+    inputs = _inputs(part)
+
+    def loaded(p: SimpleNamespace) -> Constants:
+        """The base law's constants at this instant, by the contact's own equations."""
+
+        def put(owner: str, name: str) -> Value:
+            return getattr(p, places[owner, name]) if (owner, name) in places else 1.0
+
+        here = part.carrying(part.path, Carrier(put))
+        return cast(Contact, here).parameters(cast(Assembly, _Instant(p)), getattr(p, POSITION, 0.0))
+
+    def at_instant(equation: Callable[..., Value]) -> Value:
+        return staticmethod(lambda p, *rest: equation(loaded(p), *rest))
+
+    equations = {n: at_instant(getattr(base, n)) for n in ("dz_dt", "friction", "z_bound", "z_elastic")}
+    claims = Claims(unique=base.claims.unique, bounded=base.claims.bounded, smooth=base.claims.smooth)
+    beside = [f"{part.path}.loads" for _ in part.loads[:1]] + [f"{part.path}.factors.{of}" for of in part.factors]
+    own = {
+        "name": base.name, "__doc__": f"{(base.__doc__ or base.name).strip()} Its level follows loads.", "claims": claims,
+        "inputs": tuple(inputs), "beside": tuple(beside),
+    }  # fmt: skip
+    made: type[Law] = type(base.__name__, (base,), {**own, **declared, **inputs, **equations})
+    return made, places
+
+
+def _constants(part: Contact) -> tuple[dict[str, Constant], Places]:
+    """The constants that loads and factors add, by name; and every constant's name by its place in the file."""
+    declared, places = dict[str, Constant](), Places()
+    for leaf in part.leaves(part.path):
+        owner, name = leaf.key
+        section, _, inside = owner.removeprefix(f"{part.path}.").partition(".")
+        if owner == part.law_path:
+            places[leaf.key] = name
+        elif section in ("loads", "factors"):
+            gain = (
+                f"weight_{inside}_{name.removeprefix('weight_')}"
+                if name.startswith("weight_")
+                else f"gain_{inside}_{name}"
+            )
+            places[leaf.key] = gain if section == "loads" else f"{inside}_{name}"
+            declared[places[leaf.key]] = replace(leaf.constant, optional=False)
+    return declared, places
+
+
+def _inputs(part: Contact) -> dict[str, Constant]:
+    """What the contact is given at each instant."""
+    named = [name for each in part.loads for name in (*each.weights, *([each.against] if each.against else []))]
+    found = {f"load_{name}": Constant("N", f"force of {name}", default=0.0) for name in dict.fromkeys(named)}
+    for of, factor in part.factors.items():
+        if factor.signal is not None:
+            found[f"factor_{of}"] = Constant("1", f"factor of {of}", above=0, default=1.0)
+    if any(factor.signal is None for factor in part.factors.values()):
+        found[POSITION] = Constant("m", "position of the contact", default=0.0)
+    return found
