@@ -107,3 +107,12 @@ def test_validate_takes_it_too(stribeck, fitted, tmp_path):
     command = ("validate", scenario, "--log", log, "--time", "t", "--position", "y")
     assert stribeck(*command).status == 2
     assert stribeck(*command, "--allow-undetermined").status == 0
+
+
+def test_a_law_that_needs_only_what_is_determined_is_exported(stribeck, fitted, tmp_path):
+    """coulomb_viscous takes F_c and sigma_2 from a fit that leaves the bristles open."""
+    file = str(fitted[0] / "parameters.toml")
+    done = stribeck("export", "coulomb_viscous", "--parameters", file, "--target", "c", "--out", tmp_path / "c")
+    assert done.status == 0, done.err
+    told = tomllib.loads((fitted[0] / "parameters.toml").read_text())["parameters"]
+    assert package.law("coulomb_viscous", parameters=file).values["F_c"] == told["F_c"]["value"]

@@ -107,7 +107,7 @@ def _law(
     given = parse_assignments(assignments)
     values, rotary = {}, False
     if parameters is not None:
-        values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters).rotary
+        values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters, needs=()).rotary
     elif rig is not None and own_law is not None:
         if (whole := exports.contact_law(rig, contact)).inputs:
             return _at_contact(whole, name, given)

@@ -144,7 +144,7 @@ def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None)
     Raises:
         InputError: there is no such set, or it holds a number that no law knows.
     """
-    found = parameter_sets.load(name, folder)
+    found = parameter_sets.load(name, folder, None if law is None else law.constants())
     values = found.values
     own = law.constants() if law is not None else {}
     known = dict.fromkeys(n for each in (PARAMETERS, own, *(c.constants() for c in builtin().values())) for n in each)
@@ -181,7 +181,7 @@ def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, *
     if not isinstance(rotary, bool | None):
         raise InputError(f"{arg('rotary')}: {show(rotary)}: must be True or False")
     if isinstance(parameters, str | Path):
-        values, turns = parameters_for(found, str(parameters)), parameter_sets.load(str(parameters)).rotary
+        values, turns = parameters_for(found, str(parameters)), parameter_sets.load(str(parameters), needs=()).rotary
         return found({**values, **constants}, turns if rotary is None else bool(rotary))
     if parameters is not None and not isinstance(parameters, Mapping):
         must = "must be a table of numbers by name, or a set's name or file"

@@ -69,7 +69,7 @@ class LawReader:
     def rotary(self) -> bool:
         """Whether the set of parameters that the table names is of a machine that turns."""
         given = self.table.get("parameters") if isinstance(self.table, dict) else None
-        return isinstance(given, str) and parameter_sets.load(given, self.folder).rotary
+        return isinstance(given, str) and parameter_sets.load(given, self.folder, ()).rotary
 
     def read(self) -> Law | None:
         """The law, or None; ``problems`` then says why."""

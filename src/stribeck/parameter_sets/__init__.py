@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -69,21 +69,24 @@ def allow_undetermined(allowed: bool = True) -> None:
     _allowed[0] = allowed
 
 
-def load(name: str, folder: Path | None = None) -> ParameterSet:
+def load(name: str, folder: Path | None = None, needs: Container[str] | None = None) -> ParameterSet:
     """A built-in set by name, or the set in a TOML file, its path relative to ``folder``.
 
     A file holds its numbers in ``[parameters]`` or at the top; a number may also be a table with a ``value``, and with
     ``determined = false`` where a fit could not tell it (:func:`allow_undetermined`).
 
+    Args:
+        needs: what is taken from it, such as the constants of a law; all unless given.
+
     Raises:
-        InputError: there is no such set, its file cannot be read, or it holds numbers that are not determined.
+        InputError: there is no such set, its file cannot be read, or numbers that are taken are not determined.
     """
     if name in parameters():
         return parameters()[name]
     if name.endswith(".toml"):
         found = _read((folder or Path()) / name)
-        if found.undetermined and not _allowed[0]:
-            open_ones = ", ".join(found.undetermined)
+        open_ones = ", ".join(n for n in found.undetermined if needs is None or n in needs)
+        if open_ones and not _allowed[0]:
             raise InputError(
                 f"{name!r}: the data of this fit do not determine {open_ones}: allow their best values with "
                 "--allow-undetermined (stribeck.allow_undetermined()), or measure what [unknown] in it says"

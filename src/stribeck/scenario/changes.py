@@ -143,7 +143,7 @@ def _unfold_parameters(data: dict[str, object], path: str, folder: Path) -> bool
     except InputError:
         known = None
     try:
-        rotary = parameter_sets.load(law["parameters"], folder).rotary
+        rotary = parameter_sets.load(law["parameters"], folder, ()).rotary
         law["parameters"] = laws.parameters_for(known, law["parameters"], folder)
     except InputError:
         return False

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stribeck.identify.methods.horizons import moving, windows
-from stribeck.identify.statistics.clusters import RowGroups, half_widths, over_parts, without_each
+from stribeck.identify.statistics.clusters import half_widths, without_each
 from stribeck.identify.statistics.correlated import covariance, noise_memory
 from stribeck.identify.statistics.stretches import at_least_by_speed, drifts
 from tests.identify import rig
@@ -64,31 +64,6 @@ def test_what_one_part_alone_tells_is_not_known_by_what_it_leaves_there():
         held += [abs(found[1]) < half_widths(slopes, misfit, parts, way)[1] for way in (True, False)]
     assert held[0] >= 90
     assert held[1] < 30
-
-
-def in_runs(seed, between=0.0, wrong=0.0):
-    """A swing and twenty strokes at held speeds, runs of their own: a number that the swing tells nearly alone, and one that
-    all tell; levels that differ from run to run, and a swing whose number is another machine's. What is off, and half widths."""
-    draw, number = np.random.default_rng(seed), np.concatenate([np.zeros(600, int), np.repeat(np.arange(1, 21), 40)])
-    first = np.where(number == 0, draw.standard_normal(1400), 0.02 * draw.standard_normal(1400))
-    level = np.where(number == 0, 1.0, 0.1) if between else draw.standard_normal(1400)
-    slopes = np.column_stack([level if between else first, draw.standard_normal(1400)])
-    error = draw.standard_normal(1400) + between * draw.standard_normal(21)[number] + wrong * first * (number == 0)
-    found = np.linalg.lstsq(slopes, error, rcond=None)[0]
-    return found, over_parts(slopes, error - slopes @ found, RowGroups(number, "21 runs", True))[0]
-
-
-def test_strokes_beside_a_swing_leave_what_the_swing_tells():
-    """A mass known to 7 % was told to half and twice its value, and withheld, once twenty constant speeds were recorded too."""
-    found = [in_runs(seed) for seed in range(100)]
-    held = np.mean([abs(x) < half for x, half in found], axis=0)
-    assert held.min() >= 0.9
-    assert np.median([half for _, half in found], axis=0)[0] < 1.6 * 1.96 / np.sqrt(600)
-
-
-def test_what_one_run_tells_counts_what_runs_differ_by():
-    found = [in_runs(seed, between=1.0) for seed in range(100)]
-    assert np.mean([abs(x[0]) < half[0] for x, half in found]) >= 0.9
 
 
 def test_the_search_begins_in_windows_that_move():

@@ -90,15 +90,3 @@ def _noise(log: Log) -> float:
     else:
         told = np.sqrt(floor * edge)
     return float(max(white, told))
-
-
-def held_force(log: Log, rest: Mask, beside: Array | float = 0.0) -> float | None:
-    """The largest force that friction held at rest, N; None where the body never rests.
-
-    Args:
-        beside: what of the force is not friction's, such as an offset or gravity.
-    """
-    if int(rest.sum()) < _WINDOWS * _SHORTEST:
-        return None
-    force = abs(log.force - beside)[rest]
-    return float(np.quantile(force, 0.98))

@@ -78,7 +78,6 @@ TERMS: dict[str, Term] = {
 OF_RECORD = ("F_c_by_time",)  # what went on during that record, and is not taken to another
 RIPPLE = ("ripple_sin", "ripple_cos", "ripple_waves")  # one without the others is none
 OF_MOTION = ("delay", *RIPPLE)  # numbers that a column hangs on: a fit by simulation finds them as shapes
-OF_POSITION = ("stiffness", "gravity_sin", "gravity_cos", "F_c_by_position", *RIPPLE)
 
 
 def _get(column: Array | None) -> Array:

@@ -16,40 +16,10 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from stribeck.arrays import Array
-from stribeck.identify.log import Log
-from stribeck.identify.models.memory import rows_together
 
 Groups = NDArray[np.intp]
-_ALONE = 4.0  # times a number's variance is what leaving out a part does to it by noise alone: that part tells it
 _LITTLE, _ROUNDING = 1e-12, 1e-14  # of all that is known: a direction of which nothing is
-BLOCKS, _BANDS, _BINS = 10, 8, 16
-_FEWEST_FILES, _FEWEST_RUNS = 3, 6
-
-
-@dataclass(frozen=True)
-class RowGroups:
-    """Which part each row belongs to, what the parts are, and whether they are repeated experiments."""
-
-    number: Groups
-    what: str
-    repeats: bool
-
-    @property
-    def count(self) -> int:
-        """How many there are."""
-        return int(self.number.max()) + 1
-
-
-def parts_of(log: Log) -> RowGroups:
-    """Files where there are three or more, runs where there are six, else ten blocks in time."""
-    names = list(dict.fromkeys(log.files))
-    if len(names) >= _FEWEST_FILES:
-        number = np.array([names.index(name) for name in log.files])[log.run]
-        return RowGroups(_dense(number), f"{len(names)} files", True)
-    runs = np.cumsum(np.diff(log.run, prepend=log.run[:1]) != 0)
-    if (count := int(runs[-1]) + 1) >= _FEWEST_RUNS:
-        return RowGroups(runs.astype(np.intp), f"{count} runs", True)
-    return RowGroups((np.arange(len(log)) * BLOCKS // len(log)).astype(np.intp), f"{BLOCKS} blocks in time", False)
+_BANDS = 8
 
 
 def _dense(number: Groups) -> Groups:
@@ -61,41 +31,6 @@ def by_speed(v: Array, weight: Array, count: int = _BANDS) -> Groups:
     inside = v[weight > 0]
     edges = np.unique(np.quantile(inside, np.linspace(0, 1, count + 1)[1:-1]))
     return _dense(np.searchsorted(edges, v).astype(np.intp))
-
-
-def over_parts(slopes: Array, misfit: Array, parts: RowGroups) -> tuple[Array, NDArray[np.bool_]]:
-    """Half of the 95 % interval of each coefficient, by the jackknife over the parts of a record; and whether it is told by one
-    part.
-
-    What one of several files or runs tells nearly alone is anything without it. Such a part is taken in blocks in time, as if
-    it were the only one, with as much more as the levels of files differ by beyond their noise, unless the others contradict it.
-    """
-    half = half_widths(slopes, misfit, parts.number, True)
-    none = np.zeros(slopes.shape[1], bool)
-    if not parts.repeats or not slopes.shape[1]:
-        return half, none
-    rows = [np.flatnonzero(parts.number == part) for part in range(parts.count)]
-    left = _left_out(slopes, misfit, rows)
-    times = left.due / np.maximum(np.diag(left.inverse), 1e-300)  # of the variance, by white noise
-    alone = times > _ALONE
-    if not alone.any():
-        return half, none
-    number, told = parts.number.copy(), alone.any(axis=1)
-    for part in np.flatnonzero(told):
-        number[rows[part]] = int(number.max()) + 1 + np.arange(len(rows[part])) * BLOCKS // len(rows[part])
-    finer = half_widths(slopes, misfit, _dense(number), True)
-    agree = np.all(~alone | (abs(left.moved) <= np.sqrt(times) * finer * left.size), axis=0)
-    longest = max(len(rows[part]) for part in np.flatnonzero(told))
-    taken = np.asarray(alone.any(axis=0) & agree)
-    return np.where(taken, finer * _by_levels(misfit, rows, longest), half), taken
-
-
-def _by_levels(misfit: Array, parts: Sequence[Groups], count: int) -> float:
-    """How many times wider the interval of a level is, told by ``count`` rows of one part, as the levels of parts differ."""
-    within = np.concatenate([misfit[rows] - np.mean(misfit[rows]) for rows in parts])
-    noise = float(np.mean(within**2)) * max(rows_together(within), 1.0)
-    levels = float(np.mean([np.mean(misfit[rows]) ** 2 - noise / len(rows) for rows in parts]))
-    return float(np.sqrt(1 + count * max(levels, 0.0) / noise)) if noise > 0 else 1.0
 
 
 def half_widths(slopes: Array, misfit: Array, parts: Groups, jackknife: bool) -> Array:
@@ -169,16 +104,3 @@ def sizes(slopes: Array) -> Array:
     """The root of the mean square of each column; 1 for one of nothing."""
     size = np.sqrt(np.mean(slopes**2, axis=0))
     return np.asarray(np.where(size > 0, size, 1.0))
-
-
-def misfit_share(v: Array, misfit: Array, weight: Array) -> float:
-    """What share of the squared residual a free curve of the speed would take away, less what it takes of noise."""
-    band = by_speed(v, weight, _BINS)
-    r, band = misfit[weight > 0], band[weight > 0]
-    counts = np.bincount(band)
-    sums = np.bincount(band, r)
-    total = float(r @ r)
-    taken = float(np.sum(sums[counts > 0] ** 2 / counts[counts > 0]))
-    memory = rows_together(r)
-    noise = memory * len(counts) / max(len(r), 1)
-    return float(np.clip(taken / total - noise, 0.0, 1.0)) if total > 0 else 0.0
