@@ -9,7 +9,7 @@ from stribeck import Scenario
 from stribeck.loops.compensation import CompensationResult, _dithered, with_compensation
 from stribeck.loops.judge import Judgement, at_rest, judge
 from stribeck.loops.loop import loop_of
-from stribeck.loops.moves import reversal_errors
+from stribeck.loops.moves import Tracked, reversal_errors
 from stribeck.loops.shaken import SHARE, swings
 from stribeck.loops.starts import Start, _together, from_starts, kinds
 from stribeck.report.design import starts_sentence
@@ -97,5 +97,6 @@ def test_the_front_of_error_against_margin():
     """Those that none beats in both; what is not quiet, and a dither, whose shares are of another kind, aside."""
     rows = [("none", 0.0, 3.0), ("reference", 1.5, 1.0), ("measured", 0.8, 0.7), ("inner_loop", 0.7, 0.9),
             ("dither", 3.0, 0.1), ("other", None, 0.0)]  # fmt: skip
-    found = [CompensationResult(kind, 1.0, margin, 0.0, worst, hunter()) for kind, margin, worst in rows]
+    sine = Tracked(np.zeros(0), np.zeros(0), np.zeros(0), {})
+    found = [CompensationResult(kind, 1.0, margin, 0.0, worst, hunter(), sine) for kind, margin, worst in rows]
     assert unbeaten(found) == [(0.8, 0.7), (1.5, 1.0)]

@@ -123,9 +123,9 @@ def _print(path: Path, found: Design, out: Path | None) -> None:
         say(f"note: {own.note}", 4, "  ")
     print()
     _print_errors(found, unit)
-    if (moves := found.moves) is not None:
-        size = f"{human(moves.amplitude, unit)} to each side, at most {human(moves.speed, unit + '/s')}"
-        say(f"sine, slow ramp and step move {size}", 4, "  ")
+    moves = found.moves
+    size = f"{human(moves.amplitude, unit)} to each side, at most {human(moves.speed, unit + '/s')}"
+    say(f"sine, slow ramp and step move {size}", 4, "  ")
     if found.lines:
         print()
     for line in found.lines:

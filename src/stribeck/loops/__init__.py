@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 
@@ -51,9 +51,9 @@ class Design:
     lines: list[boundary.PathVerdicts]
     compensations: list[compensation.CompensationResult]
     why_not: str
-    excess: Excess | None = None
-    starts: list[Start] = field(default_factory=list)
-    moves: Moves | None = None
+    excess: Excess | None
+    starts: list[Start]
+    moves: Moves
 
     @property
     def verdict(self) -> str:
@@ -84,7 +84,7 @@ class Design:
             "slowest_time_constant": self.loop.slowest,
             "held_signals": list(self.loop.held),
             "errors": self.errors,
-            "moves": {**asdict(self.moves), "period": self.moves.period} if self.moves else None,
+            "moves": {**asdict(self.moves), "period": self.moves.period},
             "boundaries": [asdict(b) for x in self.lines for b in x.boundaries],
             "mixed": [asdict(m) for x in self.lines for m in x.mixed],
             "scans": [{"path": x.turned.path, "points": len(x.values), "resolution": x.resolution} for x in self.lines],

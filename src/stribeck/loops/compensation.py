@@ -14,7 +14,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import Loop, controller_of, time_constant
-from stribeck.loops.moves import reversal_errors
+from stribeck.loops.moves import Tracked, on_a_sine, reversal_errors
 from stribeck.loops.shaken import frequency_for
 from stribeck.scenario import Scenario
 
@@ -42,6 +42,7 @@ class CompensationResult:
         reversal_error: the largest error after a reversal of the standard sine, with the friction as in the file.
         worst_error: the same with the worst sample.
         loop: the machine with it.
+        sine: how the standard sine is followed with it, with the friction as in the file.
         dither: its kind, amplitude and frequency, where it is one, and the least share from which on it is quiet.
         table: what stands under ``compensation`` of the controller at that share, where it is one.
     """
@@ -52,6 +53,7 @@ class CompensationResult:
     reversal_error: float
     worst_error: float
     loop: Loop
+    sine: Tracked
     dither: dict[str, object] | None = None
     table: dict[str, object] | None = None
 
@@ -228,11 +230,12 @@ class _Remedy:
 def _result(remedy: _Remedy, controller: str, kind: str, share: float, largest: float | None) -> CompensationResult:
     """What a remedy leaves at a share."""
     given = {} if remedy.path is None else {remedy.path: np.array([share])}
-    own = float(reversal_errors(remedy.loop, controller, given)[0])
+    sine = on_a_sine(remedy.loop, controller, given)
+    own = float(sine.errors["reversal"] or 0.0) if "failed_at" not in sine.errors else np.nan
     worst = float(np.nanmax(remedy.errors(controller, share, np.arange(len(remedy.without)))))
     table = remedy.loop.scenario.data["controllers"][controller].get("compensation")
     table = {**deepcopy(table), "share": share} if table else None
-    return CompensationResult(kind, share, largest, own, worst, remedy.loop, table=table)
+    return CompensationResult(kind, share, largest, own, worst, remedy.loop, sine, table=table)
 
 
 def _dithered(made: Loop, controller: str, samples: dict[str, Array], without: NDArray[np.bool_]) -> CompensationResult:

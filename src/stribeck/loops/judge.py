@@ -215,7 +215,7 @@ class _Shown:
         spread = max(quarters) - min(quarters)
         cycles = float(self.t[self.rows][-1] - self.t[self.rows][0]) / period if period > 0 else 0.0
         change = abs(quarters[3] - quarters[0])
-        keeps = cycles >= _ENOUGH_CYCLES and length > 2 * SHORTEST * self.tau
+        keeps = cycles >= _ENOUGH_CYCLES and length > 2 * SHORTEST * self.tau and min(quarters) > rest  # else it drifts
         keeps &= spread <= _ALIKE * max(quarters) + _COUNTS * rest and change <= _KEEPS * quarters[0] + _COUNTS * rest
         wanted = 0.0 if keeps else 2 * length
         if self._limited():

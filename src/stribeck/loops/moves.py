@@ -96,28 +96,42 @@ class Tracked:
     errors: dict[str, float | None]
 
 
+def on_a_sine(loop: Loop, controller: str, values: Mapping[str, ArrayLike] | None = None) -> Tracked:
+    """How the standard sine is followed, with the error after its reversals."""
+    moves = moves_of(loop, controller)
+    signal, end = signals_of(moves)["sine"]
+    return _tracked(_lanes(loop, replaced(loop.lean, controller, signal), end, values), controller, moves.period)
+
+
 def errors(loop: Loop, controller: str) -> dict[str, Tracked]:
     """Peak, root mean square, error after reversals and at rest, and settling time: of the file's signal ("file") and
     of the standard moves."""
     found = {"file": _of_file(loop, controller)}
     moves = moves_of(loop, controller)
+    found["sine"] = on_a_sine(loop, controller)
     for name, (signal, end) in signals_of(moves).items():
-        lanes = _lanes(loop, replaced(loop.lean, controller, signal), end)
-        t, r, y = _courses(lanes, controller)
-        e = r - y
-        row: dict[str, float | None] = _sizes(e)
         if name == "sine":
-            row["reversal"] = float(np.abs(e[_after_reversals(t, moves.period)]).max(initial=0.0))
+            continue
+        found[name] = move = _tracked(_lanes(loop, replaced(loop.lean, controller, signal), end), controller)
+        t, e = move.t, move.r - move.y
         if name == "slow_ramp":
             turn = end / 3
-            row["reversal"] = float(np.abs(e[(t >= turn) & (t <= turn * 1.5)]).max(initial=0.0))
-        if name == "step":
-            row["settling"] = _settling(t, e, _tolerance(loop, controller, moves.amplitude))
-            row["standstill"] = float(np.abs(e[-len(e) // 20 :]).max(initial=0.0))
-        if lanes.reason[0] is not None:
-            row["failed_at"] = float(t[-1]) if len(t) else 0.0
-        found[name] = Tracked(t, r, y, row)
+            move.errors["reversal"] = float(np.abs(e[(t >= turn) & (t <= turn * 1.5)]).max(initial=0.0))
+        else:
+            move.errors["settling"] = _settling(t, e, _tolerance(loop, controller, moves.amplitude))
+            move.errors["standstill"] = float(np.abs(e[-len(e) // 20 :]).max(initial=0.0))
     return found
+
+
+def _tracked(lanes: Ensemble, controller: str, period: float | None = None) -> Tracked:
+    """The first lane's course and the sizes of its error; after the reversals of a sine too."""
+    t, r, y = _courses(lanes, controller)
+    row: dict[str, float | None] = _sizes(r - y)
+    if period is not None:
+        row["reversal"] = float(np.abs((r - y)[_after_reversals(t, period)]).max(initial=0.0))
+    if lanes.reason[0] is not None:
+        row["failed_at"] = float(t[-1]) if len(t) else 0.0
+    return Tracked(t, r, y, row)
 
 
 def _of_file(loop: Loop, controller: str) -> Tracked:

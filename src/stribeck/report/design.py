@@ -47,8 +47,10 @@ def write_design(found: Design, summary: dict[str, object], folder: Path, comman
         if found.excess is not None and found.excess.counterexample is not None:
             paths.append(_excess(found.excess.counterexample, place, folder))
         with left_out("the plots and the page"):
-            figures = [design_figures.line(line, i) for i, line in enumerate(found.lines)]
+            figures = [design_figures.tracking(found.tracked, position_unit(found))]
+            figures += [design_figures.line(line, i) for i, line in enumerate(found.lines)]
             if found.compensations:
+                figures.append(design_figures.motions(found.compensations, found.moves.period, position_unit(found)))
                 figures.append(design_figures.shares(found.compensations, _unit(found, found.judgement.body)))
             for figure in figures:
                 paths += write_figure(figure, place)
@@ -219,11 +221,11 @@ def _errors(found: Design) -> Chapter:
         "Errors of the body that is measured. 'file' is the file's own signal; the sine's reversals are those of a circle's "
         "quadrants for each of its axes."
     ]
-    if (m := found.moves) is not None:
-        text.append(
-            f"Sine, slow ramp and step go {human(m.amplitude, unit)} to each side, at most at {human(m.speed, unit + '/s')}: "
-            f"the sine has a period of {human(m.period, 's')}."
-        )
+    m = found.moves
+    text.append(
+        f"Sine, slow ramp and step go {human(m.amplitude, unit)} to each side, at most at {human(m.speed, unit + '/s')}: "
+        f"the sine has a period of {human(m.period, 's')}."
+    )
     return Chapter("errors", "How well it tracks", text, [Table(["move", *keys], rows)])
 
 

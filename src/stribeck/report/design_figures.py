@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from stribeck.loops.boundary import PathVerdicts
 from stribeck.loops.compensation import CompensationResult
+from stribeck.loops.moves import Tracked
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
+from stribeck.report.quantities import prefixed
 
 VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 
@@ -35,6 +37,47 @@ def line(along: PathVerdicts, i: int) -> FigureSvg:
             f"boundaries_{i}",
             f"Each point is a simulated loop; dashed: boundaries of {along.turned.path}; shaded: mixed.",
             pdf=True,
+        )
+
+
+def tracking(found: Mapping[str, Tracked], unit: str) -> FigureSvg:
+    """How the file's own signal and the standard sine are followed: signal and position, and the error."""
+    names = [name for name in ("file", "sine") if len(found[name].t)]
+    with plots.style():
+        made, axes = plots.figure([names, [f"{name} error" for name in names]], 3.6)
+        for name in names:
+            move, error = found[name], found[name].r - found[name].y
+            factor, of_position = prefixed(unit, float(np.abs(move.r).max()))
+            for i, (x, label) in enumerate(((move.r, "signal"), (move.y, "position"))):
+                plots.line(axes[name], i, *plots.thin(move.t, x / factor), label)
+            axes[name].set(
+                ylabel=f"position ({of_position})", title="the file's signal" if name == "file" else "the sine"
+            )
+            axes[name].legend(fontsize=8)
+            factor, of_error = prefixed(unit, float(np.abs(error).max()))
+            plots.line(axes[f"{name} error"], 1, *plots.thin(move.t, error / factor), "")
+            axes[f"{name} error"].set(xlabel="time (s)", ylabel=f"error ({of_error})")
+        return plots.finish(made, "tracking", "Signal, position and error with the file's own controller.", pdf=True)
+
+
+def motions(found: Sequence[CompensationResult], period: float, unit: str) -> FigureSvg:
+    """The motion with and without each compensation: the error over the last wave of the sine, and after its reversal."""
+    largest = max(float(np.abs(c.sine.r - c.sine.y)[c.sine.t >= period].max(initial=0.0)) for c in found)
+    factor, shown = prefixed(unit, largest)
+    with plots.style():
+        made, axes = plots.figure([["wave", "wave", "after"]], 3.0)
+        for i, c in enumerate(found):
+            t, e = c.sine.t, (c.sine.r - c.sine.y) / factor
+            last = t >= t[-1] - period
+            plots.line(axes["wave"], i, *plots.thin(t[last], e[last]), c.kind)
+            since = t - (t[-1] - 0.75 * period)  # the sine's last turn but one
+            near = (since >= -0.02 * period) & (since <= 0.125 * period)
+            plots.line(axes["after"], i, since[near], e[near], "")
+        axes["wave"].set(xlabel="time (s)", ylabel=f"error ({shown})", title="the last wave of the sine")
+        axes["wave"].legend(fontsize=8, ncols=2)
+        axes["after"].set(xlabel="time after the reversal (s)", title="after a reversal")
+        return plots.finish(
+            made, "motions", "Tracking error with the file's friction, without and with each compensation.", pdf=True
         )
 
 

@@ -1,0 +1,57 @@
+"""Verdicts of loops that move for long before they rest, or rest for long before they break away; SciPy's LSODA on equations
+written apart (benchmarks/design_attack.py) comes to the same."""
+
+import pytest
+
+from stribeck import Scenario
+from stribeck.loops.boundary import Turned, line
+from stribeck.loops.judge import judge
+from stribeck.loops.loop import loop_of
+from stribeck.loops.starts import from_starts
+from tests.machine.machines import law, machine
+
+SOFT = {"sigma_0": 1e5, "sigma_1": 316.22776601683796, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
+
+
+def loop(mass, guide, t, value, t_end, **controller):
+    """A mass on a guide under a controller that moves it once."""
+    signal = {"kind": "point_to_point", "t": t, "value": [0.0, value]}
+    data = machine(
+        {"body": {"mass": mass}}, t_end, energy=False, contacts={"guide": {"from": "body", "law": guide}},
+        controllers={"axis": {"on": "body", "signal": signal, **controller}},
+    )  # fmt: skip
+    return loop_of(Scenario(data))
+
+
+def cascade(**more):
+    guide = law(k_v=1e5, sigma_0=2e5, sigma_1=500.0, sigma_2=20.0, F_c=4.0, F_s=6.0, v_s=5e-3)
+    return loop(2.0, guide, [0.2, 0.8], 0.05, 4.0, kind="cascade", K_p=20.0, **more)
+
+
+def test_a_motion_that_grows_on_its_way_to_rest_is_quiet():
+    sampling = {"period": 1e-3, "delay": 1e-3, "resolution": 1e-6}
+    assert judge(cascade(K_v=100.0, T_i=0.05, sampling=sampling))[0].verdict == "quiet"
+
+
+def test_what_saturates_on_its_way_to_rest_is_quiet():
+    sampling = {"period": 1e-3, "delay": 5e-4, "resolution": 2e-5}
+    found = from_starts(cascade(K_v=60.0, T_i=0.1, limit=40.0, sampling=sampling), "axis")
+    rests = {abs(s.off) for s in found if s.judgement.quiet and s.off}
+    assert {0.00025, 0.0025} <= {float(f"{x:.3g}") for x in rests}
+
+
+def test_a_slow_integral_breaks_away_in_the_end():
+    """It sticks for 185 s of each cycle, and the first verdict took more than 400 s."""
+    guide = {"name": "elastoplastic", "z_ba": 8e-6, "parameters": SOFT}
+    (found,) = judge(loop(1.0, guide, [0.5, 1.5], 0.02, 40.0, kind="pid", K_p=40.0, K_i=2.0, K_d=8.0))
+    assert found.verdict == "hunting"
+    assert found.period == pytest.approx(373, rel=0.01)
+
+
+def test_a_narrow_quiet_stretch_is_found():
+    """K_d from 100 to 126: runs at 102, 105, 110 and 120 rest, those at 98 and 130 hunt."""
+    made = loop(1.0, law("lugre", **SOFT), [0.5, 1.5], 0.05, 20.0, kind="pid", K_p=300.0, K_i=400.0, K_d=20.0)
+    found = line(made, Turned("controllers.axis.K_d", 60.0, 180.0))
+    assert [b.value for b in found.boundaries] == pytest.approx([100.0, 125.9, 156.8], rel=5e-3)
+    assert found.boundaries[0].above == "quiet"
+    assert found.resolution <= 0.035
