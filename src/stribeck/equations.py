@@ -96,6 +96,10 @@ class Equations(ABC):
         """The same with the quantities."""
         return [Watch(name, symbol("v"), events) for name, events in self.watched]
 
+    def forces(self, called: Names | None = None) -> list[Expr]:
+        """The friction forces: their accuracy is promised, and so looked after by the solver."""
+        return []
+
     @property
     def memory(self) -> dict[str, tuple[str, ...]]:
         """What each sampled controller remembers, by its name."""

@@ -19,6 +19,8 @@ class Collected:
     by_time: list[Expr]
     watched: list[Expr]
     watched_by: list[Expr]
+    forces: list[Expr]
+    forces_by: list[Expr]
     moved: list[Expr]
     samples: list[Expr]
     curved: list[bool]
@@ -30,7 +32,8 @@ class Collected:
     def parts(self) -> list[list[Expr]]:
         """The lists that are rewritten."""
         samples = [] if self.as_written else [self.samples]
-        return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, self.moved, *samples]
+        forces = (self.forces, self.forces_by)
+        return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, *forces, self.moved, *samples]
 
     @property
     def every(self) -> list[Expr]:
@@ -58,6 +61,7 @@ def collect(system: Equations, as_written: bool = False) -> Collected:
     rows = [slopes(rate) for rate in rates]
     watched = [watch.value for watch in system.watches(called)]
     of_watched = [slopes(value) for value in watched]
+    forces = system.forces(called)
     moving = {*names, "t"}
     samples = system.samples(called)
     moved = system.moved_energy()
@@ -67,6 +71,8 @@ def collect(system: Equations, as_written: bool = False) -> Collected:
         by_time=[row[-1] for row in rows],
         watched=watched,
         watched_by=[entry for row in of_watched for entry in row[:-1]],
+        forces=forces,
+        forces_by=[entry for force in forces for entry in slopes(force)[:-1]],
         moved=[] if moved is None else [moved],
         samples=[expr for each in samples for expr in (each.output, *each.memory.values())],
         curved=[bool(symbols(row) & moving) for row in of_watched],

@@ -272,7 +272,8 @@ class Emitted:
         self.code = s = SystemCode(system, False)
         s.jacobian, s.factors = {}, {}
         right = [symbol(f"right.{name}") for name in s.names]
-        solution = eliminate(s.matrix(), s.c_names, right, s.keep_factor)
+        rows, observed = s.matrix(), s.observed()
+        solution = eliminate(rows, s.c_names, right, s.keep_factor)
         self.n = n = len(s.names)
         self.calls: set[str] = set()
         self.offset = {
@@ -283,6 +284,7 @@ class Emitted:
             "work": {f"jacobian.{name}": 8 * (2 * n + i) for i, name in enumerate(s.jacobian)},
             "m": {f"memory.{x}": 8 * i for i, x in enumerate(x for memory in s.memory for x in memory)},
             "dx": {f"change.{i}": 8 * i for i in range(n)},
+            "e": {f"error.{i}": 8 * i for i in range(n)},
         }
         derivatives = [*s.rates, *s.by_time, *s.jacobian.values()]
         self.functions = {
@@ -290,6 +292,7 @@ class Emitted:
             "rates": self._stored("iiidii", "p c piece t x dx", s.rates, "dx"),
             "linearise": self._stored("iiidii", "p c piece t x work", derivatives, "work"),
             "attempt": _Attempt(self, solution).function(),
+            "observe": self._observe(observed),
             "may_cross": _MayCross(self).function(),
             "watch": self._stored("iiidii", "p c piece t x w", s.watched, "w"),
             "watch_dense": self._stored("iiii", "p c dx dw", self.changes(), "dw"),
@@ -302,7 +305,7 @@ class Emitted:
         moved = s.names.index("E_in") if s.moved else -1
         self.sizes = [
             n, len(system.piece_fields), len(system.held), len(system.shown), len(s.watched), len(watched),
-            sum(s.curved), moved,
+            sum(s.curved), moved, len(s.forces),
         ]  # fmt: skip
         self.tables = [_filled(watched), _filled([int(x) for x in s.curved])]
         self.room = {
@@ -355,6 +358,16 @@ class Emitted:
         f, target = Function(kinds), names.split().index(to)
         values = self.values(f, self.where(names), outputs)
         f.code += b"".join(store(target, 8 * i, value) for i, value in enumerate(values))
+        return f
+
+    def _observe(self, observed: Sequence[tuple[str, Expr]]) -> Function:
+        """The friction forces, their errors, and the sizes of the terms of these: each goes to an array of its own."""
+        names = "p c work e force force_error force_terms"
+        f = Function("i" * len(names.split()))
+        values = self.values(f, self.where(names), [node for _, node in observed])
+        for (target, _), value in zip(observed, values, strict=True):
+            array, _, place = target.rstrip("]").partition("[")
+            f.code += store(names.split().index(array), 8 * int(place), value)
         return f
 
     def _moved_energy(self) -> Function:

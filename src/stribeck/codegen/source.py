@@ -30,8 +30,8 @@ _RESERVED = (
         """
     p c t x dx piece jac fac shift inv_shift df_dt
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
-    floor_of piece_ w dw m u which noise memory timing sample watch moved_energy
-    N WATCHES WATCHED CURVED PIECE HELD SHOWN MOVED BY_TIME LANES GROUPS BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
+    floor_of piece_ w dw m u e force force_error force_terms which noise memory timing sample watch moved_energy
+    N FORCES WATCHES WATCHED CURVED PIECE HELD SHOWN MOVED BY_TIME LANES GROUPS BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
     """.split()  # noqa: SIM905
     )
 )
@@ -83,6 +83,8 @@ class SystemCode:
         self.rates, self.by_time, self.watched = made.rates, made.by_time, made.watched
         self.by_state = [made.by_state[i * n : (i + 1) * n] for i in range(n)]
         self.watched_by = [made.watched_by[i * n : (i + 1) * n] for i in range(len(self.watched))]
+        self.forces = made.forces
+        self.forces_by = [made.forces_by[i * n : (i + 1) * n] for i in range(len(self.forces))]
         self.curved = made.curved
         self.moved, self.samples, self.memory = made.moved, made.samples, made.memory
 
@@ -92,7 +94,7 @@ class SystemCode:
         """The whole file."""
         self.jacobian: dict[str, Expr] = {}
         self.factors: dict[str, Expr] = {}
-        rows = self.matrix()
+        rows, observed = self.matrix(), self.observed()
         right = [symbol(f"right.{name}") for name in self.names]
         solution = eliminate(rows, self.c_names, right, self.keep_factor)
         parts = [
@@ -119,6 +121,10 @@ class SystemCode:
                 f"{_COMMON}, {_NOW}, Jacobian *jac, real *df_dt",
                 [*((f"jac->{name}", node) for name, node in self.jacobian.items()),
                  *((f"df_dt[{i}]", node) for i, node in enumerate(self.by_time))],
+            ),
+            self.function(
+                "The friction forces, and how much errors of the states change them.", "observe",
+                f"{_COMMON}, const Jacobian *jac, const real *e, real *force, real *force_error, real *force_terms", observed,
             ),
             self.function(
                 "Factors of shift I - J.", "factorise",
@@ -222,6 +228,29 @@ class SystemCode:
             matrix.append(row)
         return matrix
 
+    def observed(self) -> list[tuple[str, Expr]]:
+        """The friction forces, their first-order change and the size of its terms, from entries that the Jacobian's
+        function keeps."""
+        known = {*self.parameter_text, *(f"coefficient.{name}" for name in self.coefficients)}
+
+        def kept(name: str, entry: Expr) -> Expr:
+            if symbols([entry]) <= known:
+                return entry
+            while name in self.jacobian:
+                name += "_"
+            self.jacobian[name] = entry
+            return symbol(f"jacobian.{name}")
+
+        found = [(f"force[{k}]", kept(f"F_{k}", force)) for k, force in enumerate(self.forces)]
+        for k, row in enumerate(self.forces_by):
+            total = size = ZERO
+            for i, entry in enumerate(row):
+                if not is_zero(entry):
+                    term = kept(f"F_{k}_{self.c_names[i]}", entry) * symbol(f"error.{i}")
+                    total, size = total + term, size + abs(term)
+            found += [(f"force_error[{k}]", total), (f"force_terms[{k}]", size)]
+        return found
+
     def keep_factor(self, name: str, entry: Expr) -> Expr:
         """What stands for an entry of the factors: itself if it is cheap, else a symbol of its own."""
         cheap = entry.op in ("constant", "symbol") or (entry.op == "neg" and entry.args[0].op in ("constant", "symbol"))
@@ -258,11 +287,12 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
             f"#define PIECE {len(self.system.piece_fields)} /* numbers of the signals' pieces */\n"
             f"#define HELD {len(self.system.held)} /* outputs of sampled controllers */\n"
             f"#define SHOWN {len(self.system.shown)} /* of what they remember, how much the rows have */\n"
+            f"#define FORCES {len(self.forces)} /* friction forces */\n"
             f"#define WATCHES {len(self.watched)} /* quantities that events are told by */\n"
             f"#define WATCHED {len(moving)}\n"
             f"#define CURVED {sum(self.curved)}\n"
             "#define MAY_WATCH (WATCHES > 0)\n#define MAY_CURVE (CURVED > 0)\n#define MAY_HOLD (HELD > 0)\n"
-            "#define MAY_SHOW (SHOWN > 0)\n#define MAY_MOVE (MOVED >= 0)\n"
+            "#define MAY_SHOW (SHOWN > 0)\n#define MAY_MOVE (MOVED >= 0)\n#define MAY_OBSERVE (FORCES > 0)\n"
             f"static const int BY_TIME[N] = {{{', '.join(str(int(not is_zero(x))) for x in self.by_time)}}};"
             " /* states whose rates depend on time itself */\n"
             f"#define MOVED {self.names.index('E_in') if self.moved else -1} /* the state of the energy put in, or -1 */"
@@ -301,6 +331,7 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
             **{f"segment.{n}": f"piece->{_c_name(n)}" for n in (*self.system.piece_fields, *self.system.held)},
             **{f"memory.{n}": f"m->{_c_name(n)}" for memory in self.memory for n in memory},
             **{f"change.{i}": f"dx[{i}]" for i in range(len(self.names))},
+            **{f"error.{i}": f"e[{i}]" for i in range(len(self.names))},
             **{f"jacobian.{n}": f"jac->{n}" for n in self.jacobian},
             **{f"factor.{n}": f"fac->{n}" for n in self.factors},
             **{f"right.{n}": f"right[{i}]" for i, n in enumerate(self.names)},

@@ -16,7 +16,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.equations import Equations, Sample, Watch, Watched
-from stribeck.expressions.graph import Expr
+from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.names import Names
 from stribeck.machine.assembly import Assembly
 from stribeck.machine.driving import DrivePart, sample_of
@@ -206,6 +206,11 @@ class MachineSystem(Equations):
     def assembly(self, exact: bool = False, called: Names | None = None) -> Assembly:
         """All quantities of the machine as expressions; ``exact``: as an output shows them at one instant."""
         return Assembly(self.elements, self.drives, called, exact)
+
+    def forces(self, called: Names | None = None) -> list[Expr]:
+        """The friction force of each contact."""
+        found = self.assembly(called=called).k
+        return [wrap(found[contact.of("F")]) for contact in self.contacts]
 
     def rates(self, called: Names | None = None) -> list[Expr]:
         """The time derivatives of the states."""

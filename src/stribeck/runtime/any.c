@@ -2,7 +2,7 @@
    system's own C say when it is compiled stands here in memory, or is imported (codegen/emitted.py).                  ---- */
 
 typedef struct {
-    int32_t n, piece, held, shown, watches, watched, curved, moved;
+    int32_t n, piece, held, shown, watches, watched, curved, moved, forces;
     double *coefficients, *work, *k; /* room: of prepare, of linearise, and for the stages */
     int32_t watched_states[64], is_curved[64];
 } Shape;
@@ -15,6 +15,7 @@ EXPORT Shape shape; /* filled by simulation/wasm.py */
 #define WATCHED shape.watched
 #define CURVED shape.curved
 #define MOVED shape.moved
+#define FORCES shape.forces
 #define WATCHED_STATES shape.watched_states
 #define IS_CURVED shape.is_curved
 #define MAY_WATCH 1
@@ -22,7 +23,9 @@ EXPORT Shape shape; /* filled by simulation/wasm.py */
 #define MAY_HOLD 1
 #define MAY_SHOW 1
 #define MAY_MOVE 1
+#define MAY_OBSERVE 1
 
+typedef real Work;
 typedef struct { real none; } Parameters, Coefficients, Segment, Memory; /* their fields: codegen/emitted.py */
 #define OF_SYSTEM(name) __attribute__((import_module("system"), import_name(#name)))
 #define AT const Parameters *p, const Coefficients *c, const Segment *piece, real t, const real *x
@@ -32,6 +35,8 @@ OF_SYSTEM(linearise) void linearise(AT, real *work);
 OF_SYSTEM(attempt) real attempt_of_system(AT, real h, real *work, real *k, real *x_new, const real *atol, real rtol);
 #define attempt(p, c, piece, t, x, h, work, k, x_new, atol, rtol) \
     attempt_of_system(p, c, piece, t, x, h, work, &(k)[0][0], x_new, atol, rtol)
+OF_SYSTEM(observe) void observed(const Parameters *p, const Coefficients *c, const real *work, const real *e, real *F,
+                                 real *F_error, real *F_terms);
 OF_SYSTEM(may_cross) int may_cross(AT, real h, const real *x_new, const real *k, const double *thresholds);
 OF_SYSTEM(watch) void watch(AT, real *w);
 OF_SYSTEM(watch_dense) void watch_dense(const Parameters *p, const Coefficients *c, const real *dx, real *dw);

@@ -25,6 +25,17 @@ static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, 
     real d[N][3];
     if (rows)
         for (int n = 0; n < N; n++) dense(k, n, d[n]);
+#if FORCES > 0
+    if (rows) {
+        real last_term[N], F[FORCES], F_last[FORCES], size[FORCES];
+        for (int n = 0; n < N; n++) last_term[n] = 27.0 / 256 * d[n][2]; /* s^3 (1 - s) is at most 27/256 */
+        observe(&l->p, &l->c, &l->now.jac, last_term, F, F_last, size);
+        for (int q = 0; q < FORCES; q++) {
+            real *largest = l->largest + N + 2 * FORCES + q;
+            *largest = choose(l->row_t < t_new, larger(abs_of(F_last[q]), *largest), *largest);
+        }
+    }
+#endif
     for (; attention; attention &= attention - 1) {
         const int lane = first_lane(attention);
         const unsigned bit = 1u << lane;
@@ -160,7 +171,15 @@ static inline void end(const Batch *b, Lanes *l)
     real(*k)[N] = l->k;
     const real *x_new = l->x_new, h = l->now.h, t_new = l->t_new;
     const mask last = l->last;
-    const real error = end_attempt(l->atol, b->rtol, l->x, l->k, l->x_new);
+    real error = end_attempt(l->atol, b->rtol, l->x, l->k, l->x_new);
+#if FORCES > 0
+    real F[FORCES], F_error[FORCES], F_terms[FORCES];
+    observe(&l->p, &l->c, &l->now.jac, k[STAGES - 1], F, F_error, F_terms);
+    for (int q = 0; b->force_tolerance && q < FORCES; q++) {
+        const real ratio = F_error[q] / l->force_tolerance[q], square = ratio * ratio;
+        error = choose((square > error) | (square != square), square, error);
+    }
+#endif
     const mask good = error <= 1, finite = error < 1e30;
     const real root = steering(error), plain = growth(root);
     real factor = choose(l->last_h > 0, predictive_growth(root, h, l->last_root, l->last_h), plain);
@@ -176,6 +195,19 @@ static inline void end(const Batch *b, Lanes *l)
     real w[5][WATCHES];
     const mask events = good & ~failed & look_out(l, h, t_new, k, x_new, w);
     if (lanes_in(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
+#endif
+    for (int n = 0; n < N; n++) l->largest[n] = choose(good, larger(abs_of(x_new[n]), l->largest[n]), l->largest[n]);
+#if FORCES > 0
+    for (int q = 0; q < FORCES; q++) {
+        real *peak = l->largest + N + q, *err = peak + FORCES;
+        *peak = choose(good, larger(abs_of(F[q]), *peak), *peak);
+        *err = choose(good, larger(abs_of(F_error[q]), *err), *err);
+    }
+    if (b->force_tolerance) observe(&l->p, &l->c, &l->now.jac, l->x, F, F_error, F_terms);
+    for (int q = 0; b->force_tolerance && q < FORCES; q++) {
+        real *terms = l->largest + N + 3 * FORCES + q;
+        *terms = choose(good, larger(F_terms[q], *terms), *terms);
+    }
 #endif
     l->accepted -= good; /* true is -1 */
     l->rejected -= ~good;

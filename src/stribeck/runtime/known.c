@@ -28,3 +28,11 @@ ALWAYS_INLINE static inline double attempt(const Parameters *p, const Coefficien
     UNROLL for (int s = 0; s < STAGES; s++) stage(s, p, c, piece, t, x, work, k, x_new);
     return end_attempt(atol, rtol, x, k, x_new);
 }
+
+/* The friction forces at the beginning of a step; what errors e of the states change them by, and the sizes of its terms. */
+typedef Attempt Work;
+UNUSED static inline void observed(const Parameters *p, const Coefficients *c, const Work *work, const double *e, double *F,
+                                   double *F_error, double *F_terms)
+{
+    observe(p, c, &work->jac, e, F, F_error, F_terms);
+}

@@ -8,6 +8,8 @@ typedef struct {
     const double *x0;             /* the state at t = 0 */
     const double *thresholds;     /* of the watched quantities, 0 for none */
     const double *h_limit;
+    const double *force_tolerance; /* how far a step may err in each friction force; NULL: as the states' tolerances say */
+    double *largest;              /* MEASURES numbers of each trajectory: its largest states, ... (see run.c) */
     const double *noise;          /* standard normal numbers, noise_room for each sampled controller */
     double *queue;                /* outputs of sampled controllers that do not act yet: queue_room for each */
     const int64_t *piece_first, *piece_end; /* where a trajectory's pieces begin and end in the arrays below */
@@ -20,10 +22,13 @@ typedef struct {
     int64_t *turn;                /* shared by all threads: the next trajectory, how many are finished, whether to stop */
     double rtol, t_end, step;
     int64_t count, rows, most_attempts, queue_room, noise_room;
+    int64_t rows_are_steps;       /* whether each row ends a step, so that none is interpolated */
     int64_t groups;               /* how many vectors a thread may take, at most GROUPS */
 } Batch;
 
 enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2, STALLED = -4 };
+
+enum { MEASURES = N + 4 * FORCES }; /* as in run.c */
 
 EXPORT int64_t stribeck_batch_size(void) { return (int64_t)sizeof(Batch); }
 EXPORT int64_t stribeck_lanes(void) { return LANES; }
@@ -52,6 +57,7 @@ typedef struct {
 #if WATCHES > 0
     real threshold[WATCHES];               /* nan where nothing is looked out for */
 #endif
+    real largest[MEASURES], force_tolerance[FORCES + 1];
     real atol[N], x[N], t, h, h_limit, t_stop, last_h, last_root;
     real row_t;                        /* the time of the next row */
     real output_h;                     /* the step to begin with after an output; 0: not known yet */
@@ -97,6 +103,11 @@ static void find_stop(const Batch *b, Lanes *l, int lane)
         stop = next < stop ? next : stop;
     }
 #endif
+    if (b->rows_are_steps) {
+        int64_t r = l->row[lane];
+        while ((double)r * b->step <= l->t[lane] * (1 + SAME_TIME)) r++;
+        if (r < b->rows && (double)r * b->step < stop) stop = (double)r * b->step;
+    }
     l->t_stop[lane] = stop;
 }
 
@@ -219,6 +230,8 @@ static void refill(const Batch *b, Lanes *l, int lane)
     l->index[lane] = none ? -1 : i;
     put_lane(&l->p, lane, b->parameters + i * width, width);
     put_lane(l->atol, lane, b->atol + i * N, N);
+    if (b->force_tolerance) put_lane(l->force_tolerance, lane, b->force_tolerance + i * FORCES, FORCES);
+    for (int m = 0; m < MEASURES; m++) l->largest[m][lane] = 0;
     put_lane(l->x, lane, b->x0 + i * N, N);
     l->t[lane] = 0;
     l->h[lane] = 1e300;
@@ -263,6 +276,7 @@ static void finish(const Batch *b, Lanes *l, int lane, int status)
         b->t_reached[i] = l->t[lane];
         b->accepted[i] = l->accepted[lane];
         b->rejected[i] = l->rejected[lane];
+        for (int m = 0; m < MEASURES; m++) b->largest[i * MEASURES + m] = l->largest[m][lane];
         __atomic_fetch_add(&b->turn[1], 1, __ATOMIC_RELAXED);
     }
     refill(b, l, lane);

@@ -13,6 +13,8 @@ typedef struct {
     double *held;               /* the outputs of sampled controllers that act at t */
     double *memory;             /* what sampled controllers remember */
     double *queue;              /* their outputs that do not act yet: queue_room for each */
+    const double *force_tolerance; /* how far a step may err in each friction force; NULL: as the states' tolerances say */
+    double *largest;            /* MEASURES numbers: see measure(); NULL: not measured */
     const double *noise;        /* standard normal numbers, noise_room for each controller */
     const int8_t *piece_restart; /* how the signals go on at the beginning of a row */
     int32_t *event_what;        /* which quantity (times 4), and what happened to it */
@@ -25,6 +27,7 @@ typedef struct {
     int64_t accepted, rejected, rates, jacobians, attempts_left;
     int64_t held_back, restart; /* held_back: the last attempt was rejected */
     double t_looked;            /* where it was when it was last looked whether it gets on */
+    int64_t rows_are_steps;     /* whether each row ends a step, so that none is interpolated */
     int64_t since, wild;        /* the attempts since then, and those that were not finite */
 } Run;
 
@@ -152,12 +155,30 @@ static int act(Run *run, const double *timing, double t)
 }
 #endif
 
+/* What the run's largest numbers are so far: of the states, of the friction forces, of what a step's error, and the last
+   term of its dense output, amount to in them, and of the terms that they are sums of. */
+#define MEASURES (N + 4 * FORCES)
+static inline void keep_larger(double *largest, double x)
+{
+    if (fabs(x) > *largest) *largest = fabs(x);
+}
+
 /* The rows within the step from run->t that come before t_before or at t_new; h is the step's length. */
-static void write_rows(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece, double h,
-                       double t_new, double t_before, double k[STAGES][N], const double *x_new)
+static void write_rows(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece, const Work *work,
+                       double h, double t_new, double t_before, double k[STAGES][N], const double *x_new)
 {
     double d[N][3], x[N];
     for (int i = 0; i < N; i++) dense(k, i, d[i]);
+#if MAY_OBSERVE
+    if (run->largest && (double)run->row * run->step < t_new) { /* s^3 (1 - s) is at most 27/256 */
+        double last[N], F[FORCES + 1], F_last[FORCES + 1], size[FORCES + 1];
+        for (int i = 0; i < N; i++) last[i] = 27.0 / 256 * d[i][2];
+        observed(p, c, work, last, F, F_last, size);
+        for (int q = 0; q < FORCES; q++) keep_larger(run->largest + N + 2 * FORCES + q, F_last[q]);
+    }
+#else
+    (void)work;
+#endif
 #if MAY_SHOW
     double timing[2 * HELD + 1];
     find_timing(p, timing);
@@ -252,6 +273,8 @@ static NOINLINE int advance(Run *run)
 #if MAY_HOLD
         t_stop = smaller(t_stop, next_output(run, timing));
 #endif
+        if (run->rows_are_steps && run->row < run->rows && (double)run->row * run->step > run->t)
+            t_stop = smaller(t_stop, (double)run->row * run->step);
         if (run->restart) {
             after_output = run->restart == OUTPUT;
             restart_step(run, p, c, piece, t_stop - run->t);
@@ -266,7 +289,15 @@ static NOINLINE int advance(Run *run)
         double h = smaller(run->h, run->h_limit);
         const int last = run->t + h * 1.000001 >= t_stop;
         if (last) h = t_stop - run->t;
-        const double error = attempt(p, c, piece, run->t, run->x, h, work, k, x_new, run->atol, run->rtol);
+        double error = attempt(p, c, piece, run->t, run->x, h, work, k, x_new, run->atol, run->rtol);
+#if MAY_OBSERVE
+        double F[FORCES + 1], F_error[FORCES + 1], F_terms[FORCES + 1];
+        observed(p, c, work, k[STAGES - 1], F, F_error, F_terms);
+        for (int q = 0; run->force_tolerance && q < FORCES; q++) {
+            const double ratio = F_error[q] / run->force_tolerance[q];
+            if (ratio * ratio > error || ratio != ratio) error = ratio * ratio;
+        }
+#endif
         run->rates += STAGES - 1;
         if (!(error <= 1)) {
             run->rejected++;
@@ -278,11 +309,22 @@ static NOINLINE int advance(Run *run)
         }
         const double t_new = last ? t_stop : run->t + h, t_before = last ? t_stop * (1 - SAME_TIME) : INFINITY;
         if (run->row < run->rows && (double)run->row * run->step <= t_new)
-            write_rows(run, p, c, piece, h, t_new, t_before, k, x_new);
+            write_rows(run, p, c, piece, work, h, t_new, t_before, k, x_new);
         note_events(run, p, c, piece, h, k, x_new);
 #if MAY_HOLD
         take_samples(run, p, c, piece, timing, h, last ? t_before : t_new * (1 - SAME_TIME), k, x_new);
 #endif
+        if (run->largest) {
+            for (int i = 0; i < N; i++) keep_larger(run->largest + i, x_new[i]);
+#if MAY_OBSERVE
+            for (int q = 0; q < FORCES; q++) {
+                keep_larger(run->largest + N + q, F[q]);
+                keep_larger(run->largest + N + FORCES + q, F_error[q]);
+            }
+            if (run->force_tolerance) observed(p, c, work, run->x, F, F_error, F_terms);
+            for (int q = 0; run->force_tolerance && q < FORCES; q++) keep_larger(run->largest + N + 3 * FORCES + q, F_terms[q]);
+#endif
+        }
         run->accepted++;
         if (h > run->h_largest) run->h_largest = h;
         if (h < run->h_smallest && !last) run->h_smallest = h;

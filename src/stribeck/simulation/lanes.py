@@ -21,6 +21,7 @@ from stribeck.errors import BuildError
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.native import step_share
+from stribeck.simulation.promise import MOST_PASSES, Measured, Promise, Tolerances, measures
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
 
@@ -44,6 +45,7 @@ class Outcome:
     states: Array
     t_reached: Array
     counts: dict[str, Integers]
+    largest: Array  # what the solver measured of each lane: simulation/promise.py
 
     @property
     def digest(self) -> str:
@@ -52,6 +54,13 @@ class Outcome:
         for x in (self.states, self.t_reached, *(self.counts[name] for name in _COUNTS)):
             found.update(np.ascontiguousarray(x).tobytes())
         return found.hexdigest()
+
+    def put(self, places: Integers, other: Outcome, which: NDArray[np.bool_]) -> None:
+        """Take some lanes of another outcome for some of these."""
+        for name in ("states", "t_reached", "largest"):
+            getattr(self, name)[places] = getattr(other, name)[which]
+        for name in _COUNTS:
+            self.counts[name][places] = other.counts[name][which]
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -77,18 +86,21 @@ class Arrays:
     batch: Batch
 
 
-def lane_arrays(lanes: Variations) -> Arrays:
-    """What the compiled solver of the lanes reads and writes."""
+def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arrays:
+    """What the compiled solver of the lanes reads and writes; ``tolerances``: others than the lanes' own."""
+    tolerances = tolerances or Tolerances(lanes.atol())
     scenario, count = lanes.scenario, len(lanes)
     share, pieces, thresholds = step_share(scenario), lanes.pieces(), lanes.thresholds()
     room, noise = held_back(scenario.end, lanes.sampling())
     held = len(scenario.system.held)
     numbers = {
-        "parameters": lanes.parameters(), "atol": share * lanes.atol(), "x0": lanes.initial(),
+        "parameters": lanes.parameters(), "atol": share * tolerances.atol, "x0": lanes.initial(),
         "thresholds": thresholds, "h_limit": lanes.longest_step(), "noise": noise, "queue": np.zeros((count, held, room)),
         "piece_start": pieces.whole.start, "piece_rows": pieces.whole.rows,
         "out": np.full((count, scenario.rows, len(scenario.system.states) + held), np.nan), "t_reached": np.zeros(count),
+        "largest": np.zeros((count, measures(scenario))),
     }  # fmt: skip
+    numbers |= {} if tolerances.force is None else {"force_tolerance": tolerances.force}
     integers = {"piece_first": pieces.first, "piece_end": pieces.end, "turn": np.zeros(3, np.int64)}
     integers |= {name: np.zeros(count, np.int64) for name in _COUNTS}
     integers["happened"] = np.zeros((count, thresholds.shape[1], 4), np.int64)
@@ -97,7 +109,7 @@ def lane_arrays(lanes: Variations) -> Arrays:
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
     batch.queue_room, batch.noise_room = room, noise.shape[1]
     batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
-    batch.groups = 1
+    batch.groups, batch.rows_are_steps = 1, tolerances.rows_are_steps
     made = Arrays({**numbers, **integers, "piece_restart": restart}, batch)
     for name, x in made.by_name.items():
         setattr(batch, name, x.ctypes.data)
@@ -107,7 +119,7 @@ def lane_arrays(lanes: Variations) -> Arrays:
 def outcome(made: Arrays) -> Outcome:
     """What became of the lanes, from the arrays that the solver filled."""
     found = made.by_name
-    return Outcome(found["out"], found["t_reached"], {name: found[name] for name in _COUNTS})
+    return Outcome(found["out"], found["t_reached"], {name: found[name] for name in _COUNTS}, found["largest"])
 
 
 def compiled(system: Equations) -> ctypes.CDLL:
@@ -124,8 +136,31 @@ def compiled(system: Equations) -> ctypes.CDLL:
 
 
 def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
+    """Integrate every lane, and some once more: those whose motion needs other tolerances than the first ones to be as
+    right as is promised (see :mod:`stribeck.simulation.promise`)."""
+    found, promise, now = once(library, lanes, threads, progress), Promise(lanes.scenario), Tolerances(lanes.atol())
+    width = len(lanes.scenario.system.states)
+    loose, wrong = promise.broken(now, Measured(found.largest, width))
+    places = np.flatnonzero((found.counts["status"] == 0) & (loose.any(axis=1) | wrong.any(axis=1)))
+    for _ in range(MOST_PASSES):
+        if not len(places):
+            break
+        wanted = promise.tightened(promise.part(now, places), Measured(found.largest[places], width))
+        again = once(library, lanes.part(places), threads, progress, wanted)
+        better = again.counts["status"] == 0
+        found.put(places[better], again, better)
+        now.atol[places[better]] = wanted.atol[better]
+        loose, wrong = promise.broken(wanted, Measured(again.largest, width))
+        places = places[better & (loose.any(axis=1) | wrong.any(axis=1))]
+    return found
+
+
+def once(
+    library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None,
+    tolerances: Tolerances | None = None,
+) -> Outcome:  # fmt: skip
     """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
-    made = lane_arrays(lanes)
+    made = lane_arrays(lanes, tolerances)
     made.batch.groups = -(-len(lanes) // (library.stribeck_lanes() * threads))  # no thread takes what another could
     _run(library, made.batch, made.by_name["turn"], threads, progress)
     return outcome(made)

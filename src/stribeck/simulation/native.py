@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.expressions.ops import Value, clip, larger, smaller
 from stribeck.scenario import Scenario
+from stribeck.simulation import promise
 from stribeck.simulation.layout import declare, struct_fields
+from stribeck.simulation.promise import Measured, Tolerances
 from stribeck.simulation.result import Result, ended, failure, held_back
 
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
@@ -91,10 +93,24 @@ def check(library: ctypes.CDLL) -> None:
 
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
-    given, held = solver_input(scenario), len(scenario.system.held)
+
+    def once(tolerances: Tolerances, most: int) -> tuple[Result, Measured]:
+        return _once(library, scenario, progress, tolerances, most)
+
+    return promise.kept(scenario, once)
+
+
+def _once(
+    library: ctypes.CDLL,
+    scenario: Scenario,
+    progress: Callable[[float], None] | None,
+    tolerances: Tolerances,
+    most: int,
+) -> tuple[Result, Measured]:
+    given, held = solver_input(scenario, tolerances), len(scenario.system.held)
     width = len(scenario.system.states) + held + len(scenario.system.shown)
     event_room = max(EVENT_ROOM, library.stribeck_event_room())
-    views = {"x": given.doubles["x"], "out": np.empty((scenario.rows, width))}
+    views = {"x": given.doubles["x"], "out": np.empty((scenario.rows, width)), "largest": given.doubles["largest"]}
     views |= {"event_time": np.empty(event_room), "event_what": np.empty(event_room, np.int32)}
     counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
     arrays: dict[str, NDArray[Any]]  # as long as the struct points to them
@@ -104,7 +120,8 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
         setattr(run, name, array.ctypes.data)
     run.event_room = event_room
     advance = partial(library.stribeck_advance, ctypes.byref(run))
-    return Solving(scenario, given, run, views, advance).to_the_end(progress)
+    solving = Solving(scenario, given, run, views, advance)
+    return solving.to_the_end(progress, most), solving.measured
 
 
 @dataclass(frozen=True)
@@ -117,24 +134,26 @@ class SolverInput:
     queue_room: int
 
 
-def solver_input(scenario: Scenario) -> SolverInput:
-    """A scenario as the compiled solver takes it."""
-    system, values, atol = scenario.system, scenario.values(), scenario.atol()
+def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> SolverInput:
+    """A scenario as the compiled solver takes it, with other tolerances than its own if given."""
+    system, values, tolerances = scenario.system, scenario.values(), tolerances or promise.first(scenario)
     share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
     room, noise = held_back(scenario.end, [scenario.sampling()])
     doubles = {
         "parameters": np.array([values[key] for key in system.parameters]),
         "x": np.array([scenario.initial.get(state.name, 0.0) for state in system.states]),
-        "atol": share * np.array([atol[state.name] for state in system.states]),
+        "atol": share * tolerances.atol[0], "largest": np.zeros(promise.measures(scenario)),
         "thresholds": np.array(scenario.thresholds()),
         "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
         "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),
         "queue": np.zeros((held, room)), "noise": noise,
     }  # fmt: skip
+    doubles |= {} if tolerances.force is None else {"force_tolerance": tolerances.force[0]}
     numbers = {
         "rtol": share * scenario.solve.rtol,
         "step": scenario.output.step,
         "h_limit": float(scenario.longest_step),
+        "rows_are_steps": tolerances.rows_are_steps,
     }
     return SolverInput(doubles, np.ascontiguousarray(pieces.restart), numbers, room)
 
@@ -146,7 +165,7 @@ class Solving:
         scenario: what is solved.
         given: it as the solver takes it.
         run: the struct that is shared with the solver; its pointers are set.
-        views: the arrays ``x``, ``out``, ``event_time`` and ``event_what`` that it points to.
+        views: the arrays ``x``, ``out``, ``largest``, ``event_time`` and ``event_what`` that it points to.
         advance: goes on; returns a status.
     """
 
@@ -161,9 +180,14 @@ class Solving:
         run.queue_room, run.noise_room = given.queue_room, given.doubles["noise"].shape[1]
         run.pieces, run.rows = len(given.restart), scenario.rows
 
-    def to_the_end(self, progress: Callable[[float], None] | None) -> Result:
-        """From t = 0 to where it ends, slice by slice."""
-        run, end, left = self.run, self.scenario.end, self.scenario.solve.max_steps
+    @property
+    def measured(self) -> Measured:
+        """What the solver measured of the motion."""
+        return Measured(self.views["largest"].copy()[np.newaxis], len(self.views["x"]))
+
+    def to_the_end(self, progress: Callable[[float], None] | None, most: int) -> Result:
+        """From t = 0 to where it ends, slice by slice, in ``most`` attempts."""
+        run, end, left = self.run, self.scenario.end, most
         status, run.restart, run.t_end = _MORE, 1, end
         while status in (_MORE, _EVENTS_FULL) and left > 0:
             run.attempts_left = attempts = min(_SLICE, left)

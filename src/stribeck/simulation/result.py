@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import ceil, floor
 from typing import TypedDict
 
@@ -35,12 +35,14 @@ class Stats(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Result:
-    """The states at the output rows that were reached, the events met, why it ended early if so, and statistics."""
+    """The states at the output rows that were reached, the events met, why it ended early if so, statistics, and what of
+    the promised accuracy was not reached."""
 
     states: Array  # then held outputs, and what is shown of the controllers' memory
     events: list[tuple[float, int]]  # time; which watched quantity (times 4), and which of its events
     reason: str | None
     stats: Stats
+    remarks: list[str] = field(default_factory=list)
 
 
 def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, Array]:

@@ -54,6 +54,8 @@ def simulate(
     for text in _remarks(scenario):
         note(text)
     result = made.solve(scenario, progress)
+    for text in result.remarks:
+        note(text)
     reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
     result.events.extend(scenario.rig.more_events(reached))
     result.stats.update({"backend": made.backend, "built": made.new, "build_seconds": made.seconds})

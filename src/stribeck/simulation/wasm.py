@@ -10,7 +10,7 @@ import ctypes
 import re
 from collections.abc import Callable, Mapping
 from ctypes import c_double, c_int64, c_uint32
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from hashlib import sha256
 from importlib.resources import files
@@ -26,6 +26,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.engine import Compiled, Instance, identity
 from stribeck.simulation.native import EVENT_ROOM, Solving, solver_input
+from stribeck.simulation.promise import Measured, Tolerances, kept, measures
 from stribeck.simulation.result import Result
 
 _LINE = 64  # bytes: arrays begin on lines of their own
@@ -102,7 +103,18 @@ def solve(
     made: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None = None
 ) -> Result:
     """Integrate the scenario with its compiled module; ``progress`` is given the share of time done."""
-    instance, given = Instance(made), solver_input(scenario)
+
+    def once(tolerances: Tolerances, most: int) -> tuple[Result, Measured]:
+        return _once(made, system, scenario, progress, tolerances, most)
+
+    return kept(scenario, once)
+
+
+def _once(
+    made: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None, tolerances: Tolerances,
+    most: int,
+) -> tuple[Result, Measured]:  # fmt: skip
+    instance, given = Instance(made), solver_input(scenario, tolerances)
     equations = scenario.system
     held, width = len(equations.held), len(equations.states) + len(equations.held) + len(equations.shown)
     event_room = max(EVENT_ROOM, 16 * (len(equations.watched) + 1))
@@ -126,7 +138,8 @@ def solve(
     views = {
         name: np.frombuffer(memory.data, kind, count, place[name])
         for name, kind, count in (
-            ("x", np.float64, len(equations.states)), ("out", np.float64, scenario.rows * width),
+            ("x", np.float64, len(equations.states)), ("largest", np.float64, measures(scenario)),
+            ("out", np.float64, scenario.rows * width),
             ("event_time", np.float64, event_room), ("event_what", np.int32, event_room),
         )
     }  # fmt: skip
@@ -135,5 +148,6 @@ def solve(
     for name in (*arrays, "out"):
         setattr(run, name, place[name])
     run.event_room = event_room
-    result = Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap)).to_the_end(progress)
-    return Result(result.states.copy(), result.events, result.reason, result.stats)
+    solving = Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap))
+    result = solving.to_the_end(progress, most)
+    return replace(result, states=result.states.copy()), solving.measured

@@ -89,7 +89,7 @@ class RecordedRun:
         own = self.shift if shift is None else shift
         variations.shift = {name: np.broadcast_to(x, (count,)) for name, x in own.items()}
         some = variations if len(good) == count else variations.part(good)
-        outcome = lanes.solve(library(scenario), some, threads)
+        outcome = lanes.once(library(scenario), some, threads)
         width = len(scenario.system.states)
         grid: Array = np.arange(scenario.rows, dtype=float) * scenario.output.step
         with np.errstate(all="ignore"):

@@ -1,0 +1,174 @@
+"""Not a speed: does a run at default settings keep its promise? y and v right to 1e-6 of their peaks, F to 1e-4, or a note.
+
+    python benchmarks/promise.py [--count 600] [--seed 1] [--minutes 15]
+
+Random laws, drives and signals with constants over many decades, from motions far below a law's scales to laws that are far
+from passive, where F is a small difference of large terms. References: promise.c, equations written apart, in extended precision,
+by another method; at two tolerances, and where those differ by a tenth of the promise the set is left out. A set is left out too
+where the reference takes more than 20 000 steps.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import json
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from measure import RESULTS, machine
+
+import stribeck
+
+LAWS = (
+    "lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant", "elastoplastic", "elastoplastic_sobczyk",
+    "elastoplastic_majorant", "dahl", "coulomb_viscous", "stribeck",
+)  # fmt: skip
+DRIVES, SIGNALS = ("force", "spring", "pid"), ("step", "sine", "ramp")
+FIELDS = (
+    "law", "drive", "signal", "mass", "sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s", "k_v", "z_ba", "stiffness",
+    "K_p", "K_i", "K_d", "value", "time", "frequency", "rate", "t_end", "tolerance", "most",
+)  # fmt: skip
+PROMISED = {"y": 1e-6, "v": 1e-6, "F": 1e-4}
+ROWS, MOST_STEPS, TOLERANCES = 201, 20_000, (1e-12, 1e-10)
+Case = dict[str, Any]
+
+
+def compiled() -> ctypes.CDLL:
+    """The reference solver."""
+    folder = Path(tempfile.mkdtemp())
+    source, library = Path(__file__).with_suffix(".c"), folder / "promise.so"
+    subprocess.run(["gcc", "-O2", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"], check=True)
+    return ctypes.CDLL(str(library))
+
+
+def random_case(rng: np.random.Generator) -> Case:
+    """A law with constants over many decades, and a drive of any strength."""
+
+    def decades(low: float, high: float) -> float:
+        return float(f"{10 ** rng.uniform(low, high):.3g}")
+
+    law = str(rng.choice(LAWS, p=[0.09, 0.09, 0.09, 0.3, 0.07, 0.07, 0.14, 0.05, 0.05, 0.05]))
+    p: Case = {"law": law, "drive": str(rng.choice(DRIVES)), "signal": str(rng.choice(SIGNALS)), "mass": decades(-9, 5)}
+    p |= {"sigma_0": decades(0, 12), "sigma_1": decades(-3, 10), "sigma_2": decades(-8, 6), "F_c": decades(-7, 4)}
+    p |= {"F_s": p["F_c"] * rng.uniform(1, 3), "v_s": decades(-7, 1), "k_v": decades(0, 8)}
+    if rng.random() < 0.5:  # near passive, as machines are
+        p["sigma_1"] = float(2 * rng.uniform(0.01, 1) * np.sqrt(p["sigma_0"] * p["mass"]))
+    p["z_ba"] = p["F_c"] / p["sigma_0"] * rng.uniform(0.05, 0.95)
+    force = p["F_s"] * (decades(-7, 1) if rng.random() < 0.5 else rng.uniform(0.5, 3))
+    period = 2 * np.pi * np.sqrt(p["mass"] / p["sigma_0"]) * decades(0, 3)
+    p["stiffness"] = p["sigma_0"] * decades(-4, 0)
+    p["K_p"] = p["stiffness"]
+    p["K_d"] = 2 * rng.uniform(0.2, 1) * float(np.sqrt(p["K_p"] * p["mass"]))
+    p["K_i"] = 0.2 * p["K_p"] * float(np.sqrt(p["K_p"] / p["mass"])) * rng.uniform(0.01, 1)
+    size = force if p["drive"] == "force" else force / p["stiffness"]
+    p |= {"value": size, "frequency": 1 / period, "rate": size / period, "time": 0.1037 * period, "t_end": 2 * period}
+    return p
+
+
+def scenario_of(p: Case) -> dict[str, Any]:
+    """The same for Stribeck."""
+    names = _constants(p["law"])
+    machine_names = ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")
+    law = {"name": p["law"], **{n: p[n] for n in ("k_v", "z_ba") if n in names}}
+    law["parameters"] = {n: p[n] for n in machine_names}
+    drive = {
+        "force": {}, "spring": {"stiffness": p["stiffness"]}, "pid": {n: p[n] for n in ("K_p", "K_i", "K_d")},
+    }[p["drive"]]  # fmt: skip
+    signal = {
+        "step": {"value": p["value"], "time": p["time"]}, "sine": {"amplitude": p["value"], "frequency": p["frequency"]},
+        "ramp": {"rate": p["rate"]},
+    }[p["signal"]]  # fmt: skip
+    return {
+        "schema": 1, "name": "promise", "law": law, "plant": {"mass": p["mass"]},
+        "drive": {"kind": p["drive"], **drive, "signal": {"kind": p["signal"], **signal}},
+        "solve": {"t_end": p["t_end"]}, "output": {"step": p["t_end"] / (ROWS - 1)},
+    }  # fmt: skip
+
+
+def _constants(name: str) -> set[str]:
+    from stribeck.laws import builtin
+
+    return set(builtin()[name].constants())
+
+
+def reference(library: ctypes.CDLL, p: Case, tolerance: float) -> np.ndarray[Any, Any] | None:
+    """Rows of t, y, v, z, F; None where they were not reached."""
+    places = {"law": LAWS, "drive": DRIVES, "signal": SIGNALS}
+    given = {**p, "tolerance": tolerance, "most": MOST_STEPS}
+    numbers = [float(places[n].index(given[n]) if n in places else given[n]) for n in FIELDS]
+    out = np.full((ROWS, 5), np.nan)
+    problem = (ctypes.c_double * len(FIELDS))(*numbers)
+    step = ctypes.c_double(p["t_end"] / (ROWS - 1))
+    reached = library.reference(problem, ROWS, step, ctypes.c_void_p(out.ctypes.data))
+    return out if reached == ROWS else None
+
+
+def outcome(library: ctypes.CDLL, p: Case) -> tuple[str, dict[str, float]]:
+    """What became of a set, and the errors as parts of the peaks."""
+    fine, coarse = (reference(library, p, tolerance) for tolerance in TOLERANCES)
+    if fine is None or coarse is None:
+        return "no reference", {}
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        found = stribeck.simulate(scenario_of(p))
+    if found.status != "done":
+        return f"failed: {found.reason}".split(" at t")[0].split(": at t")[0] + f": {found.reason}"[:0], {}
+    errors = {}
+    for i, (name, most) in enumerate(PROMISED.items()):
+        column = 4 if name == "F" else i + 1
+        peak = max(float(np.max(abs(fine[:, column]))), 1e-300)
+        if np.max(abs(fine - coarse)[:, column]) > 0.1 * most * peak:
+            return "reference unsure", {}
+        errors[name] = float(np.max(abs(found[name] - fine[:, column]))) / peak
+    if all(errors[name] <= most for name, most in PROMISED.items()):
+        return "kept", errors
+    said = any("accuracy not reached" in str(n.message) for n in notes)
+    return ("said" if said else "broken"), errors
+
+
+def main() -> None:
+    """Count."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=600)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--minutes", type=float, default=15.0)
+    parser.add_argument("--out", type=Path, default=RESULTS)
+    options = parser.parse_args()
+    library, rng, begun = compiled(), np.random.default_rng(options.seed), time.process_time()
+    counts: Counter[str] = Counter()
+    worst: dict[str, float] = dict.fromkeys(PROMISED, 0.0)
+    wrong: list[Case] = []
+    for i in range(options.count):
+        if time.process_time() - begun > 60 * options.minutes:
+            break
+        p = random_case(rng)
+        what, errors = outcome(library, p)
+        counts[what] += 1
+        if what == "kept":
+            worst = {name: max(x, errors[name]) for name, x in worst.items()}
+        elif what not in ("no reference", "reference unsure", "kept"):
+            wrong.append({"index": i, "what": what, "errors": errors, **p})
+            print(i, what, errors, p, flush=True)
+    print(dict(counts), "worst that was kept:", worst)
+    written = {
+        "machine": machine(),
+        "seed": options.seed,
+        "counts": dict(counts),
+        "worst_kept": worst,
+        "not_kept": wrong,
+    }
+    options.out.mkdir(exist_ok=True)
+    (options.out / "promise.json").write_text(json.dumps(written, indent=1) + "\n")
+    sys.exit(1 if counts["broken"] else 0)
+
+
+if __name__ == "__main__":
+    main()

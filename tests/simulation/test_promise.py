@@ -1,0 +1,99 @@
+"""A run keeps its promise: y and v right to 1e-6 of their peaks, F to 1e-4, however small or stiff the motion is."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.errors import StribeckNote
+from stribeck.simulation.promise import Measured, Promise, Tolerances
+from tests.simulation.rig import needs_compiler
+
+pytestmark = needs_compiler
+
+NEARLY = {"sigma_0": 1e5, "sigma_1": 30.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
+
+
+def scenario(law, drive, mass=1.0, t_end=0.5, **solve):
+    """A law on a body."""
+    return {
+        "schema": 1, "law": law, "plant": {"mass": mass}, "drive": drive,
+        "solve": {"t_end": t_end, **solve}, "output": {"step": t_end / 100},
+    }  # fmt: skip
+
+
+def stepped(size, **solve):
+    """A body on its bristles and a spring, whose far end makes a step: a linear oscillator while the step is small."""
+    drive = {"kind": "spring", "stiffness": 1e4, "signal": {"kind": "step", "value": size, "time": 0.0}}
+    return scenario({"name": "lugre", "parameters": NEARLY}, drive, t_end=0.05, **solve)
+
+
+@pytest.mark.parametrize("size", [1e-11, 1e-13, 1e-18])
+@pytest.mark.parametrize("lanes", [False, True])
+def test_a_motion_far_below_the_laws_scales(size, lanes):
+    """Elastic: m y'' + (sigma_1 + sigma_2) y' + (sigma_0 + k) y = k s, solved in closed form."""
+    data = stepped(size)
+    if lanes:
+        many = stribeck.simulate_ensemble(data, {"plant.mass": [1.0, 1.0, 2.0]})
+        assert many.status == ["done"] * 3
+        found = {name: many[name][1] for name in ("y", "v")} | {"t": many.t}
+    else:
+        found = stribeck.simulate(data)
+        assert found.status == "done"
+    damping, k, n = 30.4, 1.1e5, 1e4
+    a, w = damping / 2, np.sqrt(k - damping**2 / 4)
+    decay, t = np.exp(-a * found["t"]), found["t"]
+    y = n * size / k * (1 - decay * (np.cos(w * t) + a / w * np.sin(w * t)))
+    v = n * size / w * decay * np.sin(w * t)
+    slip = 10 * size * n / 1.5  # by which |v| z/g bends the elastic motion, on the way there and back
+    assert np.max(abs(found["y"] - y)) <= (1e-6 + slip) * np.max(abs(y))
+    assert np.max(abs(found["v"] - v)) <= (1e-6 + slip) * np.max(abs(v))
+
+
+def test_a_force_that_is_a_small_difference_of_large_terms():
+    """sigma_1 m(0)/F_s = 4e9: errors of z are multiplied by it. The body follows the force slowly, so F is known: with
+    z = v g/m the bristles' rate is (g/m)' v' z/v, and F = sigma_0 g v/m + sigma_2 v + 2nd order."""
+    p = {"sigma_0": 2e5, "sigma_1": 7.7e4, "sigma_2": 1.2e-3, "F_c": 3.9e-6, "F_s": 7.2e-6, "v_s": 3.4e-6}
+    drive = {"kind": "force", "signal": {"kind": "step", "value": 7.7e-6, "time": 2.8}}
+    found = stribeck.simulate(scenario({"name": "lugre_majorant", "k_v": 1.7, "parameters": p}, drive, 35.0, 7.4))
+    v, t = found["v"], found.t
+    later = t > 3.0
+    g = (p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((v / p["v_s"]) ** 2))) / p["sigma_0"]
+    m = v * 2 / np.pi * np.arctan(1.7 * v) + 2 / (np.pi * 1.7)
+    acceleration = (7.7e-6 - found["F"]) / 35.0
+    expected = p["sigma_0"] * v * g / m + p["sigma_2"] * v + p["sigma_1"] * np.gradient(v * g / m, t, edge_order=2)
+    assert found.status == "done"
+    assert np.max(abs(acceleration)) <= 1.01 * 7.7e-6 / 35.0
+    assert np.max(abs(found["F"] - expected)[later][2:-2]) <= 1e-3 * np.max(abs(expected[later]))
+
+
+def test_an_ordinary_motion_is_solved_once():
+    """No step more than before: the second pass is for motions that need it."""
+    drive = {"kind": "spring", "stiffness": 1e4, "signal": {"kind": "ramp", "rate": 1e-3}}
+    found = stribeck.simulate(scenario({"name": "lugre_majorant", "k_v": 1e6, "parameters": NEARLY}, drive, t_end=1.0))
+    promise = Promise(found.scenario)
+    atol = np.array([[found.scenario.atol()[state.name] for state in found.scenario.system.states]])
+    peaks = [*(found.peaks[name] for name in ("y", "v", "z", "F")), 0.0, 0.0, 0.0]
+    loose, wrong = promise.broken(Tolerances(atol), Measured(np.array([peaks]), 3))
+    assert not loose.any()
+    assert not wrong.any()
+
+
+def test_what_rounding_forbids_is_said():
+    """F is 1e-15 of the terms that it is the difference of: no double holds it."""
+    p = {"sigma_0": 1e5, "sigma_1": 1e16, "sigma_2": 0.0, "F_c": 1e-6, "F_s": 1.5e-6, "v_s": 1e-3}
+    drive = {"kind": "force", "signal": {"kind": "step", "value": 1e-6, "time": 0.01}}
+    data = scenario({"name": "lugre_majorant", "k_v": 0.1, "parameters": p}, drive, 1.0, 0.1)
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always", StribeckNote)
+        found = stribeck.simulate(data)
+    assert found.status == "done"
+    assert any("F to 0.0001 of the peak" in str(note.message) for note in notes)
+
+
+def test_a_tolerance_of_the_file_stays():
+    """solve.atol is the user's: it is neither tightened nor complained about."""
+    given = {"y": 1e-9, "v": 1e-9, "z": 1e-9}
+    loose, tight = (stribeck.simulate(stepped(1e-13, **more)) for more in ({"atol": given}, {}))
+    assert loose.stats["accepted"] < 0.5 * tight.stats["accepted"]
