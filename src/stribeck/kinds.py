@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import copyreg
 import importlib
 import pkgutil
 import sys
 import threading
 import traceback
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
@@ -26,6 +27,7 @@ def in_a_file(name: object) -> TypeGuard[str]:
 
 _loading = threading.RLock()  # another thread must not meet a module that is half loaded
 _OF_FILE = "_stribeck_user_"  # how the modules of users' files are called
+_paths: dict[str, Path] = {}  # of users' files, by their module's name
 
 
 def modules(
@@ -50,6 +52,33 @@ def classes(module: ModuleType, base: type[T]) -> list[type[T]]:
 def of_a_file(kind: type) -> bool:
     """True for a class that a user's file defines."""
     return kind.__module__.startswith(_OF_FILE)
+
+
+class FromFile(type):
+    """The class of classes that users' files may define: another process unpickles them by loading the file."""
+
+
+def _pickled(kind: FromFile) -> str | tuple[Callable[[str, str, str], FromFile], tuple[str, str, str]]:
+    if not of_a_file(kind):
+        return kind.__qualname__
+    return _unpickled, (str(_paths[kind.__module__]), kind.__module__, kind.__qualname__)
+
+
+def _unpickled(file: str, module_name: str, name: str) -> FromFile:
+    """A class of a user's file, which must be what it was.
+
+    Raises:
+        InputError: the file cannot be read, does not load, or has changed.
+    """
+    module, path, _ = load_module(f"{file}:{name}", None)
+    if module.__name__ != module_name:
+        raise InputError(f"{path}: has changed since '{name}' was pickled")
+    found = getattr(module, name)
+    assert isinstance(found, FromFile)
+    return found
+
+
+copyreg.pickle(FromFile, _pickled)
 
 
 def at_fault(error: BaseException) -> str | None:
@@ -103,6 +132,7 @@ def _module(name: str, path: Path, text: bytes) -> ModuleType:
         if module_name not in sys.modules:
             module = ModuleType(module_name)
             module.__file__ = str(path)
+            _paths[module_name] = path.resolve()
             sys.modules[module_name] = module
             try:
                 exec(compile(text, str(path), "exec", dont_inherit=True), module.__dict__)

@@ -1,6 +1,7 @@
 """Files with laws of the user's own: what is executed is what lies there, and names that would be taken for others."""
 
 import os
+import pickle
 import subprocess
 import sys
 
@@ -245,3 +246,17 @@ def test_a_speed_at_which_a_law_has_no_force_is_told(tmp_path, capsys):
     assert said in capsys.readouterr().err
     assert _status(["export", law_, "--set", "c=1", "--target", "c", "--out", str(tmp_path / "c")]) == 0
     assert said in capsys.readouterr().err
+
+
+def test_a_law_of_a_file_in_another_process(tmp_path):
+    """joblib, Dask and spawned processes unpickle it by loading the file, which must be the same."""
+    path = written(tmp_path)
+    pickled = pickle.dumps([law(f"{path}:Mine", c=2.0), find(f"{path}:Mine")])
+    program = "import pickle, sys; x = pickle.load(sys.stdin.buffer); print(float(x[0].force(1.0)), type(x[0]) is x[1])"
+    words = [sys.executable, "-c", program]
+    run = subprocess.run(words, input=pickled, capture_output=True, cwd=tmp_path.parent, check=False)
+    assert run.stdout.split() == [b"6.0", b"True"], run.stderr
+    path.write_text(path.read_text() + "\n")
+    run = subprocess.run(words, input=pickled, capture_output=True, check=False)
+    assert b"has changed since 'Mine' was pickled" in run.stderr
+    assert law("lugre", "canudas1995").same_as(pickle.loads(pickle.dumps(law("lugre", "canudas1995"))))

@@ -7,7 +7,7 @@ import pytest
 
 import stribeck
 from stribeck.errors import StribeckNote
-from stribeck.simulation.promise import Measured, Promise, Tolerances
+from stribeck.simulation.promise import MeasuredMotion, Promise, Tolerances
 from tests.simulation.rig import needs_compiler
 
 pytestmark = needs_compiler
@@ -75,7 +75,7 @@ def test_an_ordinary_motion_is_solved_once():
     promise = Promise(found.scenario)
     atol = np.array([[found.scenario.atol()[state.name] for state in found.scenario.system.states]])
     peaks = [*(found.peaks[name] for name in ("y", "v", "z", "F")), 0.0, 0.0, 0.0]
-    loose, wrong = promise.broken(Tolerances(atol), Measured(np.array([peaks]), 3))
+    loose, wrong = promise.broken(Tolerances(atol), MeasuredMotion(np.array([peaks]), 3))
     assert not loose.any()
     assert not wrong.any()
 

@@ -28,6 +28,7 @@ from typing import Any, ClassVar
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value
+from stribeck.kinds import FromFile
 from stribeck.laws import terms
 from stribeck.laws.evaluation import Evaluation
 from stribeck.laws.form import USUAL, Form
@@ -103,7 +104,7 @@ def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
 
-class Law(AsObject, Evaluation, ToTools):
+class Law(AsObject, Evaluation, ToTools, metaclass=FromFile):
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:

@@ -163,10 +163,15 @@ class _Lanes:
         self.variations, self.reason = variations, variations.problems()
         self.possible = np.flatnonzero([text is None for text in self.reason])
         scenario, count = variations.scenario, len(variations)
-        width = len(scenario.system.states) + len(scenario.system.held) + len(scenario.system.shown)
-        self.states = np.full((count, scenario.rows, width), np.nan)
         self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected", "status")}
         self.counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
+
+    @cached_property
+    def states(self) -> Array:
+        """Of every lane, nan until they are found; made when it is asked for, as it may be most of the memory."""
+        scenario = self.variations.scenario
+        width = len(scenario.system.states) + len(scenario.system.held) + len(scenario.system.shown)
+        return np.full((len(self.variations), scenario.rows, width), np.nan)
 
     @property
     def all_possible(self) -> bool:
@@ -176,7 +181,10 @@ class _Lanes:
     def take(self, some: Variations, found: lanes.Outcome) -> None:
         """The outcome of the possible lanes, solved at once."""
         scenario = some.scenario
-        self.states[self.possible] = found.states
+        if self.all_possible and not scenario.system.shown:
+            self.states = found.states
+        else:
+            self.states[self.possible, :, : found.states.shape[2]] = found.states
         watched = found.counts["happened"].shape[1]
         for name, x in self.counts.items():
             if name == "happened":

@@ -21,7 +21,7 @@ from stribeck.errors import BuildError
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.native import step_share
-from stribeck.simulation.promise import MOST_PASSES, Measured, Promise, Tolerances, measures
+from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Promise, Tolerances, measures
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
 
@@ -97,7 +97,7 @@ def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arra
         "parameters": lanes.parameters(), "atol": share * tolerances.atol, "x0": lanes.initial(),
         "thresholds": thresholds, "h_limit": lanes.longest_step(), "noise": noise, "queue": np.zeros((count, held, room)),
         "piece_start": pieces.whole.start, "piece_rows": pieces.whole.rows,
-        "out": np.full((count, scenario.rows, len(scenario.system.states) + held), np.nan), "t_reached": np.zeros(count),
+        "out": np.empty((count, scenario.rows, len(scenario.system.states) + held)), "t_reached": np.zeros(count),
         "largest": np.zeros((count, measures(scenario))),
     }  # fmt: skip
     numbers |= {} if tolerances.force is None else {"force_tolerance": tolerances.force}
@@ -119,6 +119,8 @@ def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arra
 def outcome(made: Arrays) -> Outcome:
     """What became of the lanes, from the arrays that the solver filled."""
     found = made.by_name
+    for lane in np.flatnonzero(found["rows_reached"] < made.batch.rows):
+        found["out"][lane, found["rows_reached"][lane] :] = np.nan
     return Outcome(found["out"], found["t_reached"], {name: found[name] for name in _COUNTS}, found["largest"])
 
 
@@ -140,17 +142,17 @@ def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progr
     right as is promised (see :mod:`stribeck.simulation.promise`)."""
     found, promise, now = once(library, lanes, threads, progress), Promise(lanes.scenario), Tolerances(lanes.atol())
     width = len(lanes.scenario.system.states)
-    loose, wrong = promise.broken(now, Measured(found.largest, width))
+    loose, wrong = promise.broken(now, MeasuredMotion(found.largest, width))
     places = np.flatnonzero((found.counts["status"] == 0) & (loose.any(axis=1) | wrong.any(axis=1)))
     for _ in range(MOST_PASSES):
         if not len(places):
             break
-        wanted = promise.tightened(promise.part(now, places), Measured(found.largest[places], width))
+        wanted = promise.tightened(promise.part(now, places), MeasuredMotion(found.largest[places], width))
         again = once(library, lanes.part(places), threads, progress, wanted)
         better = again.counts["status"] == 0
         found.put(places[better], again, better)
         now.atol[places[better]] = wanted.atol[better]
-        loose, wrong = promise.broken(wanted, Measured(again.largest, width))
+        loose, wrong = promise.broken(wanted, MeasuredMotion(again.largest, width))
         places = places[better & (loose.any(axis=1) | wrong.any(axis=1))]
     return found
 
@@ -162,13 +164,18 @@ def once(
     """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
     made = lane_arrays(lanes, tolerances)
     made.batch.groups = -(-len(lanes) // (library.stribeck_lanes() * threads))  # no thread takes what another could
-    _run(library, made.batch, made.by_name["turn"], threads, progress)
+    _run(library, made, threads, progress)
     return outcome(made)
 
 
-def _run(library: ctypes.CDLL, batch: Batch, turn: Integers, threads: int, progress: Progress | None) -> None:
+def _run(library: ctypes.CDLL, made: Arrays, threads: int, progress: Progress | None) -> None:
     """Let the threads work; Ctrl-C stops them at their next step."""
-    workers = [Thread(target=library.stribeck_solve_batch, args=(ctypes.byref(batch),)) for _ in range(threads)]
+    turn = made.by_name["turn"]
+
+    def work() -> None:  # holds the arrays until the solver has returned: join() may return before that (CPython 3.11)
+        library.stribeck_solve_batch(ctypes.byref(made.batch))
+
+    workers = [Thread(target=work) for _ in range(threads)]
     try:
         for worker in workers:
             worker.start()
@@ -176,7 +183,7 @@ def _run(library: ctypes.CDLL, batch: Batch, turn: Integers, threads: int, progr
             while worker.is_alive():
                 worker.join(0.1)
                 if progress is not None:
-                    progress(turn[1] / batch.count)
+                    progress(turn[1] / made.batch.count)
     finally:
         turn[2] = 1
         for worker in workers:

@@ -17,7 +17,7 @@ from stribeck.expressions.ops import Value, clip, larger, smaller
 from stribeck.scenario import Scenario
 from stribeck.simulation import promise
 from stribeck.simulation.layout import declare, struct_fields
-from stribeck.simulation.promise import Measured, Tolerances
+from stribeck.simulation.promise import MeasuredMotion, Tolerances
 from stribeck.simulation.result import Result, ended, failure, held_back
 
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
@@ -94,7 +94,7 @@ def check(library: ctypes.CDLL) -> None:
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
 
-    def once(tolerances: Tolerances, most: int) -> tuple[Result, Measured]:
+    def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
         return _once(library, scenario, progress, tolerances, most)
 
     return promise.kept(scenario, once)
@@ -106,7 +106,7 @@ def _once(
     progress: Callable[[float], None] | None,
     tolerances: Tolerances,
     most: int,
-) -> tuple[Result, Measured]:
+) -> tuple[Result, MeasuredMotion]:
     given, held = solver_input(scenario, tolerances), len(scenario.system.held)
     width = len(scenario.system.states) + held + len(scenario.system.shown)
     event_room = max(EVENT_ROOM, library.stribeck_event_room())
@@ -181,9 +181,9 @@ class Solving:
         run.pieces, run.rows = len(given.restart), scenario.rows
 
     @property
-    def measured(self) -> Measured:
+    def measured(self) -> MeasuredMotion:
         """What the solver measured of the motion."""
-        return Measured(self.views["largest"].copy()[np.newaxis], len(self.views["x"]))
+        return MeasuredMotion(self.views["largest"].copy()[np.newaxis], len(self.views["x"]))
 
     def to_the_end(self, progress: Callable[[float], None] | None, most: int) -> Result:
         """From t = 0 to where it ends, slice by slice, in ``most`` attempts."""

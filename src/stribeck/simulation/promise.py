@@ -43,7 +43,7 @@ class Tolerances:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredMotion:
     """The numbers that the compiled solver measures (runtime/run.c, MEASURES), a row for each lane."""
 
     largest: Array
@@ -102,13 +102,13 @@ class Promise:
         names = {joined(body.name, n) for body in bodies for n in "yv"} - self.scenario.solve.atol.keys()
         return np.array([state.name in names for state in self.scenario.system.states])
 
-    def _still(self, now: Tolerances, found: Measured) -> NDArray[np.bool_]:
+    def _still(self, now: Tolerances, found: MeasuredMotion) -> NDArray[np.bool_]:
         """The states that do not move, but for rounding."""
         with np.errstate(over="ignore"):
             moved: Array = found.peaks / now.atol
         return np.asarray(moved <= _NOISE * np.max(moved, axis=1, keepdims=True))
 
-    def broken(self, now: Tolerances, found: Measured) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def broken(self, now: Tolerances, found: MeasuredMotion) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """In each lane: the states, and the friction forces, that may be off by more than is promised."""
         loose = self._promised & ~self._still(now, found) & (0.1 * self._rtol * found.peaks < _LEAST_PEAK * now.atol)
         wrong = found.step_in_force > _STEP_IN_FORCE * self._rtol * found.force
@@ -116,11 +116,11 @@ class Promise:
             wrong |= found.dense_in_force > _DENSE_IN_FORCE * self._rtol * found.force
         return loose, wrong
 
-    def rounded(self, found: Measured) -> NDArray[np.bool_]:
+    def rounded(self, found: MeasuredMotion) -> NDArray[np.bool_]:
         """In each lane: the friction forces that are so small a difference of large terms that rounding breaks the promise."""
         return found.terms * np.finfo(float).eps > _ROUNDING * self._rtol * found.force
 
-    def tightened(self, now: Tolerances, found: Measured) -> Tolerances:
+    def tightened(self, now: Tolerances, found: MeasuredMotion) -> Tolerances:
         """The tolerances that the measured motion asks for."""
         given = np.array([state.name in self.scenario.solve.atol for state in self.scenario.system.states])
         wanted = np.where(given | self._still(now, found), now.atol, 0.1 * self._rtol * found.peaks)
@@ -153,7 +153,7 @@ def _most_attempts(accepted: int, rows: int) -> int:
     return 100 * (accepted + rows) + 10_000
 
 
-def kept(scenario: Scenario, once: Callable[[Tolerances, int], tuple[Result, Measured]]) -> Result:
+def kept(scenario: Scenario, once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]]) -> Result:
     """The result of a scenario, solved once, and again where its motion needs other tolerances.
 
     Args:

@@ -26,7 +26,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.engine import Compiled, Instance, identity
 from stribeck.simulation.native import EVENT_ROOM, Solving, solver_input
-from stribeck.simulation.promise import Measured, Tolerances, kept, measures
+from stribeck.simulation.promise import MeasuredMotion, Tolerances, kept, measures
 from stribeck.simulation.result import Result
 
 _LINE = 64  # bytes: arrays begin on lines of their own
@@ -104,7 +104,7 @@ def solve(
 ) -> Result:
     """Integrate the scenario with its compiled module; ``progress`` is given the share of time done."""
 
-    def once(tolerances: Tolerances, most: int) -> tuple[Result, Measured]:
+    def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
         return _once(made, system, scenario, progress, tolerances, most)
 
     return kept(scenario, once)
@@ -113,7 +113,7 @@ def solve(
 def _once(
     made: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None, tolerances: Tolerances,
     most: int,
-) -> tuple[Result, Measured]:  # fmt: skip
+) -> tuple[Result, MeasuredMotion]:  # fmt: skip
     instance, given = Instance(made), solver_input(scenario, tolerances)
     equations = scenario.system
     held, width = len(equations.held), len(equations.states) + len(equations.held) + len(equations.shown)
