@@ -25,17 +25,23 @@ static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, 
     real d[N][3];
     if (rows)
         for (int n = 0; n < N; n++) dense(k, n, d[n]);
-#if FORCES > 0
     if (rows) {
-        real last_term[N], F[FORCES], F_last[FORCES], size[FORCES];
-        for (int n = 0; n < N; n++) last_term[n] = 27.0 / 256 * d[n][2]; /* s^3 (1 - s) is at most 27/256 */
+        const mask within = l->row_t < t_new;
+        real last_term[N];
+        for (int n = 0; n < N; n++) {
+            real *largest = l->largest + N + n;
+            last_term[n] = 27.0 / 256 * d[n][2]; /* s^3 (1 - s) is at most 27/256 */
+            *largest = choose(within, larger(abs_of(last_term[n]), *largest), *largest);
+        }
+#if FORCES > 0
+        real F[FORCES], F_last[FORCES], size[FORCES];
         observe(&l->p, &l->c, &l->now.jac, last_term, F, F_last, size);
         for (int q = 0; q < FORCES; q++) {
-            real *largest = l->largest + N + 2 * FORCES + q;
-            *largest = choose(l->row_t < t_new, larger(abs_of(F_last[q]), *largest), *largest);
+            real *largest = l->largest + 2 * N + 2 * FORCES + q;
+            *largest = choose(within, larger(abs_of(F_last[q]), *largest), *largest);
         }
-    }
 #endif
+    }
     for (; attention; attention &= attention - 1) {
         const int lane = first_lane(attention);
         const unsigned bit = 1u << lane;
@@ -199,13 +205,13 @@ static inline void end(const Batch *b, Lanes *l)
     for (int n = 0; n < N; n++) l->largest[n] = choose(good, larger(abs_of(x_new[n]), l->largest[n]), l->largest[n]);
 #if FORCES > 0
     for (int q = 0; q < FORCES; q++) {
-        real *peak = l->largest + N + q, *err = peak + FORCES;
+        real *peak = l->largest + 2 * N + q, *err = peak + FORCES;
         *peak = choose(good, larger(abs_of(F[q]), *peak), *peak);
         *err = choose(good, larger(abs_of(F_error[q]), *err), *err);
     }
     if (b->force_tolerance) observe(&l->p, &l->c, &l->now.jac, l->x, F, F_error, F_terms);
     for (int q = 0; b->force_tolerance && q < FORCES; q++) {
-        real *terms = l->largest + N + 3 * FORCES + q;
+        real *terms = l->largest + 2 * N + 3 * FORCES + q;
         *terms = choose(good, larger(F_terms[q], *terms), *terms);
     }
 #endif

@@ -28,7 +28,7 @@ typedef struct {
 
 enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2, STALLED = -4 };
 
-enum { MEASURES = N + 4 * FORCES }; /* as in run.c */
+enum { MEASURES = 2 * N + 4 * FORCES }; /* as in run.c */
 
 EXPORT int64_t stribeck_batch_size(void) { return (int64_t)sizeof(Batch); }
 EXPORT int64_t stribeck_lanes(void) { return LANES; }

@@ -155,9 +155,9 @@ static int act(Run *run, const double *timing, double t)
 }
 #endif
 
-/* What the run's largest numbers are so far: of the states, of the friction forces, of what a step's error, and the last
-   term of its dense output, amount to in them, and of the terms that they are sums of. */
-#define MEASURES (N + 4 * FORCES)
+/* What the run's largest numbers are so far: of the states, of the last term of their dense output within a step, of the
+   friction forces, of what a step's error, and that last term, amount to in them, and of the terms that they are sums of. */
+#define MEASURES (2 * N + 4 * FORCES)
 static inline void keep_larger(double *largest, double x)
 {
     if (fabs(x) > *largest) *largest = fabs(x);
@@ -169,16 +169,19 @@ static void write_rows(Run *run, const Parameters *p, const Coefficients *c, con
 {
     double d[N][3], x[N];
     for (int i = 0; i < N; i++) dense(k, i, d[i]);
+    if (run->largest && (double)run->row * run->step < t_new) {
+        double last[N];
+        for (int i = 0; i < N; i++) {
+            last[i] = 27.0 / 256 * d[i][2]; /* s^3 (1 - s) is at most 27/256 */
+            keep_larger(run->largest + N + i, last[i]);
+        }
 #if MAY_OBSERVE
-    if (run->largest && (double)run->row * run->step < t_new) { /* s^3 (1 - s) is at most 27/256 */
-        double last[N], F[FORCES + 1], F_last[FORCES + 1], size[FORCES + 1];
-        for (int i = 0; i < N; i++) last[i] = 27.0 / 256 * d[i][2];
+        double F[FORCES + 1], F_last[FORCES + 1], size[FORCES + 1];
         observed(p, c, work, last, F, F_last, size);
-        for (int q = 0; q < FORCES; q++) keep_larger(run->largest + N + 2 * FORCES + q, F_last[q]);
-    }
-#else
-    (void)work;
+        for (int q = 0; q < FORCES; q++) keep_larger(run->largest + 2 * N + 2 * FORCES + q, F_last[q]);
 #endif
+    }
+    (void)work;
 #if MAY_SHOW
     double timing[2 * HELD + 1];
     find_timing(p, timing);
@@ -318,11 +321,11 @@ static NOINLINE int advance(Run *run)
             for (int i = 0; i < N; i++) keep_larger(run->largest + i, x_new[i]);
 #if MAY_OBSERVE
             for (int q = 0; q < FORCES; q++) {
-                keep_larger(run->largest + N + q, F[q]);
-                keep_larger(run->largest + N + FORCES + q, F_error[q]);
+                keep_larger(run->largest + 2 * N + q, F[q]);
+                keep_larger(run->largest + 2 * N + FORCES + q, F_error[q]);
             }
             if (run->force_tolerance) observed(p, c, work, run->x, F, F_error, F_terms);
-            for (int q = 0; run->force_tolerance && q < FORCES; q++) keep_larger(run->largest + N + 3 * FORCES + q, F_terms[q]);
+            for (int q = 0; run->force_tolerance && q < FORCES; q++) keep_larger(run->largest + 2 * N + 3 * FORCES + q, F_terms[q]);
 #endif
         }
         run->accepted++;
