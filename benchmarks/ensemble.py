@@ -130,7 +130,7 @@ def own(threads: int | None) -> Solve:
 
     def solve(rtol: float, atol: float, count: int) -> Run:
         scenario, varied = PROBLEM.scenario.with_changes({"solve.rtol": rtol}), values(count)
-        return lambda: stribeck.simulate_ensemble(scenario, varied, threads=threads)
+        return lambda: stribeck.simulate(scenario, varied, threads=threads)
 
     return solve
 

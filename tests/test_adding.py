@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from stribeck import drives, export, paper, plants
+from stribeck import drives, export, plants
 from stribeck.export import text
 
 DRIVE = '''
@@ -101,8 +101,3 @@ def test_an_export_target_is_one_file(beside, monkeypatch, tmp_path):
     law = stribeck.law("coulomb_viscous", {"F_c": 1.0, "sigma_2": 0.1})
     (file,) = export.export(law, "names", tmp_path / "names.txt")
     assert file.read_text().split()[:2] == ["F_c", "sigma_2"]
-
-
-def test_a_chapter_is_one_file(beside):
-    beside(paper, "zz_more", CHAPTER)
-    assert set(paper.chapters()) - set(paper.CHAPTERS) == {"zz_more"}

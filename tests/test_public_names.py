@@ -104,6 +104,30 @@ def test_compare(law):
 
 
 @needs_compiler
+def test_simulate_gives_a_solution_or_an_ensemble(law):
+    assert isinstance(st.simulate(SMALL), st.Solution)
+    found = st.simulate(SMALL, vary={"law.k_v": [1e5, 1e6]}, threads=1)
+    assert isinstance(found, st.Ensemble)
+    assert len(found) == 2
+    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law))
+    assert len(st.simulate(machine.vary({"bodies.a.mass": [0.5, 1.0, 2.0]}), t_end=0.01)) == 3
+    assert len(st.simulate(machine, {"bodies.a.mass": [0.5, 1.0]}, t_end=0.01, rtol=1e-9)) == 2
+    with pytest.raises(st.InputError, match="threads: 2: goes with vary, which is not given"):
+        st.simulate(SMALL, threads=2)
+
+
+def test_load_and_import(tmp_path):
+    found = st.load(examples.path("servo"), {"solve.t_end": 0.2})
+    assert found == st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2})
+    (tmp_path / "servo.json").write_text(
+        '{"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}'
+    )
+    assert "bodies" in st.import_("bam", tmp_path / "servo.json").data
+    with pytest.raises(st.InputError, match="kind: 'urdf': must be bam or mujoco"):
+        st.import_("urdf", tmp_path / "servo.json")
+
+
+@needs_compiler
 def test_sweep(tmp_path, law):
     found = st.sweep(SMALL, {"law.parameters.F_s": [1.5, 2.0]}, tmp_path / "one", summary=True)
     assert found.parts == 1

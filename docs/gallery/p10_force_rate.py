@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stribeck
+from stribeck.errors import NotDifferentiable
 
 v = np.linspace(-3e-6, 3e-6, 601)
 for k_v in (1e6, 1e7):
@@ -19,7 +20,7 @@ plt.ylabel("dF/dt in N/s at z = 10 um, dv/dt = 10 mm/s^2")
 plt.legend()
 try:
     stribeck.law("lugre", parameters="canudas1995").force_rate(v=0.0, z=1e-5, dv_dt=0.01)
-except stribeck.NotDifferentiable as error:
+except NotDifferentiable as error:
     print("lugre:", error)
 
 # %%

@@ -2,7 +2,7 @@
 Sixty-four machines at once
 ===========================
 
-Friction is never known exactly. ``simulate_ensemble`` runs one scenario for many numbers, in the processor's vectors.
+Friction is never known exactly. ``simulate(vary=...)`` runs one scenario for many numbers, in the processor's vectors.
 """
 
 import matplotlib.pyplot as plt
@@ -18,7 +18,7 @@ scenario = stribeck.Scenario(
     output={"step": 0.02},
 )
 F_s = np.random.default_rng(1).uniform(1.2, 1.8, 64)
-lanes = stribeck.simulate_ensemble(scenario, {"law.parameters.F_s": F_s})
+lanes = stribeck.simulate(scenario, {"law.parameters.F_s": F_s})
 plt.plot(lanes.t, lanes["y"].T, color="C0", alpha=0.2)
 plt.xlabel("time in s")
 plt.ylabel("position in m")

@@ -19,7 +19,7 @@ scenario = stribeck.Scenario(
 )
 speed, stiffness = np.geomspace(0.02, 0.5, 12), np.geomspace(0.5, 50.0, 12)
 a, b = (x.ravel() for x in np.meshgrid(speed, stiffness))
-lanes = stribeck.simulate_ensemble(scenario, {"drive.signal.rate": a, "drive.stiffness": b})
+lanes = stribeck.simulate(scenario, {"drive.signal.rate": a, "drive.stiffness": b})
 slips = np.array(lanes.slips).reshape(len(stiffness), len(speed))
 plt.pcolormesh(speed, stiffness, slips, shading="nearest")
 plt.xscale("log")

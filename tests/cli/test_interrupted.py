@@ -267,7 +267,7 @@ def test_lanes_one_by_one_end_soon(monkeypatch, scenario):
     from stribeck.simulation import ensemble
 
     loaded, shares = stribeck.Scenario.load(scenario), []
-    real = ensemble.simulate
+    real = ensemble.simulate_once
 
     def simulate(one, progress):
         def tell(share):
@@ -279,10 +279,10 @@ def test_lanes_one_by_one_end_soon(monkeypatch, scenario):
     def stop(share):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(ensemble, "simulate", simulate)
+    monkeypatch.setattr(ensemble, "simulate_once", simulate)
     monkeypatch.setattr(ensemble, "_library", lambda scenario: None)
     with pytest.raises(KeyboardInterrupt):
-        stribeck.simulate_ensemble(loaded, {"law.k_v": [1e7] * 6}, threads=1, progress=stop)
+        stribeck.simulate(loaded, {"law.k_v": [1e7] * 6}, threads=1, progress=stop)
     assert len(shares) < 6
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stribeck as package
-from stribeck.parameter_sets import load
+from stribeck.parameter_sets import allow_undetermined, load
 from tests.identify import rig
 
 
@@ -64,12 +64,12 @@ def test_python_allows_it_too(fitted):
     file = str(fitted[0] / "parameters.toml")
     with pytest.raises(package.InputError, match="allow_undetermined"):
         load(file)
-    package.allow_undetermined()
+    allow_undetermined()
     try:
         assert load(file).undetermined[:2] == ("sigma_0", "sigma_1")
         assert package.law("lugre", file).p.F_c > 0
     finally:
-        package.allow_undetermined(False)
+        allow_undetermined(False)
 
 
 def test_a_fit_that_ctrl_c_stops_is_written_and_marked(stribeck, fitted, tmp_path, monkeypatch):

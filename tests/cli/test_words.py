@@ -5,9 +5,9 @@ import json
 import pytest
 
 import stribeck as library
-from stribeck import InputError, StribeckNote, examples
+from stribeck import InputError, examples
 from stribeck.cli.options import option, said
-from stribeck.errors import Line, arg, note
+from stribeck.errors import Line, StribeckNote, arg, note
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import pytest
 
 import stribeck
 from stribeck.cli import _status
+from stribeck.errors import StribeckNote
 from stribeck.export import PARTS, TARGETS
 from stribeck.export.c.sampling import radius, resolution
 from stribeck.export.fmu.archive import described
@@ -163,14 +164,14 @@ def test_constants_that_no_target_can_have(tmp_path, capsys):
 def test_step_in_time_or_not(tmp_path):
     """With a mass, the note names the step at which sampled friction and body stop being stable together."""
     rig = stribeck.Scenario.load(stribeck_example())
-    with pytest.warns(stribeck.StribeckNote, match="unstable together"):
+    with pytest.warns(StribeckNote, match="unstable together"):
         stribeck.export(law("lugre"), "c", tmp_path / "slow", scenario=rig, step=4e-3)
     import warnings
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         stribeck.export(law("lugre"), "c", tmp_path / "fast", scenario=rig, step=1e-3)
-    with pytest.warns(stribeck.StribeckNote, match="longer than the bristles' time constant"):
+    with pytest.warns(StribeckNote, match="longer than the bristles' time constant"):
         stribeck.export(law("lugre"), "c", tmp_path / "slow", step=0.1)
 
 

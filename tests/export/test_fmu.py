@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import stribeck
+from stribeck.errors import StribeckNote
 from stribeck.export.fmu import binaries
 from stribeck.export.fmu.description import dimensions
 from tests.export.harness import law, need
@@ -505,7 +506,7 @@ def test_without_a_compiler_the_sources_are_there(tmp_path, monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "none")
     found = importlib.util.find_spec
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "ziglang" else found(name))
-    with pytest.warns(stribeck.StribeckNote, match="sources only"):
+    with pytest.warns(StribeckNote, match="sources only"):
         (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu")
     with zipfile.ZipFile(path) as archive:
         assert "sources/fmu.c" in archive.namelist()

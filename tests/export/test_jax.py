@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import stribeck
+from stribeck.errors import StribeckNote
 from stribeck.laws import builtin
 from tests.laws.test_claims import CANUDAS, make
 
@@ -80,6 +81,6 @@ def test_single_precision_is_said_and_unknown_constants_are_refused():
     with pytest.raises(stribeck.InputError, match="did you mean 'F_s'"):
         law.to_jax().force(1.0, 0.0, Fs=2.0)
     jax.config.update("jax_enable_x64", False)
-    with pytest.warns(stribeck.StribeckNote, match="single precision"):
+    with pytest.warns(StribeckNote, match="single precision"):
         tool = law.to_jax()
     assert float(tool.force(1e-3, 1e-6)) == pytest.approx(float(law.force(1e-3, 1e-6)), rel=1e-5)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stribeck
+from stribeck.errors import StribeckNote
 from stribeck.export import export
 from stribeck.laws import builtin, find
 from tests.laws.test_claims import CANUDAS, make
@@ -231,7 +232,7 @@ def test_the_body_is_the_scenarios(tmp_path):
 
 
 def test_steps_that_mujocos_own_lugre_does_not_bear_are_said(tmp_path):
-    with pytest.warns(stribeck.StribeckNote, match=r"a step of 0\.004 s above sqrt\(mass/sigma_0\) = 0\.00316 s"):
+    with pytest.warns(StribeckNote, match=r"a step of 0\.004 s above sqrt\(mass/sigma_0\) = 0\.00316 s"):
         export(LUGRE, "mujoco", tmp_path, step=4e-3)
 
 

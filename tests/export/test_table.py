@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stribeck
+from stribeck.errors import StribeckNote
 from tests.export.harness import law
 
 
@@ -40,5 +41,5 @@ def test_table(name, tmp_path):
 
 
 def test_a_table_says_what_it_loses(tmp_path):
-    with pytest.warns(stribeck.StribeckNote, match="none of the law's dynamics"):
+    with pytest.warns(StribeckNote, match="none of the law's dynamics"):
         stribeck.export(law("lugre"), "table", tmp_path / "law.csv", step=1e-3)

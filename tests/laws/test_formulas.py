@@ -7,7 +7,8 @@ from math import atan, copysign, exp, nan, pi, sin, sqrt, tanh
 import numpy as np
 import pytest
 
-from stribeck import InputError, NotDifferentiable, law
+from stribeck import InputError, law
+from stribeck.errors import NotDifferentiable
 from stribeck.laws import builtin
 from stribeck.parameter_sets import parameters
 

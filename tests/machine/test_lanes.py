@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stribeck import InputError, Scenario, simulate, simulate_ensemble
+from stribeck import InputError, Scenario, simulate
 from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations
 from tests import radau
@@ -38,7 +38,7 @@ SETS = {
 def test_lanes_agree_with_single_runs(name):
     data, values = SETS[name]
     scenario = Scenario(data)
-    ensemble = simulate_ensemble(scenario, values)
+    ensemble = simulate(scenario, values)
     assert isinstance(ensemble._variations, Variations)
     assert ensemble.status == ["done"] * 5
     for lane in range(5):
@@ -57,29 +57,27 @@ def test_a_constant_that_is_off_is_turned_on():
     plain = machine(
         {"a": {"mass": 0.5}}, links={"k": {"from": "a", "to": "ground", "stiffness": 9.0}}, loads={"p": push()}
     )
-    ensemble = simulate_ensemble(plain, {"links.k.damping": [0.5, 1.0]})
+    ensemble = simulate(plain, {"links.k.damping": [0.5, 1.0]})
     one = simulate(Scenario(plain).replace({"links.k.damping": 1.0}))
     assert_balanced(one)
     np.testing.assert_allclose(ensemble["a.y"][1], one["a.y"], rtol=0, atol=1e-8 * one.peaks["a.y"])
 
 
 def test_what_is_no_number_of_the_structure_runs_one_by_one():
-    ensemble = simulate_ensemble(SAMPLED, {"controllers.u.sampling.seed": [1, 2]})
+    ensemble = simulate(SAMPLED, {"controllers.u.sampling.seed": [1, 2]})
     assert isinstance(ensemble._variations, LaneByLane)
     assert ensemble.status == ["done", "done"]
     assert np.any(ensemble["u.u"][0] != ensemble["u.u"][1])
 
 
 def test_values_that_no_machine_may_have():
-    ensemble = simulate_ensemble(
-        RIG, {"links.k.ratio": [3.0, 0.0, 3.0], "contacts.c.law.parameters.F_s": [1.4, 1.4, 0.5]}
-    )
+    ensemble = simulate(RIG, {"links.k.ratio": [3.0, 0.0, 3.0], "contacts.c.law.parameters.F_s": [1.4, 1.4, 0.5]})
     assert ensemble.reason == [
         None, "links.k.ratio: 0: must be a finite number from 1e-30 to 1e+30, or the negative of one",
         "contacts.c.law.parameters.F_s: 0.5: must be at least F_c (F_c = 1.0)",
     ]  # fmt: skip
     with pytest.raises(InputError, match=r"links\.k\.gapp"):
-        simulate_ensemble(RIG, {"links.k.gapp": [1.0]})
+        simulate(RIG, {"links.k.gapp": [1.0]})
 
 
 @pytest.mark.parametrize("name", SETS)

@@ -7,6 +7,7 @@ import pytest
 
 import stribeck as st
 from stribeck import examples
+from stribeck.errors import StribeckNote
 from tests.simulation.rig import needs_compiler
 
 
@@ -52,7 +53,7 @@ def test_the_example_of_the_documentation():
     assert set(solution.events) == {"mesh", "gear"}
     assert solution.plot().startswith("<?xml")
     assert list(solution.to_pandas())[:3] == ["t", "rotor.y", "rotor.v"]
-    ensemble = st.simulate_ensemble(rig().vary({"contacts.mesh.law.parameters.F_c": [0.9, 1.0]}), t_end=4.0, step=1e-3)
+    ensemble = st.simulate(rig().vary({"contacts.mesh.law.parameters.F_c": [0.9, 1.0]}), t_end=4.0, step=1e-3)
     np.testing.assert_allclose(ensemble["arm.y"][1], solution["arm.y"], rtol=0, atol=1e-7 * solution.peaks["arm.y"])
 
 
@@ -193,7 +194,7 @@ def test_what_is_hardly_meant_is_said():
     }
     data = {"schema": 2, "bodies": {"a": {"mass": 1.0}}, "contacts": {"c": contact}, "loads": {"p": push},
             "solve": {"t_end": 1.0}, "output": {"step": 2.0}}  # fmt: skip
-    with pytest.warns(st.StribeckNote) as said:
+    with pytest.warns(StribeckNote) as said:
         assert len(st.simulate(data).t) == 1
     assert [str(each.message) for each in said] == [
         "output.step: 2: is longer than solve.t_end = 1: the output is one row, t = 0",

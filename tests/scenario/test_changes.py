@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stribeck import InputError, Scenario, StribeckNote
+from stribeck import InputError, Scenario
+from stribeck.errors import StribeckNote
 from stribeck.scenario import parse_assignment
 from tests.scenario.valid_scenarios import CANUDAS, VALID, edited, write
 

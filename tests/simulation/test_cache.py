@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from stribeck import Scenario, StribeckNote, simulate
+from stribeck import Scenario, simulate
+from stribeck.errors import StribeckNote
 from stribeck.explore import wasm
 from stribeck.simulation import cache, compiler
 from tests.simulation import independent

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stribeck import Scenario, StribeckNote, simulate
+from stribeck import Scenario, simulate
+from stribeck.errors import StribeckNote
 from stribeck.simulation import cache, compiler
 from tests.simulation import independent
 from tests.simulation.rig import needs_compiler, rig

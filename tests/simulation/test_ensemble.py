@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stribeck import InputError, Scenario, examples, simulate, simulate_ensemble
+from stribeck import InputError, Scenario, examples, simulate
 from stribeck.simulation import ensemble as module
 from stribeck.simulation.variations import Variations
 from tests.simulation.rig import LAWS, needs_compiler, pid, rig, spring
@@ -21,7 +21,7 @@ RUBBED = rig("lugre", "velocity", {"kind": "sine", "amplitude": 2e-3, "frequency
 def assert_as_alone(data, values, folder=None, share=1e-6):
     """Every lane of the ensemble against the run of its own scenario."""
     scenario = Scenario(data, folder=folder)
-    found = simulate_ensemble(scenario, values)
+    found = simulate(scenario, values)
     for lane in range(len(found)):
         alone = simulate(scenario.with_changes({path: float(x[lane]) for path, x in values.items()}))
         assert found.status[lane] == alone.status
@@ -67,9 +67,9 @@ def test_everything_that_can_vary(data, values):
 def test_a_lane_is_the_same_whatever_runs_beside_it(exponents, threads, data):
     """To the last bit: with other threads, and alone."""
     values, scenario = {"law.k_v": 10.0 ** np.array(exponents)}, Scenario(PULLED)
-    found = simulate_ensemble(scenario, values, threads=threads)
+    found = simulate(scenario, values, threads=threads)
     lane = data.draw(st.integers(0, len(exponents) - 1))
-    alone = simulate_ensemble(scenario, {"law.k_v": values["law.k_v"][lane]}, threads=1)
+    alone = simulate(scenario, {"law.k_v": values["law.k_v"][lane]}, threads=1)
     assert np.array_equal(found["v"][lane], alone["v"][0])
     assert found.accepted[lane] == alone.accepted[0]
 
@@ -77,7 +77,7 @@ def test_a_lane_is_the_same_whatever_runs_beside_it(exponents, threads, data):
 @needs_compiler
 def test_lanes_that_fail_leave_the_others_alone(tmp_path):
     values = {"drive.K_d": np.array([6.0, -1e4, 6.0, 5.0]), "law.parameters.F_c": np.array([1.0, 1.0, 3.0, 1.0])}
-    found = simulate_ensemble(Scenario(STEPPED), values)
+    found = simulate(Scenario(STEPPED), values)
     assert found.status == ["done", "failed", "failed", "done"]
     assert "no longer finite" in found.reason[1]
     assert found.reason[2] == "law.parameters.F_s: 1.5: must be at least F_c (F_c = 3.0)"
@@ -86,20 +86,20 @@ def test_lanes_that_fail_leave_the_others_alone(tmp_path):
     assert not reached[2].any()
     for name in ("y", "v", "z", "F"):
         assert np.array_equal(np.isfinite(found[name]), reached)
-    good = simulate_ensemble(Scenario(STEPPED), {path: x[[0, 3]] for path, x in values.items()})
+    good = simulate(Scenario(STEPPED), {path: x[[0, 3]] for path, x in values.items()})
     assert np.array_equal(found["y"][[0, 3]], good["y"])
 
 
 @needs_compiler
 def test_steps_that_run_out():
     few = {**PULLED, "solve": {**PULLED["solve"], "max_steps": 50}}
-    found = simulate_ensemble(Scenario(few), {"law.k_v": [1e6, 1e7]})
+    found = simulate(Scenario(few), {"law.k_v": [1e6, 1e7]})
     assert all("solve.max_steps = 50" in reason for reason in found.reason)
     assert np.isfinite(found["y"][:, 0]).all()
 
 
 def test_every_lane_impossible():
-    found = simulate_ensemble(Scenario(PULLED), {"plant.mass": [0.0, -1.0, float("nan")]})
+    found = simulate(Scenario(PULLED), {"plant.mass": [0.0, -1.0, float("nan")]})
     assert found.reason[0] == "plant.mass: 0.0: must be a finite number > 0"
     assert found.status == ["failed"] * 3
     assert np.isnan(found["F"]).all()
@@ -107,7 +107,7 @@ def test_every_lane_impossible():
 
 def test_reasons_are_those_of_the_validation():
     values = {"law.parameters.F_s": [0.5], "plant.mass": [1.0]}
-    (reason,) = simulate_ensemble(Scenario(PULLED), values).reason
+    (reason,) = simulate(Scenario(PULLED), values).reason
     with pytest.raises(InputError) as error:
         Scenario(PULLED).with_changes({path: x[0] for path, x in values.items()})
     assert error.value.problems == [reason]
@@ -117,7 +117,7 @@ def test_without_a_compiler(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "none")
     short = {**SHAKEN, "solve": {"t_end": 0.3}, "output": {"step": 0.01}}
     values = {"law.k_v": [1e6, -1.0, 1e7]}
-    found = simulate_ensemble(Scenario(short), values)
+    found = simulate(Scenario(short), values)
     alone = simulate(Scenario(short).with_changes({"law.k_v": 1e7}))
     assert found.status == ["done", "failed", "done"]
     assert np.array_equal(found["v"][2], alone["v"])
@@ -127,7 +127,7 @@ def test_without_a_compiler(monkeypatch):
 def test_optional_constants_are_switched_on():
     data = rig("stribeck", "velocity", {"kind": "ramp", "rate": 1e-3}, 1.0)
     del data["law"]["k_v"]
-    found = simulate_ensemble(Scenario(data), {"law.k_v": [1e3, 1e4]})
+    found = simulate(Scenario(data), {"law.k_v": [1e3, 1e4]})
     alone = simulate(Scenario(data).with_changes({"law.k_v": 1e4}))
     np.testing.assert_allclose(found["F"][1], alone["F"], rtol=1e-12)
 
@@ -148,7 +148,7 @@ def test_optional_constants_are_switched_on():
 )
 def test_values_that_cannot_be(values, text):
     with pytest.raises(InputError) as error:
-        simulate_ensemble(Scenario(PULLED), values)
+        simulate(Scenario(PULLED), values)
     assert text in error.value.problems[0]
     assert len(error.value.problems) == 1
 
@@ -156,13 +156,13 @@ def test_values_that_cannot_be(values, text):
 @pytest.mark.parametrize("threads", [0, 1.5, True])
 def test_threads_are_a_whole_number(threads):
     with pytest.raises(InputError, match="threads: "):
-        simulate_ensemble(Scenario(PULLED), {"plant.mass": [1.0]}, threads=threads)
+        simulate(Scenario(PULLED), {"plant.mass": [1.0]}, threads=threads)
 
 
 def test_more_than_memory_holds(monkeypatch):
     monkeypatch.setattr(module.memory, "available", lambda: 1e6)
     with pytest.raises(InputError, match=r"1000 lanes of 201 rows would take .* 'stribeck sweep'"):
-        simulate_ensemble(Scenario(PULLED), {"plant.mass": np.ones(1000)})
+        simulate(Scenario(PULLED), {"plant.mass": np.ones(1000)})
 
 
 @needs_compiler
@@ -174,12 +174,12 @@ def test_an_interrupt_stops_the_threads():
 
     started = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        simulate_ensemble(scenario, {"plant.mass": np.linspace(1, 2, 20000)}, progress=interrupt)
+        simulate(scenario, {"plant.mass": np.linspace(1, 2, 20000)}, progress=interrupt)
     assert time.monotonic() - started < 20  # 20000 lanes take minutes
 
 
 def test_a_column_that_is_not_there():
-    found = simulate_ensemble(Scenario(PULLED), {"plant.mass": [-1.0]})
+    found = simulate(Scenario(PULLED), {"plant.mass": [-1.0]})
     with pytest.raises(KeyError, match="no such column"):
         found["speed"]
 
@@ -196,7 +196,7 @@ def test_scales_written_for_numbers_serve_lanes(tmp_path):
 def test_servos_and_moves_along_paths_are_lanes_too():
     """Each lane is then a scenario of its own: whatever is a number in it can vary."""
     servo = Scenario.load(examples.path("servo")).with_changes({"solve.t_end": 2.0})
-    found = simulate_ensemble(servo, {"drive.K_D": [40.0, 60.0, -1.0], "drive.observer.k_v": [1e6, 1e5, 1e6]})
+    found = simulate(servo, {"drive.K_D": [40.0, 60.0, -1.0], "drive.observer.k_v": [1e6, 1e5, 1e6]})
     assert found.status == ["done", "done", "failed"]
     assert "drive.K_D" in found.reason[2]
     alone = simulate(servo.with_changes({"drive.K_D": 60.0, "drive.observer.k_v": 1e5}))
@@ -204,8 +204,8 @@ def test_servos_and_moves_along_paths_are_lanes_too():
         assert np.array_equal(found[name][1], alone[name])
     assert np.isnan(found["V"][2]).all()
     with pytest.raises(InputError, match="unknown key"):
-        simulate_ensemble(servo, {"drive.K_Q": [1.0]})
+        simulate(servo, {"drive.K_Q": [1.0]})
     moved = rig("lugre", spring("canudas1995"), {"kind": "point_to_point", "t": [0, 2, 4], "value": [0, 1, 0]}, 4.0)
-    lanes = simulate_ensemble(Scenario(moved), {"plant.mass": [1.0, 2.0]})
+    lanes = simulate(Scenario(moved), {"plant.mass": [1.0, 2.0]})
     assert lanes.status == ["done", "done"]
     assert lanes["y"].shape == (2, 201)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stribeck import Scenario, simulate, simulate_ensemble
+from stribeck import Scenario, simulate
 from tests.simulation.rig import needs_compiler, rig
 
 LAWS = '''
@@ -117,7 +117,7 @@ def test_what_no_steps_can_follow_ends_soon(name, reason, tmp_path):
     solution = failed(compiled_run, data, tmp_path)
     assert reason in solution.reason
     assert solution.stats["accepted"] + solution.stats["rejected"] <= 2_000_001
-    lanes = simulate_ensemble(Scenario(data, folder=tmp_path), {"plant.mass": [1.0, 1.1]})
+    lanes = simulate(Scenario(data, folder=tmp_path), {"plant.mass": [1.0, 1.1]})
     assert all(reason in text for text in lanes.reason), lanes.reason
     assert (lanes.accepted + lanes.rejected <= 2_000_001).all()
 

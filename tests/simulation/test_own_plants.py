@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck import InputError, Scenario, simulate, simulate_ensemble
+from stribeck import InputError, Scenario, simulate
 
 FILE = '''
 from stribeck.constants import Constant
@@ -90,7 +90,7 @@ def test_it_moves_as_scipy_says_and_keeps_the_balance_of_energy(folder):
 
 def test_its_numbers_vary_in_lanes(folder):
     scenario = Scenario(data(), folder=folder)
-    lanes = simulate_ensemble(scenario, {"plant.load": [0.2, 0.8], "plant.initial.d": [0.0, 0.05]})
+    lanes = simulate(scenario, {"plant.load": [0.2, 0.8], "plant.initial.d": [0.0, 0.05]})
     for i, changes in enumerate(({"plant.load": 0.2}, {"plant.load": 0.8, "plant.initial.d": 0.05})):
         alone = simulate(scenario.with_changes(changes))
         np.testing.assert_allclose(lanes["y"][i], alone["y"], rtol=1e-6, atol=1e-9)

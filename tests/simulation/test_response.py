@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stribeck
+from stribeck.errors import BuildError
 from stribeck.laws import find
 from stribeck.simulation.response import Response
 
@@ -87,5 +88,5 @@ def test_a_simulation_that_fails_is_none():
 
 def test_without_a_compiler_it_says_what_to_install(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "none")
-    with pytest.raises(stribeck.BuildError, match="C compiler"):
+    with pytest.raises(BuildError, match="C compiler"):
         Response(find("lugre"))

@@ -7,8 +7,9 @@ import warnings
 import numpy as np
 import pytest
 
-from stribeck import Scenario, StribeckNote, examples, simulate
+from stribeck import Scenario, examples, simulate
 from stribeck.control.sampled import turned
+from stribeck.errors import StribeckNote
 from stribeck.simulation import native
 from tests.simulation.rig import needs_compiler, rig
 

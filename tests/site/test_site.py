@@ -51,7 +51,7 @@ def test_an_entry_of_the_reference_is_whole(name):
     text = inspect.getdoc(thing) or ""
     assert text
     if inspect.isfunction(thing):
-        assert "Raises:" in text or name in ("allow_undetermined", "parameters"), "which errors?"
+        assert "Raises:" in text, "which errors?"
         assert not (silent := [p for p in inspect.signature(thing).parameters if p not in text]), silent
     elif not issubclass(thing, BaseException):
         own = {n: m for n, m in vars(thing).items() if not n.startswith("_") and callable(getattr(thing, n, None))}

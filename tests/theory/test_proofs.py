@@ -14,11 +14,12 @@ import sympy as sp
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
-from stribeck import law, parameters
+from stribeck import law
 from stribeck.laws import builtin
 from stribeck.laws.elastoplastic import ElastoPlasticMajorant
 from stribeck.laws.form import USUAL, Form
 from stribeck.laws.terms import m, m_0
+from stribeck.parameter_sets import parameters
 
 flint = pytest.importorskip("flint")
 arb = flint.arb

@@ -84,7 +84,7 @@ def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], N
             if progress is not None:
                 progress((done + share) / len(variants))
 
-        solutions[label] = simulate(scenario, tell)
+        solutions[label] = simulate(scenario, progress=tell)
     labels = list(solutions)
     reference = solutions[labels[0]]
     found = {label: deviations(reference, solutions[label]) for label in labels[1:]}

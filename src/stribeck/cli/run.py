@@ -83,7 +83,7 @@ def _simulate(scenario: Scenario, path: Path, *, out: Path | None, keep_c: Path 
     if out is not None:
         show.check_folder(out)
     with show.progress(scenario.name) as tell:
-        solution = simulate(scenario, tell)
+        solution = simulate(scenario, progress=tell)
     summary, files = solution.summary(), list[str]()
     if keep_c is not None:
         from stribeck.files import write_text

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from pathlib import Path
 
+from stribeck.constants import show
 from stribeck.errors import InputError
 from stribeck.exchange.bam import from_bam, to_bam
 from stribeck.exchange.mjcf import Tables, from_mujoco_file, to_mujoco
 from stribeck.scenario import Scenario
 
-__all__ = ["from_bam", "from_mujoco_file", "tables", "to_bam", "to_mujoco"]
+__all__ = ["from_bam", "from_mujoco_file", "import_", "tables", "to_bam", "to_mujoco"]
 
 
 def tables(scenario: Scenario) -> Tables:
@@ -24,3 +26,18 @@ def tables(scenario: Scenario) -> Tables:
     for contact in scenario.rig.machine.contacts:
         found["contacts"][contact.name]["law"]["parameters"] = dict(scenario.rig.laws[contact.law_path].machine)
     return found
+
+
+def import_(kind: str, file: str | Path) -> Scenario:
+    """A machine from another program's file; what it says of friction, motors and loads is kept.
+
+    Args:
+        kind: ``"bam"`` (models m1 to m6, a JSON file) or ``"mujoco"`` (an XML model).
+        file: the file.
+
+    Raises:
+        InputError: another kind, or the file is no such model; one line for each problem.
+    """
+    if kind not in ("bam", "mujoco"):
+        raise InputError(f"kind: {show(kind)}: must be bam or mujoco")
+    return Scenario(from_bam(Path(file)) if kind == "bam" else from_mujoco_file(Path(file)))

@@ -12,7 +12,7 @@ from stribeck.loops.compensation import contact_of, with_compensation
 from stribeck.loops.loop import controller_of
 from stribeck.machine.elements.controllers import Cascade, Pid
 from stribeck.scenario import Scenario
-from stribeck.simulation.single import simulate
+from stribeck.simulation.single import simulate_once
 
 BEYOND = 0.05  # of the share, in the run that shows it
 _SPEEDS = 400
@@ -117,6 +117,6 @@ def _counterexample(
     data["name"] = f"{made.name}_overcompensated"
     data["solve"], data["output"] = {"t_end": end}, {"step": end / 400, "energy": True}
     shown = Scenario(data, folder=made.folder, trust=True)
-    run = simulate(shown)
+    run = simulate_once(shown)
     last = float(run[f"{each.measures}.v"][-1])
     return (shown if last > 1.5 * speed else None), speed, last

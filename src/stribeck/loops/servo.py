@@ -72,7 +72,7 @@ def design_servo(
         StribeckError: SymPy is not installed.
     """
     controller = check_servo(rig, v_max)
-    solution = simulate(rig, None if tell is None else lambda share: tell(share, "the servo's motion"))
+    solution = simulate(rig, progress=None if tell is None else lambda share: tell(share, "the servo's motion"))
     observer, d = controller.observer, rig.drive_values
     assert observer is not None
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)

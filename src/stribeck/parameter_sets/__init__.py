@@ -89,7 +89,7 @@ def load(name: str, folder: Path | None = None, needs: Container[str] | None = N
         if open_ones and not _allowed[0]:
             raise InputError(
                 f"{name!r}: the data of this fit do not determine {open_ones}: allow their best values with "
-                "--allow-undetermined (stribeck.allow_undetermined()), or measure what [unknown] in it says"
+                "--allow-undetermined (stribeck.parameter_sets.allow_undetermined()), or measure what [unknown] in it says"
             )
         return found
     guess = nearest(name, parameters()) or f" (known: {', '.join(parameters())}; or a file NAME.toml)"

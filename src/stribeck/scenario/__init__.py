@@ -295,3 +295,19 @@ def _trusted(trust: bool | Collection[str]) -> Collection[str] | None:
 def _refuse(problems: list[tables.Problem]) -> None:
     if problems:
         raise InputError([f"{path}: {text}" for path, text in problems])
+
+
+def load(
+    path: str | Path, changes: Mapping[str, object] | None = None, *, trust: bool | Collection[str] = False
+) -> Scenario:
+    """The scenario or machine in a TOML file.
+
+    Args:
+        path: the file.
+        changes: values that replace those at some paths of the file: ``{"law.k_v": 1e6}``.
+        trust: whether laws in files (``FILE.py:NAME``) outside the scenario's folder may be executed; or names of such laws.
+
+    Raises:
+        InputError: the file cannot be read, is not TOML, or is no valid scenario; one line for each problem.
+    """
+    return Scenario.load(path, changes, trust=trust)

@@ -32,7 +32,7 @@ from stribeck.scenario.changes import changed, plain_table
 
 @dataclass(frozen=True)
 class VariedMachine:
-    """A machine and the values that its lanes have, for :func:`stribeck.simulate_ensemble`."""
+    """A machine and the values that its lanes have, for :func:`stribeck.simulate`."""
 
     machine: Machine
     values: dict[str, ArrayLike]

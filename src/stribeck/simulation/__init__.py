@@ -2,17 +2,95 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, overload
 
 from stribeck.codegen import source
+from stribeck.errors import InputError, arg
 from stribeck.scenario import Scenario
-from stribeck.simulation.single import simulate
+from stribeck.simulation import single
 from stribeck.simulation.solution import Solution
 
 if TYPE_CHECKING:
-    from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
+    from numpy.typing import ArrayLike
 
-__all__ = ["Ensemble", "Solution", "c_source", "simulate", "simulate_ensemble"]
+    from stribeck.scenario.objects import Machine, VariedMachine
+    from stribeck.simulation.ensemble import Ensemble
+
+__all__ = ["Ensemble", "Solution", "c_source", "simulate"]
+
+
+@overload
+def simulate(
+    what: Scenario | Machine | str | Path | Mapping[str, object], vary: None = None, *, t_end: float | None = None,
+    step: float | None = None, threads: None = None, progress: Callable[[float], None] | None = None, **solve: object,
+) -> Solution: ...  # fmt: skip
+
+
+@overload
+def simulate(
+    what: Scenario | Machine | str | Path | Mapping[str, object], vary: Mapping[str, ArrayLike], *,
+    t_end: float | None = None, step: float | None = None, threads: int | None = None,
+    progress: Callable[[float], None] | None = None, **solve: object,
+) -> Ensemble: ...  # fmt: skip
+
+
+@overload
+def simulate(
+    what: VariedMachine, vary: Mapping[str, ArrayLike] | None = None, *, t_end: float | None = None,
+    step: float | None = None, threads: int | None = None, progress: Callable[[float], None] | None = None,
+    **solve: object,
+) -> Ensemble: ...  # fmt: skip
+
+
+def simulate(
+    what: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
+    vary: Mapping[str, ArrayLike] | None = None,
+    *,
+    t_end: float | None = None,
+    step: float | None = None,
+    threads: int | None = None,
+    progress: Callable[[float], None] | None = None,
+    **solve: object,
+) -> Solution | Ensemble:
+    """Simulate a scenario or a machine, once, or once for each value of some of its numbers.
+
+    The first simulation of a structure (law, drive, kind of signal) compiles it, some 0.3 s; later ones, in this
+    process or another, find it in the cache. With ``vary``, lane i takes the i-th value of every path:
+    ``simulate(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})`` has two lanes; a lane is one simulation of a batch.
+
+    Args:
+        what: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)`` brings its values with it.
+        vary: numbers by path, as many for each path as there are lanes; a single number holds for all. Laws' constants,
+            masses, initial values, constants of drives and signals can be varied.
+        t_end: when it ends, s; must be given for a :class:`Machine`.
+        step: time between rows, s; of a :class:`Machine` t_end/1000 unless given.
+        threads: with ``vary``, how many to use; all of the machine's unless given.
+        progress: called now and then with the share done, 0 to 1.
+        **solve: other values of [solve], such as ``rtol=1e-10``; of a :class:`Machine` ``energy=True`` too.
+
+    Returns:
+        The solution; with ``vary`` the ensemble of all lanes. A computation that fails is a result too: ``status`` is
+        "failed", ``reason`` says why, and the rows that were reached are there. Other lanes go on.
+
+    Raises:
+        InputError: the file or the tables are no valid scenario; a path is none that can be varied, its values are no
+            numbers, or the rows do not fit into memory.
+    """
+    if vary is None and isinstance(what, Scenario | str | Path | Mapping):
+        several = False
+    else:
+        from stribeck.scenario.objects import VariedMachine  # a file that is run needs no objects
+
+        several = vary is not None or isinstance(what, VariedMachine)
+    if several:
+        from stribeck.simulation.ensemble import simulate_ensemble
+
+        return simulate_ensemble(what, vary, t_end=t_end, step=step, threads=threads, progress=progress, **solve)
+    if threads is not None:
+        raise InputError(f"{arg('threads')}: {threads}: goes with vary, which is not given")
+    return single.simulate_once(what, progress, t_end=t_end, step=step, **solve)  # type: ignore[arg-type]
 
 
 def c_source(scenario: Scenario) -> str:
@@ -22,7 +100,7 @@ def c_source(scenario: Scenario) -> str:
 
 def __getattr__(name: str) -> object:
     """Ensembles are read at first use: one run needs none of them."""
-    if name not in ("Ensemble", "simulate_ensemble"):
+    if name != "Ensemble":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from stribeck.simulation import ensemble
 

@@ -20,7 +20,7 @@ from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import lanes
 from stribeck.simulation.result import NOT_FINITE, failure
-from stribeck.simulation.single import simulate
+from stribeck.simulation.single import simulate_once
 from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations, vary
 
@@ -106,10 +106,11 @@ def simulate_ensemble(
     step: float | None = None,
     threads: int | None = None,
     progress: Callable[[float], None] | None = None,
+    **solve: object,
 ) -> Ensemble:
-    """Simulate a scenario once for each value of some of its numbers.
+    """Simulate a scenario once for each value of some of its numbers (:func:`stribeck.simulate` with ``vary``).
 
-    Lane i takes the i-th value of every path: ``simulate_ensemble(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})``
+    Lane i takes the i-th value of every path: ``simulate(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})``
     has two lanes. What can be varied: the law's constants, the mass, initial values, constants of the drive and of the
     signal. The lanes agree with single runs within the tolerances, however many lanes and threads there are, and a
     lane's numbers are the same from run to run.
@@ -117,7 +118,7 @@ def simulate_ensemble(
     Args:
         scenario: what the lanes share: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)``
             brings its values with it.
-        t_end, step: as for :func:`simulate`.
+        t_end, step, **solve: as for :func:`stribeck.simulate`.
         values: numbers by path, as many for each path as there are lanes; a single number holds for all.
         threads: how many to use; all of the machine's unless given.
         progress: called now and then with the share of the lanes done, 0 to 1.
@@ -131,17 +132,17 @@ def simulate_ensemble(
     if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
     shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
-    variations = vary(scenario_of(shared, t_end, step), values or {})
+    variations = vary(scenario_of(shared, t_end, step, **solve), values or {})
     _check(variations, threads)
     threads = threads or lanes.threads_of_this_machine()
     lanes_in = _Lanes(variations)
     if not len(lanes_in.possible):
         return lanes_in.ensemble()
-    solve = _solver(variations, threads)
-    if solve is None or not isinstance(variations, Variations):
+    solver = _solver(variations, threads)
+    if solver is None or not isinstance(variations, Variations):
         return lanes_in.ensemble(_one_by_one(lanes_in, threads, progress))
     some = variations if lanes_in.all_possible else variations.part(lanes_in.possible)
-    lanes_in.take(some, solve(some, progress))
+    lanes_in.take(some, solver(some, progress))
     return lanes_in.ensemble()
 
 
@@ -232,7 +233,7 @@ def _one_by_one(found: _Lanes, threads: int, progress: Callable[[float], None] |
             raise KeyboardInterrupt
 
     def run(lane: int) -> Solution:
-        return simulate(scenario.with_changes(variations.changes(lane)), go_on)
+        return simulate_once(scenario.with_changes(variations.changes(lane)), go_on)
 
     with ThreadPoolExecutor(threads) as pool:
         try:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from stribeck.scenario.objects import Machine
 
 
-def simulate(
+def simulate_once(
     scenario: Scenario | Machine | str | Path | Mapping[str, object],
     progress: Callable[[float], None] | None = None,
     *,

@@ -23,7 +23,8 @@ from stribeck.arrays import Array
 from stribeck.errors import StribeckError, one_line, said_by
 from stribeck.scenario import Scenario
 from stribeck.scenario.moved import with_files
-from stribeck.simulation import compiler, simulate_ensemble
+from stribeck.simulation import compiler
+from stribeck.simulation.ensemble import simulate_ensemble
 from stribeck.sweeps import tables
 from stribeck.version import __version__
 

@@ -11,6 +11,7 @@ import tomli_w
 
 import stribeck
 from stribeck.cli import _status
+from stribeck.errors import StribeckNote
 from stribeck.export.controller.block import block_of
 from stribeck.export.fmu import binaries
 from tests.export.controller.stages import CASES, stage
@@ -59,7 +60,7 @@ def test_processor_in_the_loop(case, target, tmp_path):
         if shutil.which(tool) is None:
             pytest.skip(f"{tool} is not installed")
     scenario = stage(case)
-    with pytest.warns(stribeck.StribeckNote, match="act 0.0005 s after the sample"):
+    with pytest.warns(StribeckNote, match="act 0.0005 s after the sample"):
         stribeck.export(scenario, "c", tmp_path, part="controller")
     (tmp_path / "driver.c").write_text(DRIVER)
     program, sources = str(tmp_path / "loop"), [str(tmp_path / f) for f in ("stage_axis.c", "driver.c")]

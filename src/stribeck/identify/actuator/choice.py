@@ -139,7 +139,7 @@ def _speeds(fit: Fitting) -> dict[str, float]:
     for contact in fit.scenario.data.get("contacts", {}):
         try:
             from stribeck.identify.actuator.runs import recorded_run
-            from stribeck.simulation.single import simulate
+            from stribeck.simulation import simulate
 
             i, recording = fit.fitted[0]
             solution = simulate(recorded_run(fit.scenario, recording, i).scenario)
