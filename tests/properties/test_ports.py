@@ -11,7 +11,7 @@ from stribeck.errors import InputError
 from stribeck.expressions.ops import where
 from stribeck.laws.base import Scales, StaticLaw
 from stribeck.properties import ports, replay
-from stribeck.properties.level import _Decided
+from stribeck.properties.checked import CheckedAlways
 from stribeck.properties.ranges import of_contact, of_force, of_signal
 from stribeck.properties.verdicts import refusals
 from stribeck.properties.worst import Varied
@@ -189,7 +189,7 @@ def test_the_elastic_range_is_the_smallest_that_there_is():
     law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
     rig = Scenario(varying(law, z_ba=(1.0, 0.5))).rig
     proofs = {}
-    found = _Decided(of_contact(rig, rig.machine.contacts[0], 2.0, {}), None, 2400.0, proofs).decided("drift_free")
+    found = CheckedAlways(of_contact(rig, rig.machine.contacts[0], 2.0, {}), None, 2400.0, proofs).decided("drift_free")
     assert found.holds
     assert found.evidence["z_0"] == pytest.approx(4e-5)
     assert refusals(found.certificate, proofs["drift_free"], "drift_free") == []

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import importlib
-import logging
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
-from time import process_time
 from typing import TYPE_CHECKING, Any, overload
 
-import numpy as np
-
 from stribeck.constants import require_positive
-from stribeck.errors import InputError, needed
+from stribeck.errors import InputError
 from stribeck.laws.base import Law
-from stribeck.properties.checked import Checked
-from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, undecided
+from stribeck.properties.checked import at_level, check_law, check_varied
+from stribeck.properties.verdicts import NAMES, Verdict, Verdicts
 
 if TYPE_CHECKING:
     from stribeck.properties.ports import MachineVerdicts
@@ -27,8 +21,6 @@ if TYPE_CHECKING:
 __all__ = ["NAMES", "Verdict", "Verdicts", "check"]
 
 WORK = 2400.0  # regions looked at for all five properties; it does not depend on the machine's speed
-
-_log = logging.getLogger(__name__)
 
 
 @overload
@@ -89,12 +81,8 @@ def check(
     if problems := [f"{name}: must be left out for a law: it is about a machine" for name, x in alien.items() if x]:
         raise InputError(problems)
     found = _steepness(what, {**tolerated, "v_max": v_max}) if tolerated else {}
-    if level is not None:
-        from stribeck.properties.level import check_level
-
-        verdicts = check_level(what, level, v_max, work)
-    else:
-        verdicts = check_law(what, v_max, work)
+    varied = None if level is None else at_level(what, level)
+    verdicts = check_law(what, v_max, work) if varied is None else check_varied(varied, v_max, work)
     verdicts.steepness = found
     return verdicts
 
@@ -103,33 +91,3 @@ def _steepness(law: Law, tolerated: Mapping[str, object]) -> dict[str, Steepness
     from stribeck.properties.steepness import Tolerated, smallest_steepness
 
     return smallest_steepness(law, Tolerated.given(tolerated))
-
-
-def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
-    """The verdicts on a law whose constants do not vary."""
-    started = process_time()
-    if not law.has_z:
-        reason = f"law '{law.name}' has no internal state z, which the properties are about"
-        return Verdicts(law, {name: undecided(reason) for name in NAMES}, v_max)
-    with needed("a proof"):
-        importlib.import_module("flint")
-    checked = Checked(law, v_max, work)
-    with np.errstate(all="ignore"):  # samples may leave the range of floats; they prove nothing
-        found = {name: _safely(partial(_accepted, checked, name), name) for name in NAMES}
-    return Verdicts(law, found, v_max, process_time() - started)
-
-
-def _accepted(checked: Checked, name: str) -> Verdict:
-    return accepted(getattr(checked, name)(), checked.law, name, checked.v_max)
-
-
-def _safely(decide: Callable[[], Verdict], name: str) -> Verdict:
-    """A verdict; undecided where the equations are such that the check itself fails."""
-    try:
-        return decide()
-    except (OverflowError, ZeroDivisionError) as error:
-        _log.debug("numbers of '%s' leave the floats", name, exc_info=True)
-        return undecided(f"a number on the way is too large or too small for a float ({error})")
-    except Exception as error:
-        _log.debug("the check of '%s' failed", name, exc_info=True)
-        return undecided(f"the equations cannot be treated: {type(error).__name__}: {error}")

@@ -1,18 +1,103 @@
-"""The five properties of one law, each decided once; some proofs rest on others."""
+"""The five properties of a law, each decided once: with its constants, or while these vary in any way within ranges.
+
+Where constants vary, their level (F_c and F_s) above all, one law decides, the worst of all that occur (docs/theory.md,
+"A level that varies").
+"""
 
 from __future__ import annotations
 
+import importlib
+import logging
+from collections.abc import Callable, Iterator
+from fractions import Fraction
 from functools import cached_property
+from itertools import islice
+from math import e
+from time import process_time
 
+import numpy as np
+
+from stribeck import laws
+from stribeck.constants import POSITIVE, show
+from stribeck.errors import InputError, arg, needed
 from stribeck.laws.base import Law
-from stribeck.properties import bounded, drift, passive, smooth, unique
+from stribeck.laws.terms import m_0, sigma_1
+from stribeck.properties import bounded, cycles, damped, drift, endless, passive, replay, smooth, unique
 from stribeck.properties.certificate import Certificate
-from stribeck.properties.claims import ClaimProver
-from stribeck.properties.model import Model, Unreadable
+from stribeck.properties.claims import NULL, ClaimProver
+from stribeck.properties.model import SIGNS, Model, Unreadable
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
-from stribeck.properties.verdicts import Verdict, undecided
+from stribeck.properties.storage import Storage, own_speeds
+from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
+from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
+
+_log = logging.getLogger(__name__)
 
 SHARES = {"bounded": 0.2, "unique": 0.5, "smooth": 0.1, "passive": 0.65, "drift_free": 0.1}
+_PROVED = (
+    "the power lost, F v - S' dz/dt, is nowhere negative at the worst of all levels (signs of polynomials), with the elastic "
+    "energy as storage S; it is least there (theory.md)"
+)
+_BOUNDED = (
+    "wherever |z| >= Z, Z the highest level over sigma_0, dz/dt points inward or is 0, for every v and every level"
+)
+_SWING = (
+    "a cycle of held speeds and levels that returns z to its start and draws energy (enclosed by interval arithmetic)"
+)
+_DROPPED = (
+    "wound up at the highest level and unwound at the lowest: F v <= -c v^2 and |dz/dt| <= C |v| for z from z_start to z_end "
+    "and |v| >= u (signs over the whole range): the energy drawn grows like |v|, without limit"
+)
+_HELD = "at a level that is held: "
+_SAME = "at the lowest level and, by the same steps, at every level (theory.md): "
+_UNKNOWN = (
+    "which of its levels is the worst is known for the laws of this package only; no run that draws energy was found"
+)
+_ENDLESS = Fraction(3)  # where a level has no upper end: how far beyond the threshold it is swung
+_HIGH = Fraction(1000)  # the same with v_d, where all that the bristles lose while they are wound up counts
+_TRIED = 4  # cycles, of those found
+_DROPS = (1e-2, 1e-4, 1e-6, 1e-9, 1e-12)
+
+
+def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
+    """The verdicts on a law whose constants do not vary."""
+    checked = Checked(law, v_max, work)
+    return _verdicts(Verdicts(law, {}, v_max), lambda name: accepted(checked.decided(name), law, name, v_max))
+
+
+def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
+    """The verdicts that hold for every history within the ranges."""
+    found = Verdicts(varied.law, {}, v_max, varied=varied)
+    return _verdicts(found, CheckedAlways(varied, v_max, work, found.proofs).decided)
+
+
+def _verdicts(found: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts:
+    """Each property; undecided where a law has no z, or its equations are such that the check itself fails."""
+    started = process_time()
+    if not found.law.has_z:
+        reason = f"law '{found.law.name}' has no internal state z, which the properties are about"
+        found.properties = {name: undecided(reason) for name in NAMES}
+        return found
+    with needed("a proof"):
+        importlib.import_module("flint")
+    with np.errstate(all="ignore"):  # samples may leave the range of floats; they prove nothing
+        found.properties = {name: _safely(decided, name) for name in NAMES}
+    found.seconds = process_time() - started
+    return found
+
+
+def _safely(decided: Callable[[str], Verdict], name: str) -> Verdict:
+    try:
+        return decided(name)
+    except Unreadable as error:
+        return undecided(str(error))
+    except (OverflowError, ZeroDivisionError) as error:
+        _log.debug("numbers of '%s' leave the floats", name, exc_info=True)
+        return undecided(f"a number on the way is too large or too small for a float ({error})")
+    except Exception as error:
+        _log.debug("the check of '%s' failed", name, exc_info=True)
+        return undecided(f"the equations cannot be treated: {type(error).__name__}: {error}")
 
 
 class Checked:
@@ -20,6 +105,14 @@ class Checked:
 
     def __init__(self, law: Law, v_max: float | None, work: float) -> None:
         self.law, self.v_max, self.work = law, v_max, work
+
+    def decided(self, name: str) -> Verdict:
+        """The verdict on one property."""
+        try:
+            found: Verdict = getattr(self, name)()
+        except Unreadable as error:
+            return undecided(str(error))
+        return found
 
     @cached_property
     def model(self) -> Model:
@@ -32,43 +125,304 @@ class Checked:
 
     @cached_property
     def _bounded(self) -> tuple[Verdict, Certificate | None]:
-        claims = self.claims("bounded")
-        certificate = bounded.prove(self.model, claims)
+        certificate = bounded.prove(self.model, self.claims("bounded"))
         return bounded.decide(self.model, certificate), certificate
 
     def bounded(self) -> Verdict:
         """|z| <= Z for ever."""
-        try:
-            return self._bounded[0]
-        except Unreadable as error:
-            return undecided(str(error))
+        return self._bounded[0]
 
     def unique(self) -> Verdict:
         """One solution."""
-        try:
-            certificate = self._bounded[1]
-            return unique.decide(self.model, self.claims("unique"), certificate)
-        except Unreadable as error:
-            return undecided(str(error))
+        return unique.decide(self.model, self.claims("unique"), self._bounded[1])
 
     def smooth(self) -> Verdict:
         """Continuously differentiable."""
-        try:
-            return smooth.decide(self.model, self.claims("smooth"))
-        except Unreadable as error:
-            return undecided(str(error))
+        return smooth.decide(self.model, self.claims("smooth"))
 
     def passive(self) -> Verdict:
         """No more energy is given than was taken."""
-        try:
-            verdict, certificate = self._bounded
-            return passive.decide(self.model, self.claims("passive"), certificate, verdict.holds is False)
-        except Unreadable as error:
-            return undecided(str(error))
+        verdict, certificate = self._bounded
+        return passive.decide(self.model, self.claims("passive"), certificate, verdict.holds is False)
 
     def drift_free(self) -> Verdict:
         """Elastic below some deflection."""
+        return drift.decide(self.model, self.claims("drift_free"))
+
+
+# -- constants that vary ------------------------------------------------------------------------------------------------
+
+
+def level_problem(level: object) -> str | None:
+    """What is wrong with an argument ``level``, (LOW, HIGH), in one line; None where nothing is."""
+    if isinstance(level, tuple | list) and len(level) == 2:
+        low, high = level
+        if not (POSITIVE.problem(low) or POSITIVE.problem(high)) and low <= high:
+            return None
+    return f"{arg('level')}: {show(level)}: must be two finite numbers, 0 < LOW <= HIGH"
+
+
+def at_level(law: Law, level: tuple[float, float]) -> Varied:
+    """The law with the ranges that a level gives it.
+
+    Raises:
+        InputError: ``level`` is no range, the law has no level, or does not allow one of its ends.
+    """
+    if text := level_problem(level):
+        raise InputError(text)
+    low, high = level
+    this = f"{arg('level')}: {show([low, high])}: law '{law.name}'"
+    if "F_c" not in law.values:
+        raise InputError(f"{this} has no F_c, and so no level that could vary")
+    varied = Varied.by_level(law, low, high)
+    try:
+        varied.extreme(-1), varied.extreme(1)
+    except InputError as error:
+        raise InputError([f"{this}: {text}" for text in error.problems]) from None
+    return varied
+
+
+class CheckedAlways:
+    """Decides the properties of a law whose constants vary, each for every history within their ranges."""
+
+    def __init__(self, varied: Varied, v_max: float | None, work: float, proofs: dict[str, Law]) -> None:
+        self.varied, self.v_max, self.work, self.proofs = varied, v_max, work, proofs
+        kind = type(varied.law)
+        self.known = kind.name in BRISTLES and laws.builtin().get(kind.name) is kind
+        self._held: dict[tuple[int, str], Verdict] = {}
+
+    def decided(self, name: str) -> Verdict:
+        """The verdict on one property."""
+        own = {"bounded": self.bounded, "passive": self.passive}
         try:
-            return drift.decide(self.model, self.claims("drift_free"))
-        except Unreadable as error:
-            return undecided(str(error))
+            return own[name]() if name in own else self.same(name)
+        except (InputError, Unreadable, ArithmeticError) as error:
+            return undecided(f"the law cannot be treated at every level: {error}")
+
+    def held(self, side: int, name: str) -> Verdict:
+        """The verdict at one end of the level, held for ever."""
+        if (side, name) not in self._held:
+            self._held[side, name] = Checked(self._end(side, name), self.v_max, self.work).decided(name)
+        return self._held[side, name]
+
+    def _end(self, side: int, name: str) -> Law:
+        """The law at one end of the level; with the smallest elastic range for freedom from drift."""
+        return self.varied.extreme(side, _ENDLESS, least=("z_ba",) if name == "drift_free" else ())
+
+    def _with_level(self, name: str, verdict: Verdict, law: Law) -> Verdict:
+        assert verdict.certificate is not None
+        verdict.certificate = {**verdict.certificate, "level": self.varied.exactly()}
+        found = accepted(verdict, law, name, self.v_max)
+        if found.holds:
+            self.proofs[name] = law
+        return found
+
+    def same(self, name: str) -> Verdict:
+        """Unique, smooth, drift_free: what holds at the lowest level holds at all, for the laws of this package."""
+        found = self.held(-1, name)
+        if found.holds:
+            if not self.known and self.varied.varies:
+                return undecided(f"it holds at the lowest level; {_UNKNOWN.partition(';')[0]}")
+            found.method = _SAME + found.method
+            return self._with_level(name, found, self._end(-1, name))
+        return self._at(-1, name, found)
+
+    def _at(self, side: int, name: str, found: Verdict) -> Verdict:
+        """A counterexample at one end of the level, said to be so."""
+        if found.holds is False:
+            found.method = _HELD + found.method
+            self.proofs[name] = self._end(side, name)
+        return found
+
+    def bounded(self) -> Verdict:
+        """|z| <= the highest level over sigma_0."""
+        law = self.varied.highest() if self.known else None
+        if law is None:
+            held = self.held(-1, "bounded")
+            if held.holds is False:
+                return self._at(-1, "bounded", held)
+            return undecided(
+                "the level has no upper end, and z no bound that holds at all of them" if self.known else _UNKNOWN
+            )
+        model = Model(law)
+        certificate = bounded.prove(model, ClaimProver(model, Budget(SHARES["bounded"] * self.work)))
+        if certificate is None:
+            return undecided("no proof was found at the highest level")
+        return self._with_level("bounded", proved(model, certificate, _BOUNDED, {"Z": float(model.bound[1])}), law)
+
+    # -- passive -----------------------------------------------------------------------------------------------------
+
+    def passive(self) -> Verdict:
+        """No history of speed and level draws energy."""
+        found = self._passive()
+        if self.known and "sigma_1" in self.varied.law.values:
+            found.evidence |= thresholds(self.varied)
+        found.evidence["v_max"] = self.v_max
+        return found
+
+    def _passive(self) -> Verdict:
+        refused: Verdict | None = None
+        for law, found in self._shown():
+            verdict = self._with_level("passive", found, law)
+            if verdict.holds:
+                return verdict
+            refused = refused or verdict
+        unknown = _UNKNOWN if not self.known else "neither a proof nor a run that draws energy was found"
+        return self._refuted() or refused or undecided(unknown)
+
+    def _shown(self) -> Iterator[tuple[Law, Verdict]]:
+        """Proofs that may do, and the law that each is about: the simplest first."""
+        for any_z in (False, True):
+            law = self.varied.worst(any_z)
+            if any_z and law is not None and law.values.get("sigma_1") and law.values.get("v_d") is None:
+                continue  # far out in z, at large v, D < 0
+            if law is not None and (found := self._proved(law, any_z)) is not None:
+                yield law, found
+        law = self.varied.worst(True)
+        if self.known and law is not None and (found := self._damped(law)) is not None:
+            yield law, found
+        for any_z in (False, True):
+            law = self.varied.lowest(any_z)
+            if law is not None and (found := self._more_closely(law, any_z)) is not None:
+                yield law, found
+        if not self.varied.varies and (held := self.held(-1, "passive")).holds:
+            yield self._end(-1, "passive"), held
+
+    def _more_closely(self, law: Law, any_z: bool) -> Verdict | None:
+        """With the Stribeck curve of the lowest level, where the lowest F_c at every speed is too little."""
+        if not _may_serve(law, self.v_max, any_z):
+            return None
+        found = self._proved(law, any_z)
+        if found is not None:
+            found.evidence.pop("coq", None)  # whose theorem is about the lowest F_c
+        return found
+
+    def _proved(self, law: Law, any_z: bool) -> Verdict | None:
+        model = Model(law, self.v_max)
+        claims = ClaimProver(model, Budget(0.5 * SHARES["passive"] * self.work))
+        within = None if any_z else bounded.prove(model, claims)
+        if within is None and not any_z:
+            return None
+        reach = model.bound[1] if within is not None else None
+        slope = next(passive.elastic_forces(model))
+        shown = claims.power(slope, (NULL, model.v_max), (NULL, reach), (*SIGNS, 0))
+        rising = claims.rising(slope, (NULL, reach))
+        if shown is None or rising is None:
+            return None
+        hypotheses = {"bounded": within} if within is not None else {}
+        certificate = Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses)
+        evidence = {"z_within": None if reach is None else float(reach), **self._theorem(any_z)}
+        return proved(model, certificate, _PROVED, evidence)
+
+    def _damped(self, law: Law) -> Verdict | None:
+        model = Model(law)
+        certificate = damped.prove(model, ClaimProver(model, Budget(0.5 * SHARES["passive"] * self.work)))
+        if certificate is None:
+            return None
+        words = f"at the lowest level: {damped.method(certificate)}"
+        return proved(model, certificate, words, {"z_within": None, **self._theorem(True)})
+
+    def _theorem(self, any_z: bool) -> dict[str, Json]:
+        """The theorem of proofs/Level.v that says the same for every set of constants."""
+        law, varying = self.varied.law, {n for n, (a, b) in self.varied.ranges.items() if a != b}
+        proved_there = ("lugre", "elastoplastic", *MAJORANT)
+        if law.name not in proved_there or law.values.get("delta") is not None or varying - {"F_c", "F_s"}:
+            return {}
+        if self.v_max is not None or any_z != (law.values.get("v_d") is not None):
+            return {}
+        if any_z and not damped.suffices(self.varied.worst(any_z=True)):
+            return {}  # a finer condition than the theorem's
+        form = law.choices.get("smooth_abs", "atan")
+        word = "" if form == "atan" else f"_{form}"
+        return {"coq": f"{law.name}{word}_level_passive{'_damped' if any_z else ''}"}
+
+    def _refuted(self) -> Verdict | None:
+        low, high = self.varied.extreme(-1), self.varied.extreme(1, self._most())
+        if self.varied.varies and (found := self._by_swing(low, high)) is not None:
+            return found
+        for side in (-1, 1):
+            held = self.held(side, "passive")
+            if held.holds is False:
+                return self._at(side, "passive", held)
+        return self._dropped(low, high) if self.known and self.v_max is None else None
+
+    def _by_swing(self, low: Law, high: Law) -> Verdict | None:
+        """A cycle that is certain to draw energy; one that a run confirms, where there is such a one among the best."""
+        found: list[Verdict] = []
+        for swing in islice(cycles.find_swings(low, high, self.v_max), _TRIED):
+            if (drawn := swing.drawn()) is not None:
+                found.append(_swung(self.varied.law, swing, drawn))
+                if found[-1].scenario is not None:
+                    return found[-1]
+        return found[0] if found else None
+
+    def _most(self) -> Fraction:
+        """How high a level without end is swung: beyond what the constants bear."""
+        p = {n: self.varied.range(n) for n in ("sigma_1", "sigma_2") if n in self.varied.law.values}
+        if not p or not p["sigma_1"][1]:
+            return _ENDLESS
+        if self.varied.law.values.get("v_d") is not None:
+            return _HIGH
+        return _ENDLESS * (1 + p["sigma_2"][0] / p["sigma_1"][1])
+
+    def _dropped(self, low: Law, high: Law) -> Verdict | None:
+        """At the lowest level, from the highest deflection, unwinding gives back the more energy the faster it is."""
+        model, top = Model(low), float(high.z_bound(high.p)) * (1 - 2**-52)
+        claims = ClaimProver(model, Budget(0.2 * self.work))
+        for share in _DROPS:
+            found = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
+            if found is not None:
+                found.method = _DROPPED
+                found.evidence["levels"] = [
+                    {n: x.p.numbers[n] for n in ("F_c", "F_s") if n in x.values} for x in (high, low)
+                ]
+                return found
+        return None
+
+
+def _may_serve(law: Law, v_max: float | None, any_z: bool) -> bool:
+    """Whether the elastic energy serves as far as sampled: at the z where least power is lost."""
+    reach = np.inf if any_z else float(law.z_bound(law.p))
+    p, v = law.p, Storage(law, v_max, reach).v
+    v = v[v > 0]
+    with np.errstate(all="ignore"):
+        damping = p.sigma_1 if law.values.get("v_d") is None else sigma_1(p, v)
+        z = np.minimum(damping * v / (2 * p.sigma_0), reach)
+        lost = law.force(v, z) * v - p.sigma_0 * z * law.rate(v, z)
+        return bool(np.all(lost >= -1e-9 * (damping + p.sigma_2) * v**2))
+
+
+def _swung(nominal: Law, swing: cycles.Swing, drawn: tuple[float, float]) -> Verdict:
+    evidence = {**swing.evidence(), "enclosed": {"energy_drawn_per_cycle": list(drawn)}}
+    found = Verdict(False, _SWING, evidence)
+    tables = swing.machine(nominal)
+    solution = replay.run(tables)
+    if solution is not None and solution.final["E_in"] < 0:
+        stated = {"E_in": solution.final["E_in"], "contact.z": solution.final["contact.z"]}
+        evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
+        found.scenario, found.stated = tables, stated
+    return found
+
+
+def thresholds(varied: Varied) -> dict[str, float | None]:
+    """What would make the contact passive at every level: the sigma_2 that this takes, or else the largest v_d; and how
+    far the level may rise above its lowest with the constants as they are."""
+    low, high = varied.newtons
+    sigma_1, sigma_2 = varied.range("sigma_1")[1], varied.range("sigma_2")[0]
+    found: dict[str, float | None] = {"largest_v_d": largest_v_d(varied)}
+    if sigma_1 is None or not sigma_1:
+        return {**found, "sigma_2_needed": 0.0 if sigma_1 == 0 else None}
+    found["sigma_2_needed"] = None if high is None else float(sigma_1 * (high - low) / low)
+    found["largest_F_s"] = float(low * (1 + sigma_2 / sigma_1))
+    return found
+
+
+def largest_v_d(varied: Varied) -> float | None:
+    """The largest v_d with which the contact is passive whatever its level does, by the formula of theory.md, m/s; None
+    where there is none: sigma_1 m(0) is too large (a larger k_v helps), or sigma_1 is 0."""
+    law, (low, _), sigma_1 = varied.law, varied.newtons, varied.range("sigma_1")[1]
+    if not sigma_1 or law.name not in BRISTLES or law.name.endswith("sobczyk"):
+        return None
+    excess = float(m_0(law.p)) if law.name in MAJORANT else 0.0
+    found = (2 * e) ** 0.5 * (4 * float(low) / float(sigma_1) - excess)
+    return found * (1 - 1e-15) if found > 0 else None

@@ -14,9 +14,8 @@ from stribeck.laws.base import Law
 from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.loads import Pendulum
 from stribeck.plants import Mass
-from stribeck.properties import check_law
+from stribeck.properties.checked import check_law, check_varied
 from stribeck.properties.claims import NULL
-from stribeck.properties.level import check_varied
 from stribeck.properties.model import SIGNS, Model
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget

@@ -16,6 +16,7 @@ from stribeck.properties.statement import statement
 if TYPE_CHECKING:
     from stribeck.properties.model import Model
     from stribeck.properties.steepness import Steepness
+    from stribeck.properties.worst import Varied
 
 NAMES = ("unique", "bounded", "smooth", "passive", "drift_free")
 
@@ -117,6 +118,8 @@ class Verdicts:
         properties: a :class:`Verdict` by name.
         steepness: if tolerances were given, the smallest k_v that meets them: of the law, and of the majorant law of its
             family.
+        varied: if constants vary, the law and their ranges: each verdict holds for every history within these.
+        proofs: then, for each verdict, the law that it was found for, which stands for all or is one of them.
     """
 
     law: Law
@@ -124,6 +127,8 @@ class Verdicts:
     v_max: float | None = None
     seconds: float = 0.0
     steepness: dict[str, Steepness] = field(default_factory=dict)
+    varied: Varied | None = None
+    proofs: dict[str, Law] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Verdict:
         return self.properties[name]
@@ -131,7 +136,7 @@ class Verdicts:
     @property
     def level(self) -> dict[str, list[float | None]]:
         """The constants that vary and the ends between which they do (None: without end); none in a plain check."""
-        return {}
+        return {} if self.varied is None else self.varied.to_json()
 
     def headings(self) -> list[str]:
         """The law with its constants; and what varies, where something does."""
@@ -148,10 +153,12 @@ class Verdicts:
 
     def verify(self) -> bool:
         """Check every proof's certificate and replay every counterexample; True where all agree."""
-        found = [
-            verdict.verify(self.law, name, self.v_max) for name, verdict in self.properties.items()
-        ]  # every one, also after one that fails
-        return False not in found
+        for name, verdict in self.properties.items():
+            verdict.verify(self.proofs.get(name, self.law), name, self.v_max)
+            if verdict.holds and self.varied is not None:
+                covers = (verdict.certificate or {}).get("level") == self.varied.exactly()
+                verdict.verified = covers and verdict.verified
+        return all(verdict.verified is not False for verdict in self.properties.values())
 
     def certificates(self) -> dict[str, Json]:
         """The certificates of all proofs, as plain data."""
@@ -165,6 +172,7 @@ class Verdicts:
 
     def to_json(self) -> dict[str, Json]:
         """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and what belongs to it."""
+        varied = {} if self.varied is None else {"level": self.level}
         more = {"steepness": {name: each.to_dict() for name, each in self.steepness.items()}} if self.steepness else {}
         return {
             **more,
@@ -172,4 +180,5 @@ class Verdicts:
             "properties": {name: verdict.to_json() for name, verdict in self.properties.items()},
             "constants": {**self.law.values, **self.law.choices},
             "v_max": self.v_max,
+            **varied,
         }
