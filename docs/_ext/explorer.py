@@ -35,7 +35,7 @@ class Explorer(SphinxDirective):
         if (example := EXAMPLES / f"{words[0]}.toml").is_file():
             words[0] = str(example)
         if find_spec("ziglang") is None or find_spec("bokeh") is None:
-            return [nodes.paragraph("", "The live explorer needs the extra stribeck[explore] when the site is built.")]
+            return [nodes.paragraph("", "The live explorer needs the extra stribeck[plot] when the site is built.")]
         name = f"{Path(words[0]).stem}-{sha256(self.arguments[0].encode()).hexdigest()[:8]}.html"
         page = Path(self.env.app.outdir) / "explorers" / name
         if not page.is_file():

@@ -50,7 +50,12 @@ class MissingExtra(StribeckError, ImportError):
 
     def marked(self) -> str:
         """See :class:`StribeckError`."""
-        return f"{self.args[0]} needs {self.package}: pip install 'stribeck[{self.extra}]'"
+        return f"{self.args[0]} needs {self.package}: {self.remedy}"
+
+    @property
+    def remedy(self) -> str:
+        """The command that installs the package."""
+        return remedy(self.package, self.extra)
 
 
 class StribeckNote(UserWarning):
@@ -138,14 +143,20 @@ def refuse_twice(names: Sequence[str], what: str) -> None:
         raise InputError([f"{what} {name}: given {names.count(name)} times; must be given once" for name in twice])
 
 
-# The packages that the base installation does not have, and the extra that brings each.
+# The packages that the base installation does not have, and the extra that brings each; none brings tools that one has.
 EXTRAS = {
-    "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot",
-    "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
-    "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
-    "mujoco": "mujoco", "ziglang": "explore", "bokeh": "explore", "distributed": "cluster", "fsspec": "cluster",
-    "mcap": "logs", "mcap_ros2": "logs", "rosbags": "logs", "torch": "learn", "warp": "learn",
+    **dict.fromkeys(("matplotlib", "jinja2", "markupsafe", "pyarrow", "pandas", "bokeh"), "plot"),
+    **dict.fromkeys(("scipy", "threadpoolctl", "h5py", "flint", "sympy"), "fit"),
+    **dict.fromkeys(("mujoco", "mcap", "mcap_ros2", "rosbags"), "robotics"),
+    "ziglang": "fmu", "distributed": "cluster", "fsspec": "cluster",
+    **dict.fromkeys(("control", "casadi", "jax", "torch", "warp"), ""),
 }  # fmt: skip
+_CALLED = {"warp": "warp-lang"}  # where a package is not called as its module
+
+
+def remedy(package: str, extra: str) -> str:
+    """The command that installs a package, by the extra that brings it if there is one."""
+    return f"pip install 'stribeck[{extra}]'" if extra else f"pip install {_CALLED.get(package, package)}"
 
 
 @contextmanager
@@ -165,7 +176,7 @@ def needed(what: str, extra: str = "") -> Iterator[None]:
         package = (error.name or "").partition(".")[0]
         if package not in EXTRAS:
             raise
-        raise MissingExtra(what, package, extra or EXTRAS[package]) from None
+        raise MissingExtra(what, package, EXTRAS[package] and (extra or EXTRAS[package])) from None
 
 
 @contextmanager
@@ -175,4 +186,4 @@ def left_out(what: str) -> Iterator[None]:
         with needed(what):
             yield
     except MissingExtra as error:
-        note(f"without {what}: {error.package} is not installed (pip install 'stribeck[{error.extra}]')")
+        note(f"without {what}: {error.package} is not installed ({error.remedy})")

@@ -47,7 +47,7 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"trajectory.csv", "summary.json"}
     said = found.stderr.splitlines()
     assert len(said) == 2
-    assert said[0] == "stribeck: without trajectory.parquet: pyarrow is not installed (pip install 'stribeck[parquet]')"
+    assert said[0] == "stribeck: without trajectory.parquet: pyarrow is not installed (pip install 'stribeck[plot]')"
     assert said[1].endswith("(pip install 'stribeck[plot]')")
     assert command(tmp_path, "run", examples.path("break_away"), "--out", "full", blocked=()).stderr == ""
     base_table, full_table = (
@@ -60,12 +60,12 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
 @pytest.mark.parametrize(
     ("words", "extra"),
     [
-        (("check", "lugre_majorant", "--parameters", "canudas1995", "--set", "k_v=1e6"), "check"),
-        (("design", examples.path("servo"), "--set", "solve.t_end=0.1"), "check"),
+        (("check", "lugre_majorant", "--parameters", "canudas1995", "--set", "k_v=1e6"), "fit"),
+        (("design", examples.path("servo"), "--set", "solve.t_end=0.1"), "fit"),
         (("fit", "log.csv", "--law", "lugre", "--time", "t", "--position", "y", "--force", "F"), "fit"),
         (("fit", "--plan", "stroke=0.1,speed=0.1,force=1", "--simulate", "--out", "rig"), "fit"),
-        (("export", "lugre", "--parameters", "canudas1995", "--target", "c", "--out", "c"), "export"),
-        (("sweep", examples.path("break_away"), "--vary", "law.k_v=1e6:1e7:2", "--out", "s"), "parquet"),
+        (("export", "lugre", "--parameters", "canudas1995", "--target", "c", "--out", "c"), "fmu"),
+        (("sweep", examples.path("break_away"), "--vary", "law.k_v=1e6:1e7:2", "--out", "s"), "plot"),
     ],
     ids=lambda x: str(x[0]) if isinstance(x, tuple) else x,
 )
@@ -90,16 +90,15 @@ for call in (solution.to_pandas, lambda: stribeck.fit, lambda: stribeck.check(so
 """
     found = base(code, tmp_path)
     assert re.sub("fit needs [a-z]+", "fit needs scipy", found.stdout).splitlines() == [
-        "to_pandas() needs pandas: pip install 'stribeck[pandas]'",
+        "to_pandas() needs pandas: pip install 'stribeck[plot]'",
         "stribeck.fit needs scipy: pip install 'stribeck[fit]'",
-        "a proof needs flint: pip install 'stribeck[check]'",
+        "a proof needs flint: pip install 'stribeck[fit]'",
     ]
 
 
 def test_the_extra_for_pages_is_enough_for_pages(tmp_path):
     pytest.importorskip("bokeh")
-    brought = ("jinja2", "markupsafe", "pandas")  # by bokeh itself
-    others = tuple(package for package, extra in EXTRAS.items() if extra != "explore" and package not in brought)
+    others = tuple(package for package, extra in EXTRAS.items() if extra != "plot")
     found = command(tmp_path, "explore", "lugre", "--law", "lugre", "--out", "page.html", blocked=others)
     assert (found.returncode, found.stderr) == (0, "")
     (tmp_path / "fit").mkdir()

@@ -70,7 +70,7 @@ def test_a_missing_extra_is_one_line(tmp_path):
 
     found = command(tmp_path, "explore", "lugre", blocked=("bokeh",))
     assert found.returncode == 2
-    assert found.stderr == "stribeck: 'explore' needs bokeh: pip install 'stribeck[explore]'\n"
+    assert found.stderr == "stribeck: an explorer needs bokeh: pip install 'stribeck[plot]'\n"
 
 
 def test_a_page_is_added_to_what_run_left(stribeck, tmp_path):  # noqa: F811

@@ -8,7 +8,7 @@ from stribeck.errors import StribeckNote
 from stribeck.laws import builtin
 from tests.laws.test_claims import CANUDAS, make
 
-jax = pytest.importorskip("jax", reason="JAX is not installed (600 MB): pip install 'stribeck[jax]'")
+jax = pytest.importorskip("jax", reason="JAX is not installed (600 MB): pip install jax")
 
 
 @pytest.fixture(autouse=True)

@@ -117,7 +117,7 @@ def test_casadi(capsys):
 
 
 def test_jax(capsys):
-    jax = pytest.importorskip("jax", reason="JAX is not installed (600 MB): pip install 'stribeck[jax]'")
+    jax = pytest.importorskip("jax", reason="JAX is not installed (600 MB): pip install jax")
     before = jax.config.jax_enable_x64
     try:
         run_python("JAX")

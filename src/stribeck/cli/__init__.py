@@ -16,19 +16,11 @@ from types import FrameType
 from typing import NoReturn
 
 from stribeck.cli.options import said
-from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote, one_line
+from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote, one_line, remedy
 from stribeck.platforms import signal_self
 
-_EXTRA = {
-    "fit": "fit",
-    "predict": "fit",
-    "validate": "fit",
-    "export": "export",
-    "check": "check",
-    "design": "check",
-    "explore": "explore",
-}
-_BEYOND = {"fit": ("logs",), "explore": ("fit", "logs")}  # extras that hold what the command's own does not
+# The extra that has all a command needs, where one of its packages comes with another one too.
+_EXTRA = {"fit": "fit", "predict": "fit", "validate": "fit", "check": "fit", "design": "fit", "export": "fmu"}
 # Commands that may solve large linear systems.
 _LINEAR_ALGEBRA = ("fit", "predict", "validate", "design")
 _YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
@@ -183,11 +175,11 @@ def _outcome(arguments: list[str] | None) -> int:
         package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
         if package not in EXTRAS:
             return _of_a_file(error)
-        if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra in _BEYOND.get(command, ())):
+        if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra not in ("plot", "fit", "fmu")):
             print(f"stribeck: {said(Line(error.marked()), command)}", file=sys.stderr)
         else:
-            extra = _EXTRA.get(command, EXTRAS[package])
-            print(f"stribeck: '{command}' needs {package}: pip install 'stribeck[{extra}]'", file=sys.stderr)
+            how = remedy(package, EXTRAS[package] and _EXTRA.get(command, EXTRAS[package]))
+            print(f"stribeck: '{command}' needs {package}: {how}", file=sys.stderr)
         return 2
     except ImportError as error:  # no memory is left for it, or its file is damaged
         with suppress(ImportError):

@@ -87,7 +87,7 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
 
 def figures(found: dict[str, Chart], measured: Collection[str] = ()) -> dict[str, object]:
     """The charts as Bokeh's JSON, by the id of the element that shows each; ``measured`` columns have a second line."""
-    with needed("an explorer", "explore"):
+    with needed("an explorer"):
         from bokeh.embed import json_item
         from bokeh.layouts import column
         from bokeh.models import DataRange1d

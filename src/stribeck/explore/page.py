@@ -224,7 +224,7 @@ def _plain(value: object) -> object:
 
 def _library() -> str:
     """The charts' library as its package ships it."""
-    with needed("an explorer", "explore"):
+    with needed("an explorer"):
         import bokeh
 
     script = Path(str(bokeh.__file__)).parent / "server" / "static" / "js" / "bokeh.min.js"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class ToTools:
-    """What hands a law to a design tool; each method needs the tool's package (``pip install 'stribeck[tools]'``).
+    """What hands a law to a design tool; each method needs the tool's package (``pip install control`` or ``casadi``).
 
     The exporters stand above the laws, so they are found by name and only when they are called.
     """

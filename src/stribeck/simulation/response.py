@@ -187,9 +187,7 @@ def _built(text: str) -> ctypes.CDLL:
     """
     chosen = compiler.find()
     if chosen is None:
-        raise BuildError(
-            "a simulation-error fit needs a C compiler, and none was found (pip install 'stribeck[compiler]')"
-        )
+        raise BuildError("a simulation-error fit needs a C compiler, and none was found (pip install 'stribeck[fmu]')")
     return cache.library(text, chosen, _check)[0]
 
 

@@ -185,7 +185,7 @@ def pair(name: str, part: str, values: Mapping[str, object]) -> dict[str, str]:
 
 def render(template: str, **values: object) -> str:
     """A template of this package, filled in."""
-    with needed("an export", "export"):
+    with needed("an export", "fmu"):
         import jinja2
 
     environment = jinja2.Environment(

@@ -126,7 +126,7 @@ def _magnitude(node: Expr, known: dict[Expr, Expr]) -> Expr:
 
 def advance(law: Law, v: float, z: float, dt: float) -> float:
     """z after dt with v held, by SciPy at tolerances near rounding."""
-    with needed("a self-test", "export"):
+    with needed("a self-test", "fmu"):
         from scipy.integrate import solve_ivp
 
     if not law.has_z:

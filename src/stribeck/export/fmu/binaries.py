@@ -54,9 +54,9 @@ def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
             except BuildError as error:
                 note(f"no binary for {name}: {error}")
     if not found:
-        note("no C compiler found: the FMU holds its sources only (pip install 'stribeck[export]')")
+        note("no C compiler found: the FMU holds its sources only (pip install 'stribeck[fmu]')")
     elif not across:
-        note(f"the FMU has a binary for {', '.join(found)} only (others: pip install 'stribeck[export]')")
+        note(f"the FMU has a binary for {', '.join(found)} only (others: pip install 'stribeck[fmu]')")
     return {name if fmi == 3 else _PLATFORMS.get(name, (name,))[0]: data for name, data in found.items()}
 
 
