@@ -13,7 +13,7 @@ from stribeck.cli import _status
 from stribeck.export.fmu import binaries
 from stribeck.machine.elements.contacts import Factor, Raise
 from stribeck.machine.elements.controllers import Compensation, Sampling
-from stribeck.machine.elements.plants import Piston  # its keys stand in docs/servo.md
+from stribeck.machine.elements.cylinder import Piston  # its keys stand in docs/servo.md
 from stribeck.machine.machine import SECTIONS
 from stribeck.machine.reading import family_of
 from stribeck.scenario import schematic

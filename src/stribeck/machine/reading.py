@@ -25,7 +25,7 @@ _WHAT = {"bodies": "body"}  # one of a section, in words; else without its s
 def family_of(section: str) -> type[Element]:
     """The class of the tables of a section; imported when a machine has one, for each costs some milliseconds of a start."""
     if section == "bodies":
-        from stribeck.machine.elements.plants import Piston  # a further kind of body
+        from stribeck.machine.elements.cylinder import Piston  # a further kind of body
 
         assert issubclass(Piston.family, Body)
         return Piston.family

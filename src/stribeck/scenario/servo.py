@@ -13,7 +13,7 @@ from stribeck.control.cascade import PressureCascade
 from stribeck.laws.base import Law
 from stribeck.machine.driving import DrivePart
 from stribeck.machine.element import GROUND
-from stribeck.machine.elements.plants import Piston
+from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.law import unknown
 from stribeck.machine.machine import Elements
 from stribeck.machine.reading import Draft

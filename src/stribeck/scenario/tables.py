@@ -25,7 +25,7 @@ _Y, _V, _Z = Column("y", "m", "position"), Column("v", "m/s", "velocity"), Colum
 class StrictTable(BaseModel):
     """A table of the file: no unknown keys, no conversions, no inf or nan."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, defer_build=True)
 
 
 class Solve(StrictTable):
