@@ -35,7 +35,7 @@ AWAY = 0.05
 POINTS = 10  # of each machine
 CHUNK = 25  # slowest time constants between two looks of the judgement apart
 ROWS = 250  # of a chunk
-REST = 1e-6  # of its travel: rest of a body without an encoder
+REST = 1e-6  # of its travel, or of the file's move: rest of a body without an encoder
 LONGEST, LONGEST_SAMPLED = 40_000, 1_500  # slowest time constants that are simulated, at rest
 MOVING = 1_500  # the same of what moves on, alike or not
 Data = dict[str, Any]
@@ -193,7 +193,7 @@ def verdict(data: Data, slowest: float, start: tuple[float, float] = (0.0, 0.0))
         if not np.isfinite(y).all() or np.abs(y - c["signal"]["value"]).max() > 1e3 * max(move, 1e-3):
             return "unstable", math.inf
         low, high = min(low, float(y.min())), max(high, float(y.max()))
-        rest, swing = max(REST * (high - low), resolution), float(np.ptp(y))
+        rest, swing = max(REST * max(high - low, c["signal"]["value"]), resolution), float(np.ptp(y))
         if swing > rest:
             moved, stretch = motion.t, CHUNK * slowest
             swings.append(swing)

@@ -46,7 +46,7 @@ def test_a_cycle_without_a_period_is_told_without_one():
     rest, uneven = Judgement("quiet", "a", 0.0, np.nan), Judgement("hunting", "a", 2e-6, np.nan)
     found = [Start("a", 1e-3, 0.0, rest), Start("a", 2e-3, 0.0, uneven)]
     told = starts_sentence(found, rest, "m")
-    assert told == "from 1 of 2 other starts it hunts by 2 µm (first 2 mm off)"
+    assert told == "from 1 of 2 other starts it hunts by 2 µm"
     assert "nan" not in told
 
 

@@ -203,10 +203,8 @@ def starts_sentence(starts: Sequence[Start], own: Judgement, unit: str) -> str:
     told = []
     for kind in kinds(list(starts), own)[1:]:
         alike = [s for s in starts if len(kinds([s], kind)) == 1]
-        first = min(alike, key=lambda s: (abs(s.speed), abs(s.off)))
-        begun = human(abs(first.off), unit) + " off" if first.off else human(abs(first.speed), unit + "/s")
         what = f"hunts by {_cycle(kind, unit)}" if kind.verdict == "hunting" else _DOES[kind.verdict]
-        told.append(f"from {len(alike)} of {len(starts)} other starts it {what} (first {begun})")
+        told.append(f"from {len(alike)} of {len(starts)} other starts it {what}")
     return "; ".join(told) or f"the same from {len(starts)} other starts"
 
 
