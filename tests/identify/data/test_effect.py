@@ -38,7 +38,7 @@ def files(tmp_path_factory):
 
 def test_constant_speeds_with_ramps_are_not_rounded_off(files):
     """The lowest cut-off, and a band of 2 Hz for the sake of the mass, made the mass 6 % too small, and it was called known."""
-    fit = stribeck.fit(files, "stribeck_tanh", **NAMES, select=False)
+    fit = stribeck.fit(files, "stribeck_tanh", **NAMES, forms=False)
     truth = {"F_c": 10.0, "F_s": 14.0, "v_s": 0.05, "sigma_2": 12.0, "mass": 0.8}
     for name, x in truth.items():
         assert {**fit.estimates, **fit.body}[name].value == pytest.approx(x, rel=0.01), name
@@ -70,7 +70,7 @@ def test_ramps_that_a_file_ends_with_are_not_rounded_off(tmp_path):
             x = cumulative_trapezoid(v, t, initial=0) + 1e-6 * rng.standard_normal(len(t))
             paths.append(tmp_path / f"{k}{sign}.npz")
             np.savez(paths[-1], t=t, x=x, F=force)
-    fit = stribeck.fit(paths, "stribeck_tanh", **NAMES, select=False)
+    fit = stribeck.fit(paths, "stribeck_tanh", **NAMES, forms=False)
     for name, x in {"F_c": 10.0, "F_s": 13.0, "v_s": 0.05, "sigma_2": 6.0, "mass": 2.0}.items():
         assert {**fit.estimates, **fit.body}[name].value == pytest.approx(x, rel=0.02), name
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import stribeck
 from stribeck.errors import InputError
 from stribeck.identify.actuator.runs import Compared, at_times
 from stribeck.identify.api import read_log
@@ -121,12 +120,6 @@ def test_a_likely_delay_is_where_plain_friction_leaves_least():
     columns = [log.acceleration, np.tanh(100 * log.velocity), log.velocity]
     assert delay.likely(log, columns, 0.1) == pytest.approx(6.6e-3, abs=5e-4)
     assert delay.likely(log, columns, 1e-3) == pytest.approx(1e-3, abs=1e-5)
-
-
-def test_the_sign_is_that_of_the_static_fit():
-    log = static_log(4e-3)
-    options = {"method": "static", "terms": ("delay",), "constants": {"k_v": 200.0}}
-    assert stribeck.fit(log, "coulomb_viscous", **options).used["delay"] == pytest.approx(4e-3, abs=2e-4)
 
 
 def test_the_sign_is_that_of_a_machine_s_sensor():

@@ -15,7 +15,7 @@ from scipy.stats import t as student
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection
-from stribeck.identify.core.library import LEVELS, RIDGE
+from stribeck.identify.core.library import LEVELS, RIDGE, ModelLibrary
 from stribeck.identify.core.states import Estimate, EstimateState, ends, state_of
 from stribeck.identify.models.memory import rows_together
 
@@ -88,23 +88,25 @@ def covariance(choice: Selection, slope: Array) -> Array:
     i, target = lib.index(model), lib.targets[model[0]]
     total, r, j = lib.gram.sum(0), lib.residual(model, x), lib.columns[:, i]
     gram, rows = total[np.ix_(i, i)], len(r)
-    blocks = _jackknife(lib.gram, i, target, slope)
-    prior = np.diag(np.maximum(np.diag(gram), 1e-12 * np.max(np.diag(gram)))) / rows / lib.largest**2
+    blocks = _jackknife(lib, lib.gram, i, target, slope)
+    natural = np.array(lib.natural)[i]
+    moved = np.diag(gram) / natural
+    prior = np.diag(np.maximum(moved, 1e-12 * np.max(moved)) * natural) / rows / lib.largest**2
     left = max(float(r @ r) / rows, 1e-12 * lib.largest**2)
     unseen = np.sqrt(np.diag(slope @ np.linalg.inv(gram / left + prior) @ slope.T))
-    both = np.max([blocks, newey_west(j, r, slope @ _inverse(gram)), unseen], axis=0)
+    both = np.max([blocks, newey_west(j, r, slope @ _inverse(gram, natural)), unseen], axis=0)
     out = student.ppf(0.975, len(lib.gram) - 1) * both
     files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
     if len(files) > 1:  # another run is asked for
-        out = np.maximum(out, student.ppf(0.975, len(files) - 1) * _jackknife(files, i, target, slope))
+        out = np.maximum(out, student.ppf(0.975, len(files) - 1) * _jackknife(lib, files, i, target, slope))
     return np.asarray(out)
 
 
-def _jackknife(gram: Array, i: list[int], target: int, slope: Array) -> Array:
+def _jackknife(lib: ModelLibrary, gram: Array, i: list[int], target: int, slope: Array) -> Array:
     """Standard errors of the estimates by leaving out one part after the other."""
-    total, count = gram.sum(0), len(gram)
+    total, count, natural = gram.sum(0), len(gram), np.array(lib.natural)[i]
     left = [total - g for g in gram]
-    found = np.array([slope @ (_inverse(g[np.ix_(i, i)]) @ g[i, target]) for g in left])
+    found = np.array([slope @ (_inverse(g[np.ix_(i, i)], natural) @ g[i, target]) for g in left])
     return np.asarray(np.sqrt((count - 1) / count * np.sum((found - found.mean(axis=0)) ** 2, axis=0)))
 
 
@@ -150,7 +152,8 @@ def _hidden(choice: Selection, slope: Array) -> tuple[Array, list[str]]:
     """H, and the hidden form that moves each estimate most."""
     lib, model, x = choice.library, choice.model, choice.coefficients
     j, r = lib.columns[:, lib.index(model)], lib.residual(model, x)
-    inverse = _inverse(lib.gram.sum(0)[np.ix_(lib.index(model), lib.index(model))])
+    i = lib.index(model)
+    inverse = _inverse(lib.gram.sum(0)[np.ix_(i, i)], np.array(lib.natural)[i])
     noise = np.sqrt(max(float(r @ r) / len(r), 1e-12 * lib.largest**2))
     force, shifts, names = float(np.std(lib.columns[:, 0])), [], []  # a preload is no scale of friction
     for g, own in lib.groups.items():
@@ -177,10 +180,11 @@ def newey_west(columns: Array, r: Array, to_estimates: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.diag(to_estimates @ meat @ to_estimates.T) * of_freedom, 0)))
 
 
-def _inverse(a: Array) -> Array:
-    """Of a Gram matrix; 0 for columns that do not move."""
+def _inverse(a: Array, natural: Array) -> Array:
+    """Of a Gram matrix; 0 for columns that do not move beside their ``natural`` mean squares."""
     d = np.sqrt(np.diag(a))
-    dead = d <= 1e-9 * d.max()
+    moved = d / np.sqrt(natural)
+    dead = moved <= 1e-9 * moved.max()
     d = np.where(dead, 1.0, d)
     scaled = np.linalg.inv(a / np.outer(d, d) + RIDGE * np.eye(len(a)))
     return np.asarray(np.where(dead[:, None] | dead, 0.0, scaled) / np.outer(d, d))

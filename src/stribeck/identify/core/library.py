@@ -32,6 +32,7 @@ class ModelLibrary:
         groups, size, name: columns of each form; the rms of each column before it was scaled, and its key.
         gram: (blocks, p, p).
         step: of the grid, by shape, in logarithms.
+        natural: the mean square that a column has by its unit: what does not move is told beside it.
         models: kept by the search; ``count``: coefficients of each; ``kinds``: which forms each has.
     """
 
@@ -46,6 +47,7 @@ class ModelLibrary:
     nodes: list[dict[str, float]] = field(default_factory=list)
     targets: list[int] = field(default_factory=list)
     starts: list[int] = field(default_factory=list)
+    natural: list[float] = field(default_factory=list)
     models: list[Model] = field(default_factory=list)
 
     @property
@@ -107,6 +109,8 @@ class ModelLibrary:
             known = self.record.known(self.curve, shape)
             self.targets.append(0 if known is None else place + own.shape[1])
             self.starts.append(place)
+            level = max((x * x for x in height.values()), default=1.0)
+            self.natural += [1.0] * len(self.curve.names) + [level] * len(self.step) + [1.0] * (known is not None)
             made.append(own if known is None else np.column_stack([own, self.columns[:, 0] - known]))
             place += made[-1].shape[1]
         new = np.column_stack(made)
@@ -133,9 +137,8 @@ class ModelLibrary:
         i, t, target = self._at, self._there, self._target
         a = gram[i[:, :, None], i[:, None, :]] * (t[:, :, None] & t[:, None, :])
         diag = np.einsum("mii->mi", a)
-        seen = t & (
-            diag > DEAD * np.max(diag, axis=1, keepdims=True)
-        )  # a column that these blocks do not move is left out
+        moved = diag / np.array(self.natural)[i]
+        seen = t & (moved > DEAD * np.max(moved, axis=1, keepdims=True))  # what these blocks do not move is left out
         d = np.where(seen, np.sqrt(np.maximum(diag, 1e-300)), 1.0)
         a = np.where(seen[:, :, None] & seen[:, None, :], a, 0.0) / d[:, :, None] / d[:, None, :]
         a[:, np.arange(i.shape[1]), np.arange(i.shape[1])] = 1 + RIDGE

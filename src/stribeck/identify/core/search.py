@@ -160,7 +160,8 @@ def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> M
     columns = np.column_stack([record.force, body, *made])
     block = record.block
     gram = np.array([columns[block == b].T @ columns[block == b] for b in range(block.max() + 1)])
-    return ModelLibrary(record, at, groups, size, name, columns, gram, step)
+    natural = [1.0, *np.mean(body**2, axis=0).tolist(), *[1.0] * len(made)]
+    return ModelLibrary(record, at, groups, size, name, columns, gram, step, natural=natural)
 
 
 def _in_body(column: Array, body: Array) -> bool:
