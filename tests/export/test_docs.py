@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from stribeck.cli import _status
-from stribeck.export.fmu import binaries
 from tests.export.harness import STRICT, need
 
 DOCS = Path(__file__).parent.parent.parent / "docs"
@@ -22,7 +21,6 @@ def blocks(page, language):
 def test_commands(page, tmp_path, monkeypatch):
     need("cc")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(binaries, "_ACROSS", ())
     for line in "\n".join(blocks(page, "sh")).splitlines():
         words = shlex.split(line, comments=True)
         if words and words[0] == "stribeck":

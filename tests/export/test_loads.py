@@ -10,7 +10,6 @@ import stribeck
 from stribeck import InputError, Scenario
 from stribeck.cli import _status
 from stribeck.export import contact_law
-from stribeck.export.fmu import binaries
 from tests.export.harness import STRICT, need
 from tests.machine.machines import law, machine
 
@@ -48,11 +47,6 @@ PRESSED = rig(loads=[{"force": "press", "F_c": 0.1, "F_s": 0.2}], factors={})  #
 @pytest.fixture(scope="module")
 def run():
     return stribeck.simulate(RIG)
-
-
-@pytest.fixture(autouse=True)
-def _this_platform_only(monkeypatch):
-    monkeypatch.setattr(binaries, "_ACROSS", ())
 
 
 def given(run):

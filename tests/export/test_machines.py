@@ -48,7 +48,6 @@ EVERY = machine(  # of each kind of element one
 
 @pytest.fixture(autouse=True)
 def _this_platform_only(monkeypatch):
-    monkeypatch.setattr(binaries, "_ACROSS", ())
     monkeypatch.setattr(binaries, "_FLAGS", ("-std=c99", "-O0", "-shared", "-fvisibility=hidden"))  # each is run once
 
 

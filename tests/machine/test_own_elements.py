@@ -10,7 +10,6 @@ import pytest
 
 from stribeck import InputError, Scenario, simulate
 from stribeck.cli import _status
-from stribeck.export.fmu import binaries
 from stribeck.machine.elements.contacts import Factor, Raise
 from stribeck.machine.elements.controllers import Compensation, Sampling
 from stribeck.machine.elements.cylinder import Piston  # its keys stand in docs/servo.md
@@ -196,7 +195,6 @@ def test_the_example_of_the_documentation(tmp_path):
 def test_the_machine_of_the_documentation(tmp_path, monkeypatch):
     """docs/machines.md: its machine, its commands, its Python."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(binaries, "_ACROSS", ())
     text = (Path(__file__).parent.parent.parent / "docs" / "machines.md").read_text(encoding="utf-8")
     toml, shell, python = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("toml", "sh", "python"))
     (tmp_path / "joint.toml").write_text(toml.replace("t_end = 3.0", "t_end = 0.1"))

@@ -29,6 +29,7 @@ def export(
     json: bool,
     trust: bool,
     controller: str | None = None,
+    platforms: str = "here",
 ) -> int:
     """Write the files, and say which."""
     if law is not None and law.endswith(".toml"):
@@ -61,6 +62,7 @@ def export(
         origin=origin,
         fmi=fmi,
         controller=controller,
+        platforms=platforms,
     )
     if json:
         print_json(_summary(chosen, rig) | {"target": target, "part": part, "files": [str(file) for file in files]})

@@ -5,8 +5,10 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
+from typing import TypedDict
 
 from stribeck import kinds
 from stribeck.constants import POSITIVE, show
@@ -27,6 +29,14 @@ PARTS = {
     "compensator": "what a controller of a machine adds against friction",
     "machine": "a whole machine (schema = 2) with its controllers and its solver",
 }
+
+
+class FmuOptions(TypedDict):
+    """What only an FMU is told."""
+
+    fmi: int
+    everywhere: bool
+
 
 SAMPLED = ("controller", "compensator")
 
@@ -62,6 +72,7 @@ def export(
     fmi: int = 3,
     controller: str | None = None,
     contact: str | None = None,
+    platforms: str = "here",
 ) -> list[Path]:
     """Write a law, or what is made of it, for another tool.
 
@@ -76,6 +87,7 @@ def export(
         step: the time step in s that the tool will take.
         self_test: also write a program that checks the rest (target ``c``).
         fmi: 2 or 3, the version of FMI (target ``fmu``).
+        platforms: "here", or "all": the binaries of an FMU for other platforms too (their first compilation takes minutes).
         controller: which of the machine's controllers (parts ``controller`` and ``compensator``); the only one unless given.
         contact: of which of the machine's contacts the law is (parts ``law`` and ``observer``); the only one unless given.
         origin: where the parameters are from, for the header; built-in sets are recognised.
@@ -92,18 +104,19 @@ def export(
         law, scenario = None, law
     if part is None:
         part = "machine" if law is None and scenario is not None and not scenario.rig.single else "law"
-    problems = _problems(target, part, self_test, step, fmi, controller)
+    problems = _problems(target, part, self_test, step, fmi, controller, platforms)
     if problems:
         raise InputError(problems)
     chosen = TARGETS[target]
     if text := trouble(out, chosen.folder):
         raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
+    fmu: FmuOptions = {"fmi": fmi, "everywhere": platforms == "all"}
     if part == "machine":
-        content, notes = _machine(law, target, scenario, step, self_test, origin, fmi)
+        content, notes = _machine(law, target, scenario, step, self_test, origin, fmu)
     elif part in SAMPLED:
-        content, notes = _block(law, chosen, part, scenario, step, self_test, origin, fmi, controller)
+        content, notes = _block(law, chosen, part, scenario, step, self_test, origin, fmu, controller)
     else:
-        request = Request(_law(law, scenario, contact), part, scenario, step, self_test, origin, fmi)
+        request = Request(_law(law, scenario, contact), part, scenario, step, self_test, origin, **fmu)
         if (lost := request.law.beside) and not chosen.loads:
             able = ", ".join(name for name, each in TARGETS.items() if each.loads)
             raise InputError(f"{', '.join(lost)}: would be lost: target '{target}' cannot be given them; {able} can")
@@ -121,7 +134,13 @@ def _content(chosen: Target, request: Request) -> tuple[dict[str, str | bytes], 
 
 
 def _machine(
-    law: Law | None, target: str, scenario: Scenario | None, step: float | None, self_test: bool, origin: str, fmi: int
+    law: Law | None,
+    target: str,
+    scenario: Scenario | None,
+    step: float | None,
+    self_test: bool,
+    origin: str,
+    fmu: FmuOptions,
 ) -> tuple[dict[str, str | bytes], list[str]]:
     """The files of a machine."""
     from stribeck.export.machine.model import MachineModel
@@ -131,12 +150,12 @@ def _machine(
         raise InputError([f"{text}: part 'machine' takes all from the scenario" for text in wrong])
     model = MachineModel(scenario, origin)
     content = importlib.import_module(f"stribeck.export.machine.{target}")
-    return (content.files(model, fmi) if target == "fmu" else content.files(model)), model.notes()
+    return (content.files(model, **fmu) if target == "fmu" else content.files(model)), model.notes()
 
 
 def _block(
     law: Law | None, chosen: Target, part: str, scenario: Scenario | None, step: float | None, self_test: bool,
-    origin: str, fmi: int, controller: str | None,
+    origin: str, fmu: FmuOptions, controller: str | None,
 ) -> tuple[dict[str, str | bytes], list[str]]:  # fmt: skip
     """The files of a machine's controller, or of its compensation."""
     from stribeck.export.controller.block import Block, block_of
@@ -145,7 +164,7 @@ def _block(
         raise InputError(f"{arg('law')}: {law.name!r}: must be left out: part '{part}' takes all from the machine")
     module = importlib.import_module(f"stribeck.export.controller.{chosen.name}")
     block = block_of(scenario, part, controller, step, origin)
-    given = {"self_test": self_test} if chosen.self_test else {"fmi": fmi} if chosen.name == "fmu" else {}
+    given: Mapping[str, object] = {"self_test": self_test} if chosen.self_test else fmu if chosen.name == "fmu" else {}
     notes = module.notes if hasattr(module, "notes") else Block.notes
     return module.files(block, **given), notes(block)
 
@@ -180,7 +199,7 @@ def _encode(data: str | bytes) -> bytes:
 
 
 def _problems(
-    target: str, part: str, self_test: bool, step: float | None, fmi: int, controller: str | None
+    target: str, part: str, self_test: bool, step: float | None, fmi: int, controller: str | None, platforms: str
 ) -> list[str]:  # fmt: skip
     if target not in TARGETS:
         guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
@@ -198,6 +217,8 @@ def _problems(
         found.append(f"{arg('step')}: {show(step)}: {text}")
     if fmi not in (2, 3):
         found.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
+    if platforms not in ("here", "all"):
+        found.append(f"{arg('platforms')}: {show(platforms)}: must be here or all")
     if controller is not None and part in PARTS and part not in SAMPLED:
         text = f"must be left out: part '{part}' has no choice of controllers"
         found.append(f"{arg('controller')}: {show(controller)}: {text}")

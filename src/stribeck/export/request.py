@@ -44,6 +44,7 @@ class Request:
     self_test: bool = False
     origin: str = ""
     fmi: int = 3
+    everywhere: bool = False  # an FMU's binaries: for other platforms too
 
     @property
     def name(self) -> str:

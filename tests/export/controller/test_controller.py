@@ -13,7 +13,6 @@ import stribeck
 from stribeck.cli import _status
 from stribeck.errors import StribeckNote
 from stribeck.export.controller.block import block_of
-from stribeck.export.fmu import binaries
 from tests.export.controller.stages import CASES, stage
 from tests.export.harness import STRICT, need
 
@@ -38,11 +37,6 @@ int main(void)
 }
 """
 HERE, ARM = (("gcc",), ()), (("arm-linux-gnueabihf-gcc", "-static"), ("qemu-arm",))
-
-
-@pytest.fixture(autouse=True)
-def _this_platform_only(monkeypatch):
-    monkeypatch.setattr(binaries, "_ACROSS", ())
 
 
 def readings(run):

@@ -89,6 +89,15 @@ def export(
         bool, typer.Option("--self-test", rich_help_panel=ADVANCED, help="With a program that checks the C.")
     ] = False,
     fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
+    platforms: Annotated[
+        str,
+        typer.Option(
+            "--platforms",
+            metavar="here|all",
+            rich_help_panel=ADVANCED,
+            help="Of an FMU's binaries; all: Windows and macOS too, which takes minutes at first.",
+        ),
+    ] = "here",
     trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,
@@ -111,4 +120,5 @@ def export(
         json,
         trust,
         controller,
+        platforms,
     )

@@ -183,6 +183,11 @@ def pair(name: str, part: str, values: Mapping[str, object]) -> dict[str, str]:
     return {f"{name}.{kind}": render(f"{part}.{kind}", **values) for kind in ("h", "c")}
 
 
+def _number(x: object) -> str:
+    """A number as C and Python write it, NumPy's too."""
+    return repr(float(x) if isinstance(x, float) else x)
+
+
 def render(template: str, **values: object) -> str:
     """A template of this package, filled in."""
     with needed("an export", "fmu"):
@@ -194,4 +199,4 @@ def render(template: str, **values: object) -> str:
         comment_start_string="{##", autoescape=False,
     )  # fmt: skip
     environment.filters["plain"] = ascii_only
-    return environment.get_template(template).render(repr=repr, **values)
+    return environment.get_template(template).render(repr=_number, **values)

@@ -10,9 +10,11 @@ from stribeck.export.fmu.archive import packed
 from stribeck.export.fmu.description import Description, Details, Variable, parameter
 
 
-def files(block: Block, fmi: int = 3) -> dict[str, str | bytes]:
+def files(block: Block, fmi: int = 3, everywhere: bool = False) -> dict[str, str | bytes]:
     """The archive, under the name of the block."""
-    of = Description(block.name, block.name, fmi, block.about(), variables_of(block), step=block.step or None)
+    of = Description(
+        block.name, block.name, fmi, block.about(), variables_of(block), step=block.step or None, everywhere=everywhere
+    )
     return packed("block", "fmu_block", of, context(block))
 
 

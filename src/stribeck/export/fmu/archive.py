@@ -44,7 +44,7 @@ def packed(part: str, model: str, of: Description, values: Mapping[str, object])
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:
         content["sources/buildDescription.xml"] = build_description(of.model)
-    for folder, library in binaries(sources, fmi).items():
+    for folder, library in binaries(sources, fmi, of.everywhere).items():
         content[f"binaries/{folder}/{of.model}{_suffix(folder)}"] = library
     content["documentation/index.html"] = _page(of.about)
     return {f"{of.model}.fmu": _zipped(content)}
@@ -63,7 +63,8 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
     model = f"{request.name}_{request.part}"
     about = [*request.about(), *([f"mass = {mass!r} {request.unit('kg')}"] if body else [])]
     of = Description(
-        request.name, model, request.fmi, about, variables, states, exchange=True, slopes=not law.inputs
+        request.name, model, request.fmi, about, variables, states, exchange=True, slopes=not law.inputs,
+        everywhere=request.everywhere,
     )  # fmt: skip
     return of, values | {
         "body": body, "mass": mass, "acceleration": _acceleration(),

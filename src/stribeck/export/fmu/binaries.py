@@ -1,14 +1,14 @@
-"""Shared libraries from the sources of an FMU: for this platform, and for others where ziglang is installed."""
+"""Shared libraries from the sources of an FMU: for this platform, and for others if they are wanted."""
 
 from __future__ import annotations
 
-import importlib.util
 import platform
 import sys
 import tempfile
 from pathlib import Path
 
 from stribeck.errors import BuildError, note
+from stribeck.export.optional import package
 from stribeck.simulation import compiler
 
 _FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-s")
@@ -31,21 +31,23 @@ def here() -> str:
     return f"{machine}-{platform.system().lower()}"
 
 
-def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
-    """The libraries by the folder that FMI wants them in.
+def binaries(sources: dict[str, str], fmi: int, everywhere: bool = False) -> dict[str, bytes]:
+    """The libraries by the folder that FMI wants them in; ``everywhere``: those of other platforms too.
 
     Raises:
+        MissingExtra: those of other platforms are wanted, and ziglang is not installed.
         BuildError: this platform's compiler is there and does not compile the sources.
     """
     found: dict[str, bytes] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        native, across = compiler.find(), importlib.util.find_spec("ziglang") is not None
+        native = compiler.find()
         if native is not None:
             found[here()] = _compiled([*native.command, "-fPIC"], Path(native.command[0]).name, Path(folder))
-        others = [name for name in _ACROSS if across and name not in found]
+        others = [name for name in _ACROSS if everywhere and name not in found]
         if others:
+            package("ziglang", "fmu")
             note(f"compiling for {', '.join(others)} as well; the first time takes minutes")
         for name in others:
             zig = [sys.executable, "-m", "ziglang", "cc", "-target", _PLATFORMS[name][1]]
@@ -55,8 +57,6 @@ def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
                 note(f"no binary for {name}: {error}")
     if not found:
         note("no C compiler found: the FMU holds its sources only (pip install 'stribeck[fmu]')")
-    elif not across:
-        note(f"the FMU has a binary for {', '.join(found)} only (others: pip install 'stribeck[fmu]')")
     return {name if fmi == 3 else _PLATFORMS.get(name, (name,))[0]: data for name, data in found.items()}
 
 

@@ -65,7 +65,7 @@ class Details(TypedDict, total=False):
 class Description:
     """An FMU: the prefix of its names in C, its model, the version of FMI, what its header says, its variables, the
     continuous states among them, whether it is for model exchange too, has events and gives directional derivatives;
-    end (s), step (s) and tolerance of its default experiment."""
+    end (s), step (s) and tolerance of its default experiment; whether it has binaries for other platforms too."""
 
     prefix: str
     model: str
@@ -79,6 +79,7 @@ class Description:
     t_end: float = 1.0
     step: float | None = None
     rtol: float = 1e-6
+    everywhere: bool = False
 
     @property
     def derivatives(self) -> list[Variable]:
@@ -199,7 +200,7 @@ def _initial(variable: Variable) -> str | None:
 def _real(variable: Variable) -> dict[str, str]:
     found = {"unit": variable.unit} if variable.unit else {}
     if variable.nominal is not None:
-        found["nominal"] = repr(variable.nominal)
+        found["nominal"] = repr(float(variable.nominal))
     if variable.minimum is not None:
         found["min"] = repr(float(variable.minimum))
     if variable.start is not None:

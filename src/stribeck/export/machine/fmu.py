@@ -10,14 +10,14 @@ from stribeck.export.fmu.description import Description, Details, Variable, para
 from stribeck.export.machine.model import MachineModel
 
 
-def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
+def files(model: MachineModel, fmi: int, everywhere: bool = False) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
     variables = variables_of(model)
     states = [v for v in variables if v.nominal is not None]
     scenario = model.scenario
     of = Description(
         model.name, model.name, fmi, model.about(), variables, states, exchange=True, events=True, slopes=False,
-        t_end=float(scenario.end), step=float(scenario.output.step), rtol=float(scenario.solve.rtol),
+        everywhere=everywhere, t_end=float(scenario.end), step=float(scenario.output.step), rtol=float(scenario.solve.rtol),
     )  # fmt: skip
     return packed("machine", "fmu_machine", of, model.context())
 
