@@ -79,7 +79,7 @@ def test_options_of_a_synthetic_rig_that_is_not_asked_for(words, stribeck):
 
 
 def test_recordings_whose_time_stands_still(stribeck, scenario, tmp_path):
-    """A run took the last of their values throughout; validate spoke of solve.t_end."""
+    """A run took the last of their values throughout."""
     y = 0.1 * np.sin(0.01 * np.arange(600))
     still = written(tmp_path / "still.csv", np.full(600, 3.0), y, y)
     text = scenario.read_text()
@@ -89,7 +89,7 @@ def test_recordings_whose_time_stands_still(stribeck, scenario, tmp_path):
     assert (found.status, found.out) == (2, "")
     assert found.err == f"drive.signal.path: {still}: column 't': 3.0 s in every row: must rise\n"
     scenario.write_text(text)
-    found = stribeck("validate", scenario, "--log", still, "--time", "t", "--position", "y")
+    found = stribeck("predict", still, "--machine", scenario, "--time", "t", "--position", "y")
     assert (found.status, found.out, found.err) == (2, "", "--time: must rise, over two rows or more\n")
 
 

@@ -1,4 +1,4 @@
-"""stribeck predict and stribeck validate as a user runs them."""
+"""stribeck predict as a user runs it."""
 
 import json
 
@@ -109,7 +109,7 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert stribeck("run", tmp_path / "rig.toml", "--out", tmp_path / "run").status == 0
     log = tmp_path / "run" / "trajectory.csv"
     columns = ("--time", "t", "--position", "y", "--velocity", "v", "--force", "F")
-    found = stribeck("validate", tmp_path / "rig.toml", "--log", log, *columns, "--out", tmp_path / "page", "--json")
+    found = stribeck("predict", log, "--machine", tmp_path / "rig.toml", *columns, "--out", tmp_path / "page", "--json")
     assert found.status == 0, found.err
     errors = json.loads(found.out)["errors"]
     assert errors["position"]["relative"] < 1e-6
@@ -118,12 +118,24 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert page.pictures == 2
     assert page.rows(["of", "error"])["position"][0].startswith(f"{1e12 * errors['position']['rms']:.3g} pm, ")
     other = stribeck(
-        "validate", tmp_path / "rig.toml", "--log", log, *columns, "--set", "law.parameters.F_c=1.2", "--json"
+        "predict", log, "--machine", tmp_path / "rig.toml", *columns, "--set", "law.parameters.F_c=1.2", "--json"
     )
     assert json.loads(other.out)["errors"]["position"]["relative"] > 1e-3
-    nothing = stribeck("validate", tmp_path / "rig.toml", "--log", log, "--time", "t")
+    nothing = stribeck("predict", log, "--machine", tmp_path / "rig.toml", "--time", "t")
     assert nothing.status == 2
     assert "one must be given" in nothing.err
+
+
+@pytest.mark.parametrize(("words", "line"), [
+    ((), "--fit, --machine: one must be given, and not both"),
+    (("--fit", "x", "--machine", "x.toml"), "--fit, --machine: one must be given, and not both"),
+    (("--fit", "x", "--set", "plant.mass=2"), "--set: goes with --machine, which is not given"),
+    (("--machine", "x.toml", "--cutoff", "3"), "--cutoff: goes with --fit, which is not given"),
+    (("log.csv", "--machine", "x.toml"), "DATA: 2 files: with --machine there must be one"),
+])  # fmt: skip
+def test_one_way_to_predict(stribeck, words, line):
+    found = stribeck("predict", "log.csv", *words)
+    assert (found.status, found.out, found.err) == (2, "", line + "\n")
 
 
 def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, tmp_path):
@@ -139,7 +151,7 @@ def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, t
     rows = (tmp_path / "run" / "trajectory.csv").read_text().splitlines()[1:]
     kept = "".join(",".join(row.split(",")[:2]) + "\n" for row in rows)
     (tmp_path / "log.csv").write_text("t,y\n" + kept + "".join(f"{x},9.0\n" for x in t[200:]))
-    done = stribeck("validate", scenario, "--log", tmp_path / "log.csv", "--time", "t", "--position", "y", "--json")
+    done = stribeck("predict", tmp_path / "log.csv", "--machine", scenario, "--time", "t", "--position", "y", "--json")
     assert done.status == 0, done.err
     assert "the recorded drive ends at 1.99 s: what comes after is not compared" in done.err
     found = json.loads(done.out)
@@ -149,7 +161,9 @@ def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, t
 
 def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
     (tmp_path / "log.csv").write_text("t,y\n" + "".join(f"{0.1 * i},{i}\n" for i in range(9)))
-    found = stribeck("validate", examples.path("belt"), "--log", tmp_path / "log.csv", "--time", "t", "--position", "y")
+    found = stribeck(
+        "predict", tmp_path / "log.csv", "--machine", examples.path("belt"), "--time", "t", "--position", "y"
+    )
     assert (found.status, found.out) == (2, "")
     assert "is a machine; must be a law on a single body" in found.err
 

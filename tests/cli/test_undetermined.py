@@ -100,11 +100,11 @@ def test_a_fit_that_ctrl_c_stops_is_written_and_marked(stribeck, fitted, tmp_pat
     assert "stopped" in outcome.out
 
 
-def test_validate_takes_it_too(stribeck, fitted, tmp_path):
+def test_predict_takes_it_too(stribeck, fitted, tmp_path):
     scenario = commands(fitted[0])[0][1]
     log = tmp_path / "log.csv"
     log.write_text("t,y\n" + "".join(f"{k * 1e-4:.6g},{k * k * 1e-12:.6g}\n" for k in range(101)))
-    command = ("validate", scenario, "--log", log, "--time", "t", "--position", "y")
+    command = ("predict", log, "--machine", scenario, "--time", "t", "--position", "y")
     assert stribeck(*command).status == 2
     assert stribeck(*command, "--allow-undetermined").status == 0
 

@@ -127,11 +127,11 @@ def test_ctrl_c_ends_a_large_ensemble(wait):
     """At once, as KeyboardInterrupt, and no thread writes where nothing is any more."""
     program = (
         "import numpy as np\n"
-        "from stribeck import Scenario, simulate_ensemble\n"
+        "from stribeck import Scenario, simulate\n"
         "from tests.simulation.rig import rig, spring\n"
         "s = Scenario(rig('lugre_sobczyk', spring('canudas1995'), {'kind': 'ramp', 'rate': 0.3}, 300.0, rows=2000))\n"
         "print('ready', flush=True)\n"
-        "simulate_ensemble(s, {'law.parameters.F_s': np.linspace(1.5, 1.9, 6000)}, threads=2)\n"
+        "simulate(s, {'law.parameters.F_s': np.linspace(1.5, 1.9, 6000)}, threads=2)\n"
     )
     root = Path(__file__).parent.parent.parent
     run = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=root)

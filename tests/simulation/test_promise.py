@@ -35,7 +35,7 @@ def test_a_motion_far_below_the_laws_scales(size, lanes):
     """Elastic: m y'' + (sigma_1 + sigma_2) y' + (sigma_0 + k) y = k s, solved in closed form."""
     data = stepped(size)
     if lanes:
-        many = stribeck.simulate_ensemble(data, {"plant.mass": [1.0, 1.0, 2.0]})
+        many = stribeck.simulate(data, {"plant.mass": [1.0, 1.0, 2.0]})
         assert many.status == ["done"] * 3
         found = {name: many[name][1] for name in ("y", "v")} | {"t": many.t}
     else:

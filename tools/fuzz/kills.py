@@ -37,7 +37,9 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "explore": (("stick_slip.toml",), ("--set", "solve.t_end=3.0"), None),
     "new": (("servo",), (), None),
     "library": (("mx106",), (), None),
-    "validate": (("stick_slip.toml", "--log", "log.csv", "--time", "t", "--position", "y"), ("--set", "plant.mass=1.1"), None),
+    "predict machine": (
+        ("log.csv", "--machine", "stick_slip.toml", "--time", "t", "--position", "y"), ("--set", "plant.mass=1.1"), None,
+    ),
     "import": (("bam", "servo.json"), (), None),
     "fit dynamic": (
         ("log.csv", *_LOG, "--law", "lugre", "--method", "dynamic", "--starts", "2"), ("--seed", "3"), "parameters.toml",

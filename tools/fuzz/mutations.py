@@ -40,7 +40,7 @@ def commands(place: Path, rng: random.Random) -> list[str]:
         ["export", "lugre", "--parameters", str(place / "set.toml"), "--target", rng.choice(["c", "table"]), "--out", out],
         ["check", "dahl", "--parameters", str(place / "set.toml")],
         ["library", str(place / "mine.py") + ":Mine"],
-        ["validate", file, "--log", str(place / "log.csv"), "--time", "t", "--position", "y", *_SHORT, "--out", out],
+        ["predict", str(place / "log.csv"), "--machine", file, "--time", "t", "--position", "y", *_SHORT, "--out", out],
         [*_FIT, str(place / "log.csv"), "--law", "coulomb_viscous"],
         [*_FIT, str(place / "log.csv"), "--law", "coulomb_viscous", "--out", out],
         ["predict", str(place / "log.csv"), "--fit", str(place / "fit.json")],

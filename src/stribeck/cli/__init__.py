@@ -20,9 +20,9 @@ from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckErro
 from stribeck.platforms import signal_self
 
 # The extra that has all a command needs, where one of its packages comes with another one too.
-_EXTRA = {"fit": "fit", "predict": "fit", "validate": "fit", "check": "fit", "design": "fit", "export": "fmu"}
+_EXTRA = {"fit": "fit", "predict": "fit", "check": "fit", "design": "fit", "export": "fmu"}
 # Commands that may solve large linear systems.
-_LINEAR_ALGEBRA = ("fit", "predict", "validate", "design")
+_LINEAR_ALGEBRA = ("fit", "predict", "design")
 _YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
 _PLAIN = "stribeck"  # how what cannot be encoded is written
 _GRACE = 5.0  # s, to clear away what has been begun

@@ -20,7 +20,6 @@ from stribeck.cli import exchange as exchange
 from stribeck.cli import library as library
 from stribeck.cli import fit as fit
 from stribeck.cli import predict as predict
-from stribeck.cli.commands import measured as measured
 from stribeck.cli import doctor as doctor
 # isort: on
 

@@ -11,7 +11,6 @@ import typer
 
 from stribeck.cli import record, show
 from stribeck.cli.record import (
-    ADVANCED,
     Acceleration,
     Command,
     Data,
@@ -25,7 +24,7 @@ from stribeck.cli.record import (
     UnitOrSI,
     Velocity,
 )  # fmt: skip
-from stribeck.cli.shared import Json, Out, app
+from stribeck.cli.shared import ADVANCED, Json, Out, app
 from stribeck.cli.text import say
 from stribeck.errors import InputError
 

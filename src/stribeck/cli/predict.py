@@ -1,4 +1,4 @@
-"""``stribeck predict``, and ``validate``: a fitted model, or a scenario, against a measured record."""
+"""``stribeck predict``: a fitted model, or a machine file, against a measured record."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stribeck.cli import record, show
-from stribeck.cli.record import ADVANCED, Force, Gain, Load, Position, Pressure, Unit, Velocity
-from stribeck.cli.shared import Json, Out, Trust, app
+from stribeck.cli.record import Force, Gain, Load, Position, Pressure, Unit, Velocity
+from stribeck.cli.shared import ADVANCED, Json, Out, Trust, Undetermined, app, given_options
 from stribeck.cli.text import say
+from stribeck.errors import InputError
 
 if TYPE_CHECKING:
     from stribeck.arrays import Array
@@ -20,8 +21,15 @@ if TYPE_CHECKING:
 
 @app.command(epilog="Example: stribeck predict another.csv --fit fit --out predicted")
 def predict(
+    context: typer.Context,
     data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="A record that the fit has not seen.")],
-    fit: Annotated[Path, typer.Option("--fit", metavar="DIR", help="The folder that stribeck fit --out wrote.")],
+    fit: Annotated[
+        Path | None, typer.Option("--fit", metavar="DIR", help="The folder that stribeck fit --out wrote.")
+    ] = None,
+    machine: Annotated[
+        Path | None,
+        typer.Option("--machine", metavar="FILE.toml", help="Instead of a fit: simulate this file beside the record."),
+    ] = None,
     time: Annotated[
         str | None, typer.Option("--time", metavar="COL", help="Columns: as in the fit unless given.")
     ] = None,
@@ -36,19 +44,63 @@ def predict(
         float | None,
         typer.Option("--cutoff", metavar="HZ", rich_help_panel=ADVANCED, help="Of the motion's filter."),
     ] = None,
+    command: Annotated[
+        str | None,
+        typer.Option(
+            "--command", metavar="COL", rich_help_panel=ADVANCED,
+            help="With --machine: column of what drove the rig; it replaces the file's signal.",
+        ),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="PATH=VALUE", rich_help_panel=ADVANCED, help="With --machine: replace a value of the file."
+        ),
+    ] = None,
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:  # fmt: skip
+    """Predict another record, by a fitted model or a machine file: error, overlay and page."""
+    _refuse_mixed(given_options(context), fit, machine)
+    columns = {
+        "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,
+        "command": command,
+    }  # fmt: skip
+    of_log = record.columns(columns, unit or [], force_gain)
+    if fit is not None:
+        return _by_fit(data, fit, of_log, cutoff, out=out, json=json, trust=trust)
+    if machine is None or len(data) != 1:
+        raise InputError(f"DATA: {len(data)} files: with --machine there must be one")
+    return _by_machine(data[0], machine, of_log, set_ or [], out=out, json=json, trust=trust)
+
+
+_OF_A_FIT = ("load", "pressure", "cutoff")  # options that the simulation of a machine file has no use for
+_OF_A_MACHINE = ("command", "set_", "_undetermined")
+
+
+def _refuse_mixed(given: dict[str, str], fit: Path | None, machine: Path | None) -> None:
+    """Refuse options of the other way to predict.
+
+    Raises:
+        InputError: a line for each.
+    """
+    if (fit is None) == (machine is None):
+        raise InputError("--fit, --machine: one must be given, and not both")
+    other, way = (_OF_A_MACHINE, "--machine") if machine is None else (_OF_A_FIT, "--fit")
+    if wrong := [f"{given[name]}: goes with {way}, which is not given" for name in other if name in given]:
+        raise InputError(wrong)
+
+
+def _by_fit(
+    data: list[Path], fit: Path, of_log: ColumnNames, cutoff: float | None, *, out: Path | None, json: bool, trust: bool
 ) -> int:
-    """The force that a fitted model predicts for another record: error, overlay and page."""
+    """Predict the force by the law that a fit found."""
     from stribeck.identify import api as fitting
     from stribeck.identify import predict as predicting
     from stribeck.identify.data.read import ColumnNames
 
-    columns = {
-        "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,
-    }  # fmt: skip
-    of_log = record.columns(columns, unit or [], force_gain)
     model = predicting.load(fit, trust)
     if out is not None:
         show.check_folder(out)
@@ -115,18 +167,25 @@ def _page(found: Predicted, time: Array, data: list[Path], folder: Path, out: Pa
     return overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, show.command_line())
 
 
-def validate(
-    scenario: Path, data: Path, columns: ColumnNames, assignments: list[str], out: Path | None, json: bool, trust: bool
+def _by_machine(
+    data: Path,
+    machine: Path,
+    columns: ColumnNames,
+    assignments: list[str],
+    *,
+    out: Path | None,
+    json: bool,
+    trust: bool,
 ) -> int:
-    """Simulate the scenario, compare with the record, print the errors."""
+    """Simulate the file with the record's drive, print how far the motion is off."""
     from stribeck.identify import validate as validating
     from stribeck.report.cells import percent
     from stribeck.report.quantities import human
 
     if out is not None:
         show.check_folder(out)
-    loaded = show.load(scenario, assignments, trust)
-    with show.progress("validate"):
+    loaded = show.load(machine, assignments, trust)
+    with show.progress("predict"):
         found = validating.validate(loaded, data, columns.names, columns.units, columns.force_gain)
     summary = {**found.to_json(), "scenario": loaded.name, "data": str(data)}
     files: list[str] = []

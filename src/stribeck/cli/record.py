@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stribeck.cli.shared import ADVANCED
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, refuse_twice
 
 if TYPE_CHECKING:
     from stribeck.identify.data.read import ColumnNames
 
-ADVANCED = "Advanced"
 Data = Annotated[
     list[Path] | None,
     typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs."),

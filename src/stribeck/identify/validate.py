@@ -47,7 +47,7 @@ class Validated:
     errors: dict[str, Misfit]
 
     def to_json(self) -> dict[str, object]:
-        """What ``stribeck validate --json`` prints."""
+        """What ``stribeck predict --machine --json`` prints."""
         return {"status": self.status, "reason": self.reason, "rows": len(self.time), "errors": self.errors}
 
 
@@ -73,7 +73,7 @@ def validate(
         raise InputError(f"{arg('position')}, {arg('velocity')} or {arg('force')}: one must be given: what is compared")
     if not scenario.rig.single:
         raise InputError(
-            f"{arg('scenario')}: {scenario.name}: is a machine; must be a law on a single body (schema = 1)"
+            f"{arg('machine')}: {scenario.name}: is a machine; must be a law on a single body (schema = 1)"
         )
     raw = read(data, ColumnNames(names, dict(units or {}), force_gain), needs_force=False)
     rows = np.all([np.isfinite(x) for x in raw.values()], axis=0)
