@@ -49,7 +49,7 @@ BESIDE_THE_ROOMS = {
     "theory": "docs/theory.md, step by step",
     "verify": "src/stribeck_verify, the independent checker",
 }
-TESTED_ELSEWHERE = {"analysis": "tests/cli compares laws", "examples": "tests/cli and tests/scenario run each"}
+TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}
 PRIVATE_IMPORTS: dict[str, str] = {}
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import stribeck as st
 from stribeck import examples
-from stribeck.analysis.comparison import compare
+from stribeck.simulation.comparison import compare
 from tests.simulation.rig import needs_compiler
 
 SMALL = {"law": {"name": "lugre_majorant", "parameters": "canudas1995", "k_v": 1e6}, "plant": {"mass": 1.0},

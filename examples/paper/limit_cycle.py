@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from examples.paper import sketches
 from examples.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
-from stribeck.analysis.comparison import deviations
 from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.report import plots
 from stribeck.report.cells import percent
 from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
+from stribeck.simulation.comparison import deviations
 
 SETTLED = 150.0  # s
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from examples.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
-from stribeck.analysis.comparison import deviations
 from stribeck.report import plots
 from stribeck.report.cells import percent
 from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
+from stribeck.simulation.comparison import deviations
 
 _INSTANTS = (10.0, 15.0, 35.0, 40.0)  # s: the ends of the ramps and of the holds
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from examples.paper.common import PROPOSED, REFERENCE, Done, record, scenario, solve, solve_all
-from stribeck.analysis.comparison import deviations
 from stribeck.report import plots
 from stribeck.report.cells import percent
 from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
+from stribeck.simulation.comparison import deviations
 
 
 def chapter(done: Done) -> Chapter:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from examples.paper import sketches
 from examples.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
-from stribeck.analysis.comparison import deviations
 from stribeck.report import plots
 from stribeck.report.cells import percent
 from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
+from stribeck.simulation.comparison import deviations
 
 
 def chapter(done: Done) -> Chapter:

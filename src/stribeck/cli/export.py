@@ -6,12 +6,12 @@ from pathlib import Path
 
 import stribeck.export as exports
 from stribeck import laws, parameter_sets
-from stribeck.analysis.comparison import law_path
 from stribeck.cli.show import check_file, print_json
 from stribeck.errors import InputError, note
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario, parse_assignments
 from stribeck.scenario.changes import Toml
+from stribeck.simulation.comparison import law_path
 
 
 def export(

@@ -15,9 +15,9 @@ from stribeck.cli.text import say, width
 from stribeck.errors import InputError, StribeckNote, refuse_twice
 
 if TYPE_CHECKING:
-    from stribeck.analysis.comparison import Comparison
     from stribeck.scenario import Scenario
     from stribeck.simulation import Solution
+    from stribeck.simulation.comparison import Comparison
 
 _NUMBERS = 40  # columns of a row of the comparison beside its label
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
@@ -134,7 +134,7 @@ def _print(solution: Solution, files: list[str]) -> None:
 
 def _compare(scenario: Scenario, laws: list[str], contact: str | None, *, out: Path | None, json: bool) -> int:
     """Simulate under each law, print the deviations from the first, write an overlay."""
-    from stribeck.analysis.comparison import compare_laws
+    from stribeck.simulation.comparison import compare_laws
 
     variants = _under_laws(scenario, laws, contact)
     if out is not None:
@@ -162,7 +162,7 @@ def _under_laws(scenario: Scenario, laws: list[str], contact: str | None) -> dic
     Raises:
         InputError: a law or one of its constants is unknown, or the same text is given twice.
     """
-    from stribeck.analysis.comparison import law_path
+    from stribeck.simulation.comparison import law_path
 
     table = law_path(scenario, contact)
     with warnings.catch_warnings():  # a law without smoothing takes no k_v: no news where laws are compared

@@ -8,7 +8,6 @@ from functools import lru_cache
 from types import SimpleNamespace
 from typing import cast
 
-from stribeck.analysis.comparison import law_path
 from stribeck.constants import Constant
 from stribeck.errors import note
 from stribeck.expressions.names import Names
@@ -19,6 +18,7 @@ from stribeck.machine.assembly import Assembly
 from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.table import Carrier
 from stribeck.scenario import Scenario
+from stribeck.simulation.comparison import law_path
 
 POSITION = "position"
 Places = dict[tuple[str, str], str]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from stribeck.analysis.comparison import Comparison, compared
 from stribeck.errors import left_out
 from stribeck.files import together
 from stribeck.report import chapters, overview
@@ -13,6 +12,7 @@ from stribeck.report.cells import percent
 from stribeck.report.files import write_figure, write_summary, write_table
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import human
+from stribeck.simulation.comparison import Comparison, compared
 
 _LONGEST = 100  # characters of a label in a file's name
 

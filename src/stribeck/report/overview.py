@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stribeck.analysis.comparison import compared
 from stribeck.constants import rotary_words
 from stribeck.control import PressureCascade
 from stribeck.drives import Drive
@@ -17,6 +16,7 @@ from stribeck.report.page import FigureSvg
 from stribeck.report.panels import ENERGY, Panel
 from stribeck.report.quantities import Quantity, Scale, deviation_rows, quantities, scale
 from stribeck.simulation import Solution
+from stribeck.simulation.comparison import compared
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

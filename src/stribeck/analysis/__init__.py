@@ -1,1 +1,0 @@
-"""What simulations tell: laws beside each other, limit cycles, and whether a servo's gains hold."""
