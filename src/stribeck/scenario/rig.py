@@ -228,7 +228,9 @@ class Rig:
             own = self.scales[drive.on]
             kept = drive.drive.scales(self._numbers(drive), own.length, own.force)
             found |= {joined(drive.name, n): x for n, x in kept.items()}
-        return {state.name: found.get(state.name, NATURAL_LENGTH) for state in self.machine.states}
+        sizes = {state.name: found.get(state.name, NATURAL_LENGTH) for state in self.machine.states}
+        # NumPy's numbers, which choices between numbers give, are written otherwise than Python's
+        return {name: x.item() if isinstance(x, np.generic) else x for name, x in sizes.items()}
 
     def _numbers(self, drive: DrivePart) -> SimpleNamespace:
         return SimpleNamespace(**{name: x for (owner, name), x in self.values.items() if owner == drive.path})
