@@ -193,11 +193,6 @@ class Storage:
         return self.worst[0] >= -_NEGATIVE and self.sliding[0] >= -_NEGATIVE and not self.endless
 
 
-def reach_of(law: Law, bounded: bool | None) -> float | None:
-    """The |z| within which passivity is asked for: the bound, or None where there is none."""
-    return None if bounded is False else float(law.z_bound(law.p))
-
-
 def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tuple[Array, Array]:
     """L(z) and U(z) in N (J/m): a storage function exists where L <= S' <= U for all z that v can drive both ways.
 
