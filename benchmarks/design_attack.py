@@ -198,10 +198,11 @@ def verdict(data: Data, slowest: float, start: tuple[float, float] = (0.0, 0.0))
             moved, stretch = motion.t, CHUNK * slowest
             swings.append(swing)
             far = swings[-16:]
-            if len(far) == 16 and motion.t > 400 * slowest and max(far) < 1.02 * min(far) + 0.2 * rest:
+            drifts = abs(y[-1] - y[0]) > 0.5 * swing  # an integral that relaxes through its bristles
+            if len(far) == 16 and not drifts and motion.t > 400 * slowest and max(far) < 1.02 * min(far) + 0.2 * rest:
                 limit = c.get("limit", math.inf)
                 return ("unstable" if swing > 0.1 * limit / c["K_p"] else "hunting"), swing
-            if motion.t > MOVING * slowest:
+            if motion.t > MOVING * slowest and not drifts:
                 return ("unstable" if far[-1] > 2 * far[0] else "hunting"), swing
             continue
         swings = []
