@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from stribeck import Scenario, simulate
+from stribeck import Scenario, simulate, simulate_ensemble
 from stribeck.simulation import native
 from tests.simulation.rig import law_table, needs_compiler, pid, rig, solved, spring
 
@@ -153,3 +153,43 @@ def test_a_recorded_signal_is_its_points(tmp_path):
     expected = solved(rig("lugre", "force", {"kind": "points", "t": t, "value": value}, 0.6))
     for name in ("y", "v", "F", "u"):
         np.testing.assert_array_equal(found[name], expected[name])
+
+
+def test_a_result_shows_itself():
+    """In a terminal as a line, in a notebook as that line with its figure; its figure is one of matplotlib."""
+    from matplotlib.figure import Figure
+
+    data = rig("lugre", spring("canudas1995"), {"kind": "ramp", "rate": 0.01}, 1.0)
+    solution, many = simulate(Scenario(data)), simulate_ensemble(Scenario(data), {"law.parameters.F_s": [1.5, 1.6]})
+    assert repr(solution).startswith("<Solution of ")
+    assert "201 rows, columns t, y, v, z, F" in repr(solution)
+    assert "2 lanes over law.parameters.F_s" in repr(many)
+    assert solution.success
+    assert solution.message == "done: t = 1 s reached"
+    assert many.success == [True, True]
+    assert many.message == "2 of 2 lanes done"
+    assert isinstance(solution.plot(), Figure)
+    axes = Figure().subplots()
+    assert solution.plot("v", ax=axes) is axes.figure
+    assert axes.get_ylabel().startswith("v")
+    assert "<svg" in solution._repr_html_()
+    assert "2 of 2 lanes done" in many._repr_html_()
+
+
+def test_a_failed_run_says_why():
+    data = rig("lugre", spring("canudas1995"), {"kind": "ramp", "rate": 0.01}, 1.0, max_steps=5)
+    solution = simulate(Scenario(data))
+    assert not solution.success
+    assert solution.message == solution.reason
+
+
+def test_no_line_joins_rows_that_lie_far_apart():
+    """It would be a path in the plane of velocity and force that the motion did not take."""
+    data = rig("lugre", spring("canudas1995"), {"kind": "ramp", "rate": 0.1}, 40.0, rows=400)
+    figure = simulate(Scenario(data)).plot()
+    (axes,) = (x for x in figure.axes if x.get_title("left").startswith("friction against velocity"))
+    x, y = (np.asarray(values, float) for values in axes.get_lines()[0].get_data())
+    shown = axes.transAxes.inverted().transform(axes.transData.transform(np.column_stack([x, y])))
+    steps = np.hypot(*np.diff(shown, axis=0).T)
+    assert np.isnan(steps).any()
+    assert np.nanmax(steps) < 0.08

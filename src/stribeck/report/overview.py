@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import rotary_words
 from stribeck.control import PressureCascade
 from stribeck.drives import Drive
@@ -20,9 +22,11 @@ from stribeck.simulation.comparison import compared
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _ROW = 2.15  # inches
 _FAST = 10.0  # Stribeck velocities: from there on what happens near rest needs an axis of its own
+_FAR = 0.05  # of a panel's width, between two rows: a longer line is left out
 _APART = 0.13  # of an axis' width, between two of its numbers
 
 Quantities = Mapping[str, Quantity]
@@ -65,6 +69,13 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
         rest.append(Panel("z", "mean bristle deflection"))
     energy = [ENERGY] if "E_in" in known else []
     return (*first, *rest, *_FRICTION, *energy)
+
+
+def figure_of(solution: Solution) -> Figure:
+    """Everything worth seeing of a solution, as a figure of matplotlib."""
+    shown = _labelled({solution.scenario.label: solution})
+    with plots.style():
+        return drawn(shown, panels(solution), next(iter(shown)), _speed(solution))
 
 
 def overview(solutions: Mapping[str, Solution], name: str = "plot", caption: str = "") -> FigureSvg:
@@ -130,19 +141,24 @@ def draw(
         title: above all panels, where they have one line each.
         slow: a speed in SI units; ``near_rest`` stretches what is below it.
     """
+    with plots.style():
+        return plots.finish(drawn(shown, wanted, title, slow), name, caption, pdf=True)
+
+
+def drawn(shown: Mapping[str, Quantities], wanted: Sequence[Panel], title: str, slow: float) -> Figure:
+    """The figure of :func:`draw`, within its style."""
     keys = [str(i) for i in range(len(wanted))]
     layout = [keys[i : i + 2] for i in range(0, len(keys), 2)]
     if len(layout[-1]) < 2:
         layout[-1] = layout[-1] * 2
-    with plots.style():
-        made, axes = plots.figure(layout, _ROW * len(layout) + (0.5 if title or len(shown) > 1 else 0.2))
-        for key, panel in zip(keys, wanted, strict=True):
-            _panel(axes[key], shown, panel, slow)
-        if title:
-            made.suptitle(plots.plain(title), fontsize=10, x=0.01, ha="left")
-        if len(shown) > 1:
-            plots.legend(made, axes["0"], list(shown))
-        return plots.finish(made, name, caption, pdf=True)
+    made, axes = plots.figure(layout, _ROW * len(layout) + (0.5 if title or len(shown) > 1 else 0.2))
+    for key, panel in zip(keys, wanted, strict=True):
+        _panel(axes[key], shown, panel, slow)
+    if title:
+        made.suptitle(plots.plain(title), fontsize=10, x=0.01, ha="left")
+    if len(shown) > 1:
+        plots.legend(made, axes["0"], list(shown))
+    return made
 
 
 def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: float) -> None:
@@ -164,7 +180,17 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
     for label, q in lines.items():
         x, y = q[panel.x].values, q[panel.y].values
         rows = min(len(x), len(y))
-        plots.line(axis, numbers[label], *plots.thin(of_x.of(x[:rows]), of_y.of(y[:rows])), label)
+        given = of_x.of(x[:rows]), of_y.of(y[:rows])
+        if panel.x == "t":
+            plots.line(axis, numbers[label], *plots.thin(*given), label)
+            continue
+        slowest = slow / of_x.factor if panel.near_rest and _beyond(lines, panel.x, slow) else 0.0
+        far = _far_apart(np.arcsinh(given[0] / slowest) if slowest else given[0], given[1])
+        plots.line(axis, numbers[label], *plots.broken(*given, far), label)
+        beside_gaps = np.append(far, False) | np.insert(far, 0, False)
+        if beside_gaps.any():
+            dots = (plots.drawable(values[beside_gaps]) for values in given)
+            axis.plot(*dots, ".", markersize=2.0, color=plots.COLOURS[numbers[label] % len(plots.COLOURS)])
     axis.set(xlabel=of_x.label, ylabel=of_y.label, title=_title(panel, bool(beside), "rad" in first[panel.y].unit))
     if beside:
         names = [first[panel.y].name, *(q.name for q in beside)]
@@ -175,6 +201,20 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         _settled(axis, lines, panel, of_y)
     if panel.near_rest and slow > 0:
         _near_rest(axis, lines, panel.x, of_x, slow)
+
+
+def _far_apart(x: Array, y: Array) -> NDArray[np.bool_]:
+    """After which rows the next one lies so far away that a line to it would be a path that the motion did not take."""
+    if len(x) < 2:
+        return np.zeros(max(len(x) - 1, 0), bool)
+    spans = [max(float(np.nanmax(values) - np.nanmin(values)), 1e-300) for values in (x, y)]
+    return np.asarray(np.hypot(np.diff(x) / spans[0], np.diff(y) / spans[1]) > _FAR)
+
+
+def _beyond(lines: Mapping[str, Quantities], name: str, slow: float) -> bool:
+    """Whether the speed reaches far beyond ``slow``."""
+    fastest = max(float(np.max(np.abs(q[name].values), initial=0.0)) for q in lines.values())
+    return slow > 0 and fastest > _FAST * slow
 
 
 def _title(panel: Panel, beside: bool, rotary: bool) -> str:
@@ -200,7 +240,7 @@ def _settled(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, of_y: Sc
 def _near_rest(axis: Axes, lines: Mapping[str, Quantities], name: str, of_x: Scale, slow: float) -> None:
     """Where the speed reaches far beyond ``slow``: an axis linear below it and logarithmic beyond."""
     fastest = max(float(np.max(np.abs(q[name].values), initial=0.0)) for q in lines.values())
-    if not fastest > _FAST * slow:
+    if not _beyond(lines, name, slow):
         return
     width, top = slow / of_x.factor, fastest / of_x.factor
     axis.set_xscale("asinh", linear_width=width)

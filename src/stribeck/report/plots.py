@@ -116,6 +116,13 @@ def in_time(time: Array, y: Array) -> tuple[Array, Array]:
     return np.insert(time[kept].astype(float), places, np.nan), np.insert(y[kept].astype(float), places, np.nan)
 
 
+def broken(x: Array, y: Array, far: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """A thinned line that breaks after the rows that are ``far`` from the next one."""
+    kept = _kept(x, y)
+    places = np.unique(np.searchsorted(kept, np.flatnonzero(far) + 1))
+    return np.insert(x[kept].astype(float), places, np.nan), np.insert(y[kept].astype(float), places, np.nan)
+
+
 def _kept(x: Array, y: Array) -> NDArray[np.intp]:
     """The rows of a line that print can show: all of a short one."""
     size = len(x) // _BLOCKS

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from threading import Event
 
@@ -69,6 +70,26 @@ class Ensemble:
     def status(self) -> list[str]:
         """For each lane "done" or "failed"."""
         return ["done" if reason is None else "failed" for reason in self.reason]
+
+    @property
+    def success(self) -> list[bool]:
+        """For each lane whether it reached its end."""
+        return [reason is None for reason in self.reason]
+
+    @property
+    def message(self) -> str:
+        """How many lanes are done, and why the first that is not failed."""
+        failed = [(i, reason) for i, reason in enumerate(self.reason) if reason is not None]
+        first = f"; lane {failed[0][0]}: {failed[0][1]}" if failed else ""
+        return f"{len(self) - len(failed)} of {len(self)} lanes done{first}"
+
+    def __repr__(self) -> str:
+        columns = ", ".join(("t", *(column.name for column in self.columns)))
+        varied = ", ".join(self.values)
+        return f"<Ensemble of '{self.scenario.name}': {len(self)} lanes over {varied}, {len(self.t)} rows, columns {columns}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(repr(self))}<br>{escape(self.message)}</p>"
 
     @cached_property
     def t(self) -> Array:

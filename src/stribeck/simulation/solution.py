@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterator, Mapping
 from functools import cached_property
-from pathlib import Path
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,13 +13,14 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.drives.base import Column
 from stribeck.errors import nearest, needed
-from stribeck.files import write_text
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
 
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 class Solution:
@@ -42,7 +43,7 @@ class Solution:
         self.scenario = scenario
         self.reason = result.reason
         self.status = "done" if result.reason is None else "failed"
-        self.stats = result.stats
+        self.stats, self._remarks = result.stats, result.remarks
         count = len(scenario.system.states)
         self.states, names = result.states[:, :count], (*scenario.system.held, *scenario.system.shown)
         self.held: dict[str, Array] = dict(zip(names, result.states[:, count:].T, strict=True))
@@ -91,16 +92,47 @@ class Solution:
         """The names of the columns, t first: ``dict(solution)`` holds the arrays by name."""
         return ("t", *(column.name for column in self.columns))
 
-    def plot(self, path: str | Path | None = None) -> str:
-        """The plot page of the solution as SVG text, which a notebook shows by itself; written to ``path`` if given."""
-        text = self._repr_svg_()
-        if path is not None:
-            write_text(Path(path), text)
-        return text
+    @property
+    def success(self) -> bool:
+        """Whether the run reached its end."""
+        return self.reason is None
+
+    @property
+    def message(self) -> str:
+        """Why the run failed, or what of the promised accuracy it did not reach; else that it is done."""
+        return self.reason or "; ".join(self._remarks) or f"done: t = {self.scenario.end:g} s reached"
+
+    def __repr__(self) -> str:
+        columns = ", ".join(self.keys())
+        return f"<Solution of '{self.scenario.name}': {self.status}, {len(self.t)} rows, columns {columns}>"
+
+    def plot(self, column: str | None = None, ax: Axes | None = None) -> Figure:
+        """A figure of matplotlib: everything worth seeing, or one column against time.
+
+        Args:
+            column: the column; with ``ax`` the first one unless given.
+            ax: the axes to draw into; new ones unless given.
+        """
+        report = importlib.import_module("stribeck.report.overview")  # stands above this room
+        if column is None and ax is None:
+            whole: Figure = report.figure_of(self)
+            return whole
+        if ax is None:
+            from matplotlib.figure import Figure as NewFigure
+
+            ax = NewFigure(layout="constrained").subplots()
+        report.curves(ax, {self.scenario.label: self}, "t", column or self.columns[0].name)
+        found = ax.get_figure(root=True)
+        assert found is not None
+        return found
 
     def _repr_svg_(self) -> str:
         report = importlib.import_module("stribeck.report.overview")  # stands above this room
         return str(report.overview({self.scenario.label: self}).svg)
+
+    def _repr_html_(self) -> str:
+        svg = self._repr_svg_()
+        return f"<p>{escape(repr(self))}<br>{escape(self.message)}</p>{svg[svg.index('<svg') :]}"
 
     def to_pandas(self) -> pandas.DataFrame:
         """The columns as a pandas data frame, t first.
