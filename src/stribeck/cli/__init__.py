@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import gc
 import io
 import os
@@ -24,7 +23,6 @@ _EXTRA = {"fit": "fit", "predict": "fit", "check": "fit", "design": "fit", "expo
 # Commands that may solve large linear systems.
 _LINEAR_ALGEBRA = ("fit", "predict", "design")
 _YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
-_PLAIN = "stribeck"  # how what cannot be encoded is written
 _GRACE = 5.0  # s, to clear away what has been begun
 _MOMENT = 0.05  # s, after which a signal comes again
 _LONGEST_IMPORT = 20.0  # s on the wall, as the machine may be busy: so long a signal waits for its end
@@ -75,19 +73,12 @@ def _make_ready(arguments: list[str] | None) -> None:
     if _command(arguments) not in _LINEAR_ALGEBRA:  # its threads would take their time to begin, and have no work
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(_YOUNG, 20, 100)
-    codecs.register_error(_PLAIN, _plain)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by the shell, and asked whether it is a terminal
             setattr(sys, name, io.StringIO())
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors=_PLAIN)  # names of files need not be text
-
-
-def _plain(error: UnicodeError) -> tuple[str, int]:
-    from stribeck.cli.letters import plain  # where it is needed alone
-
-    return plain(error)
+            stream.reconfigure(errors="backslashreplace")  # a file's name, or a Greek letter, may have no code there
 
 
 def _see_to_the_end(numbers: list[int]) -> None:
