@@ -6,8 +6,9 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from stribeck import Scenario, simulate, simulate_ensemble
+from stribeck import Scenario, simulate
 from stribeck.simulation import native
+from stribeck.simulation.ensemble import simulate_ensemble
 from tests.simulation.rig import law_table, needs_compiler, pid, rig, solved, spring
 
 pytestmark = needs_compiler
