@@ -41,7 +41,7 @@ def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
         note(f"{part.path}.ratio: {ratio:g}: v and F are those of the contact: F acts on the body by {ratio:g} times")
     if not part.loads and not part.factors:
         return law
-    kind, places = _with_inputs(type(law), part)  # type: ignore[arg-type]  # a class is hashable
+    kind, places = _with_inputs(type(law), part)
     own = {name: rig.values[place] for place, name in places.items() if place[0] != path}
     return kind({**law.machine, **law.p.numbers, **law.p.words, **own}, law.rotary)
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
+import keyword
 import re
 import unicodedata
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 
 from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.errors import InputError, arg
+from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.render import equations
 from stribeck.parameter_sets import parameters
@@ -49,7 +54,7 @@ class Request:
     @property
     def name(self) -> str:
         """The law's name as an identifier of most languages."""
-        return re.sub(r"\W", "_", self.law.name, flags=re.ASCII)
+        return identifier(self.law.name, "law")
 
     @property
     def mass(self) -> float:
@@ -109,10 +114,41 @@ def _listed(words: list[str]) -> str:
     return " and ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
 
 
-def identifier(name: str) -> str:
-    """A machine's name as an identifier of most languages, in lower case."""
-    text = re.sub(r"\W", "_", name, flags=re.ASCII).lower()
-    return text if text[:1].isalpha() else f"machine_{text}"
+_LONGEST = 48  # letters: C99 compilers keep 63 of a name apart, and our own words follow after it
+
+
+def identifier(name: str, kind: str = "machine") -> str:
+    """A name that the exported files can begin theirs with, in every language.
+
+    It is of ASCII, of bounded length, other than for other names of that length, and no word (nor the begin of one, up to
+    a "_") of C, C++, Python or the templates.
+    """
+    text = re.sub(r"\W", "_", name, flags=re.ASCII)
+    if len(text) > _LONGEST:
+        text = f"{text[: _LONGEST - 9]}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+    if not text[:1].isalpha():
+        text = f"{kind}_{text}"
+    return f"{text}_{kind}" if text in _begins(kind != "law") else text
+
+
+@cache
+def _begins(solver: bool) -> frozenset[str]:
+    """Every word of the languages and templates, and each begin of one before a "_"; ``solver``: of machines too."""
+    places = [files("stribeck.export") / "templates", *([files("stribeck.runtime")] if solver else [])]
+    sources = [file for place in places for file in place.iterdir() if file.name.endswith((".c", ".h"))]
+    sources = [file for file in sources if solver or not file.name.startswith("machine")]
+    code = "\n".join(file.read_text(encoding="utf-8") for file in sources)
+    code = re.sub(r'/\*.*?\*/|"[^"\n]*"|\{[{%].*?[%}]\}', " ", code, flags=re.DOTALL)
+    words = {*re.findall(r"[A-Za-z_]\w*", code), *C_WORDS, *C_FUNCTIONS, *keyword.kwlist, *_CPP.split(), "main"}
+    return frozenset(word[:i] for word in words for i in (*(m.start() for m in re.finditer("_", word)), len(word)))
+
+
+# Of C++ alone, which reads the headers too.
+_CPP = """
+    alignas alignof and asm bool catch class compl concept constexpr decltype delete explicit export false friend mutable
+    namespace new noexcept not nullptr operator or private protected public requires template this throw true try typeid
+    typename using virtual wchar_t xor
+"""
 
 
 def valued(name: str, value: float, constant: Constant) -> str:

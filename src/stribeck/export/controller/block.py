@@ -56,7 +56,7 @@ class Block:
     def name(self) -> str:
         """The prefix of all names."""
         part = "_friction" if self.part == "compensator" else ""
-        return identifier(f"{self.scenario.name}_{self.controller.name}{part}")
+        return identifier(f"{self.scenario.name}_{self.controller.name}{part}".lower(), "controller")
 
     @property
     def rotary(self) -> bool:

@@ -11,7 +11,7 @@ from stribeck.codegen import PORTABLE, parameter_names, with_columns
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import WORDS, c_condition
+from stribeck.export.c.ccode import c_condition
 from stribeck.export.request import ascii_only, identifier, made_by, valued
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.machine.signal import INPUT, SignalUse
@@ -68,8 +68,7 @@ class MachineModel:
     @cached_property
     def name(self) -> str:
         """The machine's name as an identifier of C."""
-        name = identifier(self.scenario.name)
-        return f"{name}_machine" if name in WORDS or name == "main" else name
+        return identifier(self.scenario.name.lower())
 
     @cached_property
     def code(self) -> str:

@@ -1,0 +1,56 @@
+"""Names that a language or a template has already: every export compiles."""
+
+import subprocess
+
+import pytest
+
+import stribeck
+from stribeck import Scenario
+from stribeck.export.request import identifier
+from tests.export.harness import need
+from tests.machine.machines import law, machine, push
+
+HOSTILE = [
+    "row",
+    "m",
+    "t_end",
+    "step",
+    "count",
+    "words",
+    "int",
+    "class",
+    "net",
+    "main",
+    "x" * 80,
+    "2nd",
+    "\u00e9t\u00e9",
+]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_machine_compiles(name, tmp_path):
+    need("gcc")
+    contacts = {"rub": {"from": "a", "law": law()}}
+    data = machine({"a": {"mass": 1.0}}, 0.1, energy=False, contacts=contacts, loads={"push": push()})
+    for file in stribeck.export(Scenario({**data, "name": name}), "c", tmp_path):
+        if file.suffix == ".c":
+            subprocess.run(["gcc", "-std=c99", "-fsyntax-only", "-Werror", str(file)], check=True)
+
+
+@pytest.mark.parametrize("name", ["net", "step", "force_law", "Given", "y" * 80])
+def test_a_law_compiles(name, tmp_path):
+    need("gcc", "g++")
+    text = f"from stribeck.laws.lugre import LuGre\n\n\nclass Own(LuGre):\n    'Own.'\n\n    name = {name!r}\n"
+    (tmp_path / "own.py").write_text(text)
+    own = stribeck.law(f"{tmp_path / 'own.py'}:Own", "canudas1995")
+    for file in stribeck.export(own, "c", tmp_path / "c", self_test=True):
+        compiler = ["gcc", "-std=c99"] if file.suffix == ".c" else ["g++", "-x", "c++"]
+        subprocess.run([*compiler, "-fsyntax-only", "-Werror", str(file)], check=True)
+
+
+def test_names_stay_apart_and_are_the_usual_ones():
+    assert identifier("lugre_majorant", "law") == "lugre_majorant"
+    assert identifier("stage_axis") == "stage_axis"
+    long = [identifier("n" * 80 + end) for end in "ab"]
+    assert len({*long}) == 2
+    assert max(map(len, long)) <= 48
