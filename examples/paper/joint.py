@@ -10,7 +10,7 @@ from examples.paper.common import Done
 from stribeck.constants import SHOWN
 from stribeck.errors import StribeckError
 from stribeck.properties import WORK, Verdict
-from stribeck.properties.level import largest_v_d, passive_always
+from stribeck.properties.checked import CheckedAlways, largest_v_d
 from stribeck.properties.ranges import of_contact
 from stribeck.properties.verdicts import ranges_in_words
 from stribeck.properties.worst import Varied
@@ -92,10 +92,10 @@ def _contacts() -> tuple[dict[str, tuple[Varied, Verdict]], Verdict]:
     found = {}
     for contact in scenario.rig.machine.contacts:
         varied = of_contact(scenario.rig, contact, scenario.end, {})
-        found[contact.name] = varied, passive_always(varied, None, WORK)
+        found[contact.name] = varied, CheckedAlways(varied, None, WORK, {}).passive()
     law = scenario.rig.laws["contacts.mesh.law"]
     bare = type(law)({**law.values, **law.choices, "v_d": None}, law.rotary)
-    return found, passive_always(Varied.by_level(bare, 1.0, _SWING), None, WORK)
+    return found, CheckedAlways(Varied.by_level(bare, 1.0, _SWING), None, WORK, {}).passive()
 
 
 def _numbers(
