@@ -45,6 +45,7 @@ BESIDE_THE_ROOMS = {
     "proofs": "proofs/, the Coq developments",
     "properties/nasty": "laws written to mislead, which tests/properties reads",
     "reference": "reference trajectories and published numbers, by others",
+    "stories": "what README promises to each kind of reader",
     "site": "docs/, the site: its references, links, examples",
     "theory": "docs/theory.md, step by step",
     "verify": "src/stribeck_verify, the independent checker",

@@ -211,12 +211,12 @@ def test_errors_name_the_users_file(tmp_path, stribeck, scenario):
 
 
 def test_no_memory_is_one_line(stribeck, scenario, monkeypatch):
-    from stribeck.simulation import single
+    from stribeck.simulation import backend
 
     def full(*args):
         raise MemoryError("Unable to allocate 8. TiB")
 
-    monkeypatch.setattr(single, "_solve", full)
+    monkeypatch.setattr(backend, "solver", full)
     outcome = stribeck("run", scenario)
     assert (outcome.status, outcome.out) == (1, "")
     assert outcome.err.endswith("stribeck: not enough memory: Unable to allocate 8. TiB\n")

@@ -15,7 +15,6 @@ import pytest
 
 from stribeck import Scenario, simulate
 from stribeck.errors import StribeckNote
-from stribeck.explore import wasm
 from stribeck.simulation import cache, compiler
 from tests.simulation import independent
 from tests.simulation.rig import needs_compiler, rig
@@ -235,16 +234,14 @@ class TestOtherUsers:
         run(built=True, notes=["may have been written by another user"])
         assert file.stat().st_uid == 0
 
-    def test_a_page_s_module_of_theirs_is_built_anew(self, home, monkeypatch):
-        """What they had put there before the folder was closed went into the page: its seal is no secret."""
-        monkeypatch.setattr(wasm, "_build", lambda source: b"built here")
-        assert wasm._module("source", "compiler") == b"built here"
-        (file,) = home.iterdir()
-        theirs = b"theirs"
-        file.write_bytes(theirs + wasm._seal(theirs))
-        file.chmod(0o666)
-        assert wasm._module("source", "compiler") == b"built here"
+    def test_machine_code_of_theirs_is_not_run(self, home):
+        """What they had put there before the folder was closed would be run: its digest is no secret."""
+        cache.write_sealed("module.cwasm", b"ours")
+        assert cache.read_sealed("module.cwasm") == b"ours"
+        file = home / "module.cwasm"
         assert mode(file) == 0o600
+        file.chmod(0o666)
+        assert cache.read_sealed("module.cwasm") is None
 
     def test_a_link_is_not_followed(self, home, monkeypatch, tmp_path):
         run(built=True)
@@ -257,7 +254,7 @@ class TestOtherUsers:
 
 
 def test_a_library_that_is_another_one_is_built_anew(home, monkeypatch):
-    """Not SciPy for ever."""
+    """Not WebAssembly for ever."""
     run(built=True)
     (file,) = home.iterdir()
     key = file.stem.split("-")[0]

@@ -10,6 +10,11 @@ from stribeck.cli import show
 from stribeck.errors import InputError
 from stribeck.files import write_text
 
+# What to do with an example, where that is not to run it.
+_NEXT = {
+    "axis_hunts": "stribeck design {target}",
+    "joint_from_log": "stribeck fit {target} --logs {stem}.logs.toml --out fit",
+}
 _START = "stick_slip"  # the example that a new name starts from, under another law
 _LAW = """\
 [law]
@@ -40,21 +45,25 @@ def new(name: str, out: Path | None, show_list: bool, schema: bool) -> int:
         return _schema(out)
     if not re.fullmatch(r"[A-Za-z0-9][\w .-]*", name):
         raise InputError(f"NAME: {name!r}: must be letters, digits, '_', '-', '.' and spaces")
-    known = name in examples.names()
-    text = examples.path(name if known else _START).read_text(encoding="utf-8")
+    name = name.removesuffix(".toml")
+    example = name.replace("-", "_")
+    known = example in examples.names()
+    text = examples.path(example if known else _START).read_text(encoding="utf-8")
     if not known:
         body = text[text.index("schema = ") :].replace(f'name = "{_START}"', f'name = "{name}"', 1)
         begin, end = body.index("[law]"), body.index("[law.parameters]")
         text = _HELP.format(name=name) + body[:begin] + _LAW + body[end:]
     target = out or Path(f"{name}.toml")
-    copies = {target.parent / data.name: data for data in (examples.companions(name) if known else [])}
+    belonging = examples.companions(example) if known else []
+    copies = {target.parent / data.name.replace(f"{example}.", f"{target.stem}."): data for data in belonging}
     for path in (target, *copies):
         _check(path)
     for path, data in copies.items():
         write_text(path, data.read_text(encoding="utf-8"))
         print(f"wrote {path}")
     write_text(target, text)
-    print(f"wrote {target}; run it: stribeck run {target} --out {target.stem}")
+    following = _NEXT.get(example, "stribeck run {target} --out {stem}").format(target=target, stem=target.stem)
+    print(f"wrote {target}\nnext: {following}")
     return 0
 
 

@@ -1,4 +1,4 @@
-"""Example scenarios: those of the paper, and one driven by a recorded signal."""
+"""Example scenarios: those of the paper, machines, and records to fit."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _FOLDER = Path(__file__).parent
 
 def names() -> list[str]:
     """The names of the examples."""
-    return sorted(path.stem for path in _FOLDER.glob("*.toml"))
+    return sorted(path.stem for path in _FOLDER.glob("*.toml") if "." not in path.stem)
 
 
 def path(name: str) -> Path:
@@ -18,5 +18,6 @@ def path(name: str) -> Path:
 
 
 def companions(name: str) -> list[Path]:
-    """The data files that an example reads."""
-    return sorted(p for p in _FOLDER.glob(f"{name}_*") if p.suffix in (".csv", ".parquet"))
+    """The files that belong to an example: its records, and the list of recordings to fit."""
+    records = (p for p in _FOLDER.glob(f"{name}_*") if p.suffix in (".csv", ".parquet"))
+    return sorted([*records, *_FOLDER.glob(f"{name}.*.toml")])

@@ -122,6 +122,8 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
     if "force" in factors:
         factors["force"] *= gain
     for role, column in found.items():
+        if not column.flags.writeable:  # a data frame's own memory
+            found[role] = column = column.copy()
         if factors[role] != 1.0:
             with np.errstate(over="ignore"):
                 np.multiply(column, factors[role], out=column)
