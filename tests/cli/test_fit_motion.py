@@ -54,7 +54,7 @@ def test_the_parameters_are_found(stribeck, record, options):
         (("--output", "velocity", "--drive", "pid:K_p", "--command", "r"), "--drive: 'pid:K_p': must be KIND"),
         (("--output", "velocity", "--drive", "pid:K_p=1", "--command", "r"), "drive.K_i: missing"),
         (("--output", "velocity", "--law", "dahl"), "--output: laws are compared by the force"),
-        (("--output", "velocity", "--method", "static"), "belong to --method dynamic"),
+        (("--output", "velocity", "--method", "static"), "law 'lugre' has bristles, which a static fit does not see"),
     ],
 )
 def test_what_makes_no_sense_is_refused(stribeck, record, options, line):

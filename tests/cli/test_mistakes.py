@@ -1,6 +1,7 @@
 """What a user does wrong by hand: each ends in one clear line with status 2, or in a right result."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -33,16 +34,16 @@ def test_a_body_that_rests_throughout_has_no_friction_to_fit(stribeck, tmp_path)
     assert not (tmp_path / "out").exists()
 
 
-def test_reasons_of_several_laws_name_options(stribeck, tmp_path):
-    """They named the arguments of Python: force_gain, terms."""
+def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path):
+    """A sensor of the wrong sign: F_c is not identifiable, and the advice names motion in both directions."""
     t = 0.01 * np.arange(600)
     one_way = written(
         tmp_path / "one_way.csv", t, 0.1 * t - 0.02 * np.cos(3 * t), -1 - 3 * (0.1 + 0.06 * np.sin(3 * t))
     )
     found = stribeck("fit", one_way, *COLUMNS, "--law", "coulomb_viscous", "--law", "stribeck")
-    assert found.status == 2, found.out
-    assert "force_gain" not in found.err
-    assert "--force-gain" in found.err
+    assert found.status == 0, found.err
+    assert re.search(r"F_c .* not identifiable", found.out)
+    assert "in both directions" in found.out
 
 
 @pytest.mark.parametrize(

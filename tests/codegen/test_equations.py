@@ -19,7 +19,8 @@ T = 0.7
 def rates_by_numpy(system, x):
     """The time derivatives from the laws' and drives' own functions on numbers."""
     (contact,), drive = system.contacts, system.drive.drive
-    law = contact.law.symbolic(lambda name: VALUES[name], contact.form)
+    friction = contact.friction.kind
+    law = friction.symbolic(lambda name: VALUES[name], contact.friction.form)
     p = SimpleNamespace(**{n: VALUES[n] for owner, n in system.parameters if owner == "drive"})
     constants = SimpleNamespace(**{n: VALUES[n] for owner, n in system.parameters if owner == "signal"})
     kind = system.signals[0].kind
@@ -27,13 +28,13 @@ def rates_by_numpy(system, x):
     named = {state.name: value for state, value in zip(system.states, x, strict=True)}
     y, v = named["y"], signal if drive.sets_velocity else named["v"]
     z = named.get("z", 0.0)
-    dz_dt = contact.law.dz_dt(law, v, z)
-    F = contact.law.friction(law, v, z, dz_dt)
+    dz_dt = friction.dz_dt(law, v, z)
+    F = friction.friction(law, v, z, dz_dt)
     own = tuple(named[state.name] for state in drive.states)
     u = F if drive.sets_velocity else drive.force(p, signal, y, v, own)
     by_name = dict(zip((state.name for state in drive.states), drive.rates(p, signal, y, v, own), strict=True))
     by_name |= {"y": v, "z": dz_dt, "E_in": u * v, "v": (u - F) / VALUES["mass"]}
-    by_name["E_dissipated"] = F * v - (VALUES["sigma_0"] * z * dz_dt if contact.law.has_z else 0.0)
+    by_name["E_dissipated"] = F * v - (VALUES["sigma_0"] * z * dz_dt if friction.has_z else 0.0)
     return np.array([by_name[state.name] for state in system.states], float)
 
 

@@ -113,7 +113,7 @@ def test_nothing_is_written_outside_the_rows():
     inside = guarded[out.size : 2 * out.size]
     inside[:] = np.nan
     made.batch.out = inside.ctypes.data
-    lanes._run(library(), made.batch, made.by_name["turn"], 1, None)
+    lanes._run(library(), made, 1, None)
     assert lanes.outcome(made).counts["status"].tolist() == [0, 0]
     assert (guarded[: out.size] == 1.25).all()
     assert (guarded[2 * out.size :] == 1.25).all()
