@@ -24,7 +24,7 @@ from tests.export.harness import (
     need,
     program,
 )
-from tests.laws.test_claims import make
+from tests.laws.test_sanity import make
 
 EPS, EPS_FLOAT = 2.0**-52, 2.0**-23
 # a form of equations each, under sanitizers: every law with every compiler takes minutes and finds no more

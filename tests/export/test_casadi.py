@@ -9,7 +9,7 @@ import pytest
 import stribeck
 from stribeck.laws import builtin
 from stribeck.laws.terms import g
-from tests.laws.test_claims import CANUDAS, make
+from tests.laws.test_sanity import CANUDAS, make
 
 ca = pytest.importorskip("casadi")
 

@@ -8,7 +8,7 @@ import pytest
 import stribeck
 from stribeck.export.python.python_control import response
 from stribeck.laws import builtin
-from tests.laws.test_claims import make
+from tests.laws.test_sanity import make
 
 ct = pytest.importorskip("control")
 

@@ -6,7 +6,7 @@ import pytest
 import stribeck
 from stribeck.errors import StribeckNote
 from stribeck.laws import builtin
-from tests.laws.test_claims import CANUDAS, make
+from tests.laws.test_sanity import CANUDAS, make
 
 jax = pytest.importorskip("jax", reason="JAX is not installed (600 MB): pip install jax")
 

@@ -11,7 +11,7 @@ import stribeck
 from stribeck.errors import StribeckNote
 from stribeck.export import export
 from stribeck.laws import builtin, find
-from tests.laws.test_claims import CANUDAS, make
+from tests.laws.test_sanity import CANUDAS, make
 
 mujoco = pytest.importorskip("mujoco")
 

@@ -20,6 +20,9 @@ from stribeck.properties import WORK
 from stribeck.properties.checked import Checked
 
 
+CANUDAS = parameters()["canudas1995"].values
+
+
 def make(law: type, set_name: str = "canudas1995", **constants: Any):
     """A law for a machine; its own constants suit the machine's scales unless given."""
     values: dict[str, Any] = dict(parameters()[set_name].values)
