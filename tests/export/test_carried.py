@@ -102,7 +102,7 @@ def without(data, *path):
 def moved(value):
     """Another value of the same kind."""
     if isinstance(value, list):
-        return [moved(value[0]), *value[1:]]
+        return [*value[:-1], moved(value[-1])]
     return value + 1 if isinstance(value, int) and not isinstance(value, bool) else value * 1.125
 
 
