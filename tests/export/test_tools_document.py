@@ -96,17 +96,9 @@ def test_callback_in_c(tmp_path, monkeypatch):
 
 def test_python_control(capsys):
     pytest.importorskip("control")
-    rig, predictions = run_python("python-control")
+    (rig,) = run_python("python-control")
     assert rig["slip"].y[0, -1] > 1
-    rows = re.findall(r"^\| (simulated|predicted[^|]*) \| ([\d.]+|none) \| ([\d.]+|none) \|$", TEXT, re.M)
-    cycles = [
-        (predictions["amplitude"], predictions["period"]),
-        *((p.amplitude, p.period) for p in (predictions["by_law"], predictions["by_body"])),
-    ]
-    assert len(rows) == 3
-    for (_, amplitude, period), (a, p) in zip(rows, cycles, strict=True):
-        assert (amplitude, period) == (("none", "none") if a != a else (f"{a:.2g}", f"{p:.3g}"))
-    assert "Hunting(" in capsys.readouterr().out
+    assert float(capsys.readouterr().out) == rig["slip"].y[0, -1]
 
 
 def test_casadi(capsys):

@@ -19,7 +19,6 @@ from stribeck.parameter_sets import parameters
 from stribeck.properties import WORK
 from stribeck.properties.checked import Checked
 
-
 CANUDAS = parameters()["canudas1995"].values
 
 
