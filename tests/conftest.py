@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 from pathlib import Path
 
 import pytest
@@ -104,6 +105,12 @@ THINNED = {
     "test_published_records.py::test_a_row_is_what_its_command_prints": 15,
     "test_readme.py::test_commands": 0,
 }
+
+
+def pytest_configure():
+    """Let Ctrl-C reach the programs that tests start: a job in a shell's background ignores it, and so do its children."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items):

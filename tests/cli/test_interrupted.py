@@ -196,7 +196,6 @@ def test_no_input_is_replaced(stribeck, tmp_path, monkeypatch, words):
 
 SLOW = """
 import signal, sys, time
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a test run in the background ignores it, and its children
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from stribeck.report import chapters
 from tests.identify.actuator.recorded import body, logs, record
@@ -225,7 +224,6 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
 
 IMPORTS = """
 import signal, sys, time
-signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.path.insert(0, sys.argv.pop())
 from stribeck import cli
 from stribeck.report import chapters
@@ -349,7 +347,6 @@ def test_a_signal_after_the_end(number):
 
 AT_THE_VERY_END = """
 import ctypes, signal
-signal.signal(signal.SIGINT, signal.default_int_handler)
 libc = ctypes.CDLL(None)
 libc.strdup.restype = ctypes.c_void_p
 libc.__cxa_atexit(libc.getchar, None, None)
@@ -426,7 +423,6 @@ def test_a_signal_while_an_object_is_taken_away(number):
     """It was printed as a traceback and lost: the command went on, after SIGTERM for 5 s."""
     code = (
         "import os, signal, sys, time\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "from stribeck import cli\n"
         "class Last:\n"
         f"    def __del__(self): os.kill(os.getpid(), {int(number)}); time.sleep(0.2)\n"

@@ -1,7 +1,6 @@
 """stribeck run."""
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -143,11 +142,7 @@ def test_ctrl_c_stops_a_long_run_and_writes_nothing(scenario, tmp_path):
     out = tmp_path / "out"
     words = ["--out", out, "--set", "solve.t_end=1e7", "--set", "output.step=1e4"]
     command = [sys.executable, "-m", "stribeck", "run", scenario, *words]
-    # a shell that starts a job in the background has SIGINT ignored: restore it
-    process = subprocess.Popen(
-        command, stderr=subprocess.PIPE, env=os.environ,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )  # fmt: skip
+    process = subprocess.Popen(command, stderr=subprocess.PIPE)
     for _ in range(600):  # until it has begun
         if out.is_dir():
             break
