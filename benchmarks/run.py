@@ -15,7 +15,7 @@ from time import perf_counter
 from measure import RESULTS, machine
 
 FAMILIES = {
-    "speed": ("single", "ensemble", "machines", "sampled", "majorants", "startup", "explorer", "fit_speed"),
+    "speed": ("single", "ensemble", "machines", "sampled", "majorants", "startup", "backends", "explorer", "fit_speed"),
     "accuracy": ("default_tolerance", "machine_attack"),
     "export": ("arm_instructions", "controller_instructions", "discretisation", "in_mujoco", "learning"),
     "verdicts": ("verdicts", "design_attack"),

@@ -97,3 +97,8 @@ def test_speed_is_what_the_benchmark_measured():
     for name, milliseconds, ratio in rows:
         row = measured[NAMES[name]]
         assert (milliseconds, ratio) == (f"{row['milliseconds']['median']:.3g}", f"{row['ratio']['median']:.3g}")
+
+
+def test_how_much_faster_a_compiler_makes_it():
+    stored = json.loads((ROOT / "benchmarks/results/backends.json").read_text(encoding="utf-8"))
+    assert f"With a C compiler it is {stored['geometric_mean']:.1f} times faster." in README

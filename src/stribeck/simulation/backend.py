@@ -1,6 +1,6 @@
 """What solves a scenario: C by the machine's compiler where there is one, else WebAssembly by Wasmtime.
 
-Both compute the same equations in the same order. C is faster (1.5 times) and its bits depend on the compiler; those of
+Both compute the same equations in the same order. C takes about half the time and its bits depend on the compiler; those of
 WebAssembly are the same everywhere.
 """
 
@@ -69,7 +69,7 @@ def solver(scenario: Scenario) -> Built:
         except (BuildError, OSError) as error:
             if os.environ.get("STRIBECK_BACKEND") == "c":
                 raise BuildError(f"compiling failed: {' '.join(str(error).split())}") from None
-            note(f"compiling failed ({' '.join(str(error).split())}): solving by WebAssembly, 1.5 times slower")
+            note(f"compiling failed ({' '.join(str(error).split())}): solving by WebAssembly, in about twice the time")
     from stribeck.simulation import wasm  # not where C is used: its emitter takes a while to import
 
     system = wasm.system_module(scenario.system)

@@ -1,0 +1,83 @@
+"""C and WebAssembly: what each costs for the examples, first and afterwards, and whether the numbers agree.
+
+Both solve in turn, in one run. "First" is a whole process with an empty cache, less the same process once more.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from functools import partial
+
+import numpy as np
+from measure import machine, options, say, spread, table, timed, write
+
+from stribeck import Scenario, examples
+from stribeck.codegen import source
+from stribeck.simulation import cache, compiler, native, wasm
+
+PROCESS = "import sys; from stribeck import simulate; assert simulate(sys.argv[1]).success"
+
+
+def processor_seconds(name: str, backend: str, folder: str) -> float:
+    """The processor time of a process that simulates an example, its compiler's included."""
+    before = os.times()
+    environment = os.environ | {"STRIBECK_BACKEND": backend, "STRIBECK_CACHE": folder}
+    subprocess.run([sys.executable, "-c", PROCESS, str(examples.path(name))], env=environment, check=True)
+    after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system
+
+
+def main() -> None:
+    """Measure, print, and write the results."""
+    given = options(__doc__, "backends", repetitions=15, quick=3)
+    found = compiler.find()
+    if found is None:
+        sys.exit("there is no C compiler to compare with")
+    lines = []
+    for name in examples.names():
+        say(name)
+        scenario = Scenario.load(examples.path(name))
+        system = wasm.system_module(scenario.system)
+        by = {
+            "c": partial(native.solve, cache.library(source(scenario.system), found, native.check)[0], scenario),
+            "wasm": partial(wasm.solve, wasm.compiled(system.module)[0], system, scenario),
+        }
+        results = {backend: solve() for backend, solve in by.items()}
+        peak = np.maximum(np.abs(results["c"].states).max(0), 1e-300)
+        off = float((np.abs(results["wasm"].states - results["c"].states).max(0) / peak).max())
+        ratios = []
+        for _ in range(given.repetitions):
+            seconds = {backend: timed(solve).cpu for backend, solve in by.items()}
+            ratios.append(seconds["wasm"] / seconds["c"])
+        first = {}
+        for backend in by:
+            with tempfile.TemporaryDirectory() as folder:
+                cold, warm = (processor_seconds(name, backend, folder) for _ in range(2))
+            first[backend] = {"first": cold, "again": warm}
+        lines.append({"example": name, "ratio": spread(ratios), "off": off, "process": first})
+    mean = math.exp(statistics.fmean(math.log(line["ratio"]["median"]) for line in lines))
+    head = [
+        "example",
+        "WebAssembly / C",
+        "off, of the peak",
+        "first C, s",
+        "first WebAssembly, s",
+        "again C",
+        "again W",
+    ]
+    rows = [
+        [line["example"], f"{line['ratio']['median']:.2f}", f"{line['off']:.0e}"]
+        + [f"{line['process'][b][k]:.2f}" for k in ("first", "again") for b in ("c", "wasm")]
+        for line in lines
+    ]
+    print(f"{table(head, rows)}\n\ngeometric mean of the ratios: {mean:.2f}")
+    write(given.out, {"machine": machine(), "geometric_mean": mean, "examples": lines})
+
+
+if __name__ == "__main__":
+    main()
