@@ -155,13 +155,3 @@ def test_the_architecture_shows_every_room():
     shown = (SOURCE.parent.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
     rooms = {f"{p.name}/" for p in SOURCE.iterdir() if (p / "__init__.py").is_file()}
     assert not (missing := {room for room in rooms if f"`{room}`" not in shown}), missing
-
-
-def test_what_is_thinned_is_there():
-    """A family that was renamed would be run whole, in silence."""
-    from tests.conftest import THINNED
-
-    tests = Path(__file__).parent
-    for family in THINNED:
-        file, _, name = family.partition("::")
-        assert f"def {name}(" in (tests / file).read_text(encoding="utf-8"), family

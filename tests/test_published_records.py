@@ -24,6 +24,7 @@ def test_the_table_has_every_record():
         assert name in told
 
 
+@pytest.mark.share(15)
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs shared/data, which is not part of the project")
 @pytest.mark.parametrize(("command", "numbers"), ROWS, ids=[command[:40] for command, _ in ROWS])
 def test_a_row_is_what_its_command_prints(command, numbers, monkeypatch, capsys):

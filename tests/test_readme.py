@@ -18,6 +18,7 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", README, re.S)
 
 
+@pytest.mark.thorough
 def test_commands(tmp_path, monkeypatch, capsys):
     """The commands in their order, in one folder."""
     monkeypatch.chdir(tmp_path)

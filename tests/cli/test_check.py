@@ -104,6 +104,7 @@ def test_bad_input_is_one_line_and_nothing_else(stribeck, words, text):
     assert text in result.err.splitlines()[-1]
 
 
+@pytest.mark.thorough
 def test_the_commands_of_the_page(stribeck, tmp_path, monkeypatch):
     """Each as it stands, in the order of the page, and what it shows."""
     monkeypatch.chdir(tmp_path)

@@ -93,6 +93,7 @@ def test_library_lists_all_with_equations(stribeck):
     assert all(f"{name}: " in text for part in (builtin(), parameters(), machine_sets()) for name in part)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", [*examples.names(), "my rig-1"])
 def test_new_writes_a_scenario_that_runs(stribeck, tmp_path, name, monkeypatch):
     monkeypatch.chdir(tmp_path)

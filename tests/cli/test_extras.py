@@ -23,6 +23,7 @@ def command(folder, *words, blocked=tuple(EXTRAS)):
     return base(f"from stribeck.cli import main; main({[str(w) for w in words]!r})", folder, blocked)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "words",
     [
@@ -57,6 +58,7 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
     np.testing.assert_array_equal(np.array(base_table[1:], float), np.array(full_table[1:], float))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("words", "extra"),
     [
@@ -96,6 +98,7 @@ for call in (solution.to_pandas, lambda: stribeck.fit, lambda: stribeck.check(so
     ]
 
 
+@pytest.mark.thorough
 def test_the_extra_for_pages_is_enough_for_pages(tmp_path):
     pytest.importorskip("bokeh")
     others = tuple(package for package, extra in EXTRAS.items() if extra != "plot")

@@ -33,6 +33,7 @@ def record(tmp_path_factory):
     return path
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "options", [("--output", "position", "--drive", LOOP, "--command", "r"), ("--output", "velocity", "--mass", 2)]
 )

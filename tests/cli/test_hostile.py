@@ -118,6 +118,7 @@ def test_a_pipe_as_a_mujoco_model_is_not_waited_for(stribeck, tmp_path):
     assert not out.exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform != "linux", reason="needs names that are not text")
 def test_names_that_are_not_text(scenario, tmp_path):
     words = [sys.executable, "-m", "stribeck", "run"]
@@ -142,6 +143,7 @@ def test_names_cannot_command_a_terminal(stribeck, scenario):
     assert r"\x1b]0;" in outcome.err
 
 
+@pytest.mark.share(2)
 @needs_compiler
 @pytest.mark.pictures
 @pytest.mark.parametrize("name", [r"$\foo$ [/red] <b>&", "_" + "x" * 3000])

@@ -208,6 +208,7 @@ main(sys.argv[1:])
 """
 
 
+@pytest.mark.share(3)
 @needs_signals
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_signals_leave_nothing(number, scenario, tmp_path):

@@ -90,6 +90,7 @@ def test_drawn_points(stribeck, scenario, tmp_path):
     assert np.all((k_v >= 1e6) & (k_v <= 1e8))
 
 
+@pytest.mark.share(3)
 @needs_compiler
 @pytest.mark.parametrize("where", [0.3, 0.5, 0.7])
 def test_a_part_that_is_damaged_in_its_middle_is_made_again(where, stribeck, scenario, tmp_path, small_parts):
@@ -122,6 +123,7 @@ def test_goes_on_where_it_was(stribeck, scenario, tmp_path, small_parts):
     assert (out / "part-000000.parquet").stat().st_mtime_ns == kept
 
 
+@pytest.mark.thorough
 @needs_compiler
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
 def test_killed_at_any_moment_it_ends_with_the_same_bytes(stribeck, scenario, tmp_path):

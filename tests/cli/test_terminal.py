@@ -33,6 +33,7 @@ def check_width(text):
         assert len(line) <= 80 or len(line.split()) <= 2, line
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("words", SPOKEN.values(), ids=SPOKEN)
 def test_no_line_folds(words, stribeck, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")

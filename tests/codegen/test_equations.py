@@ -62,6 +62,7 @@ def graph_functions(system):
     return values, derivatives
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_graph(law, form):
     for system in systems(law, form):
@@ -74,6 +75,7 @@ def test_graph(law, form):
             np.testing.assert_allclose(by_all, np.hstack([by_time, by_states]), rtol=1e-6, atol=1e-7)
 
 
+@pytest.mark.share(10)
 @needs_compiler
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiled_functions(law, form, tmp_path):

@@ -18,6 +18,7 @@ from tests.simulation.rig import needs_compiler, rig, solved
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror")
 
 
+@pytest.mark.share(10)
 @needs_compiler
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiles_without_a_warning(law, form, tmp_path):
@@ -35,6 +36,7 @@ def test_compiles_without_a_warning(law, form, tmp_path):
         assert found.returncode == 0, found.stderr
 
 
+@pytest.mark.share(5)
 @needs_compiler
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiles_for_lanes_without_a_warning(law, form, tmp_path):
@@ -48,6 +50,7 @@ def test_compiles_for_lanes_without_a_warning(law, form, tmp_path):
     assert found.returncode == 0, found.stderr
 
 
+@pytest.mark.share(10)
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_depends_on_the_system_alone(law, form):
     """Neither on what else there is, nor on what else is being made: or the cache would miss."""

@@ -46,6 +46,7 @@ VARIANTS = {
 }
 
 
+@pytest.mark.share(3)
 @needs_compiler
 @pytest.mark.parametrize("name", VARIANTS)
 def test_variants_on_a_sine(name):
@@ -62,6 +63,7 @@ def test_variants_on_a_sine(name):
     agree(solution, expected, np.arange(401))
 
 
+@pytest.mark.thorough
 @needs_compiler
 def test_a_move_from_point_to_point():
     signal = {"kind": "point_to_point", "t": [0.5, 1.5], "value": [0.5, 0.6]}

@@ -364,6 +364,7 @@ def test_many_rows_are_thinned_while_a_slider_moves_and_whole_when_it_rests(page
     assert page.execute_script("return model('position-now').data.y.length") == len(whole)
 
 
+@pytest.mark.thorough
 def test_legends_keep_their_place_when_light_becomes_dark(page):
     places = (
         "return Object.keys(data.panels).flatMap(name => { const view = Bokeh.index.find_one(model(name));"

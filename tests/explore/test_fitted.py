@@ -81,6 +81,7 @@ def test_a_record_that_is_gone_is_one_line(stribeck, record, tmp_path):  # noqa:
         of_folder(folder, {}, trust=False)
 
 
+@pytest.mark.thorough
 def test_a_fitted_machine_is_shown_in_its_first_recording(stribeck, tmp_path):  # noqa: F811
     import tomli_w
 

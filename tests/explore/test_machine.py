@@ -45,6 +45,7 @@ def same(shown, solution):
         assert np.max(abs(shown[name] - solution[name])) <= 1e-9 * peak, name
 
 
+@pytest.mark.share(2)
 def test_the_page_computes_what_run_computes(page):
     scenario, data, turned, size = page
     module = MachineModule(data)

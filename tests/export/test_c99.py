@@ -64,12 +64,14 @@ def disagreement(name, run, single):
     return worst
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
 def test_agrees_with_python(name, single, folder):
     assert disagreement(name, program(name, folder, single=single), single) <= 4
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic_majorant", "makkar"])
 @pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
 def test_agrees_on_32_bit_arm(name, single, folder):
@@ -128,6 +130,7 @@ def test_nothing_traps(name, folder):
     assert set(status) <= {0, 1, 2, 3, 5}
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", LAWS)
 def test_check_names_the_bad_constant(name, folder):
     run, chosen = program(name, folder), law(name)

@@ -51,6 +51,7 @@ def fmu(name, part, fmi, folder):
 CASES = [("lugre_majorant", "law"), ("elastoplastic_majorant", "body"), ("makkar", "law"), ("makkar", "body")]
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize(("name", "part"), CASES)
 def test_valid(name, part, fmi, folder):

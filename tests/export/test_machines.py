@@ -139,6 +139,7 @@ def table(text):
     return dict(zip(head.split(","), values.T, strict=True))
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_fmu(fmi, scenario, exact, tmp_path):
     need("gcc")

@@ -16,6 +16,7 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("stepping")
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", LAWS)
 def test_the_step_is_that_of_the_exported_c(name, folder):
     step = Stepped(law(name))

@@ -94,6 +94,7 @@ def test_callback_in_c(tmp_path, monkeypatch):
     assert travels[0] != travels[1]  # two ways to look ahead, both of the first order
 
 
+@pytest.mark.thorough
 def test_python_control(capsys):
     pytest.importorskip("control")
     (rig,) = run_python("python-control")

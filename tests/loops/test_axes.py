@@ -5,12 +5,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from tests.export.harness import need
 
 FOLDER = Path(__file__).parent.parent.parent / "docs" / "axes"
 
 
+@pytest.mark.thorough
 def test_from_the_log_of_a_stage_to_its_controller(tmp_path, monkeypatch):
     need("gcc")
     monkeypatch.syspath_prepend(str(FOLDER))

@@ -32,6 +32,7 @@ def test_a_majorant_creeps_where_lugre_rests():
     assert found.verdict == "creeping"
 
 
+@pytest.mark.thorough
 def test_an_integral_hunts_against_stiction():
     """The paper's limit cycle, as a machine: known from its figure and from ../shared/reference."""
     canudas = {"name": "lugre", "parameters": "canudas1995"}
@@ -54,6 +55,7 @@ def test_the_slowest_time_constant_is_that_of_the_linear_loop():
     assert found.unstable is bool((np.roots([1.0, 35.0, 200.0, 8000.0]).real > 0).any())
 
 
+@pytest.mark.thorough
 def test_beyond_the_stability_of_the_linear_loop_it_is_unstable():
     """Routh: m K_i > K_p (K_d + sigma_2) grows, whatever friction takes once it moves far."""
     limit = 200.0 * 35.0
@@ -67,6 +69,7 @@ def test_sampling_with_delay_makes_it_unstable_where_continuous_it_is_quiet():
     assert only(axis(**gains, sampling=fast)).verdict == "unstable"
 
 
+@pytest.mark.thorough
 def test_another_solver_agrees_on_both_sides_of_a_boundary():
     """Where a delay destabilises: 5 % away on either side the second solver's mass rests, or does not."""
     data = axis(K_p=500.0, K_d=30.0, limit=100.0, sampling={"period": 2e-3, "delay": 2e-3})
@@ -127,6 +130,7 @@ _SINGLE = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
     """Each as a machine of its own, simulated anew, leaves the error that was stated."""
     found = design(
@@ -179,6 +183,7 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     assert float(boundary[0]) == pytest.approx(found["boundaries"][-1]["value"], rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_the_commands_of_the_page(tmp_path, monkeypatch):
     from pathlib import Path
 

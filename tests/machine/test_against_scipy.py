@@ -123,6 +123,7 @@ MACHINES = {
 }  # fmt: skip
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("name", MACHINES)
 def test_columns(name):
     expected = independent.solve(MACHINES[name])

@@ -152,6 +152,7 @@ def random_machine(seed):
     )
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_the_energy_of_random_machines_balances(seed):
     assert solved(random_machine(seed)).peaks["E_in"] > 0

@@ -23,6 +23,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.share(2)
 @needs_compiler
 @pytest.mark.parametrize("kind", CASES)
 def test_the_smallest_machine(kind):

@@ -192,6 +192,7 @@ def test_the_example_of_the_documentation(tmp_path):
     assert_balanced(s, 1e-8)
 
 
+@pytest.mark.thorough
 def test_the_machine_of_the_documentation(tmp_path, monkeypatch):
     """docs/machines.md: its machine, its commands, its Python."""
     monkeypatch.chdir(tmp_path)

@@ -32,6 +32,7 @@ def as_machine(servo):
 MACHINE = as_machine(SERVO)
 
 
+@pytest.mark.share(2)
 @needs_compiler
 @pytest.mark.parametrize("changes", [{}, SAMPLED, {"drive.adaptive": True, "drive.supply_droop": 1e7}])
 def test_a_machine_is_the_servo(changes):

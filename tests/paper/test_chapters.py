@@ -11,6 +11,7 @@ from tests.simulation.rig import needs_compiler
 pytestmark = needs_compiler
 
 
+@pytest.mark.thorough
 def test_the_matrix(report):
     """unique, bounded, smooth, passive, drift_free: docs/theory.md, with Table 1."""
     expected = {
@@ -33,6 +34,7 @@ def test_the_matrix(report):
     ]  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_the_evidence(report):
     numbers = report.numbers("evidence")
     # 10 times as fast as at k_v = 1e7 s/m, where it takes 39 s: 183.8 nJ out whatever k_v is, in but for sigma_1

@@ -10,6 +10,7 @@ from tests.simulation.rig import needs_compiler
 pytestmark = needs_compiler
 
 
+@pytest.mark.thorough
 def test_the_page_stands_alone(report):
     page = (report.folder / "report.html").read_text()
     figures = sorted(path.stem for path in (report.folder / "figures").glob("*.svg"))
@@ -27,6 +28,7 @@ def test_the_page_stands_alone(report):
     assert json.loads((report.folder / "summary.json").read_text()) == report.data
 
 
+@pytest.mark.thorough
 def test_numbers(report):
     """Known numbers, by two solvers of others on independently written equations."""
     chapters = report.data["chapters"]

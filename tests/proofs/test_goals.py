@@ -135,6 +135,7 @@ def test_a_wrong_certificate_is_refused(tmp_path):
     assert answer.returncode != 0
 
 
+@pytest.mark.thorough
 @needs_coq
 def test_terms_mean_what_is_evaluated(tmp_path):
     """The force of every law without cases, as a term, has the value that is simulated: within 1e-12, by intervals."""

@@ -259,6 +259,7 @@ def extraction(law, low, v_d):
     return np.min(a + p.sigma_2 - a * a * m / (4 * newtons))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("name", "table", "own", "gain"), [
     ("lugre", {**VISCOUS, "sigma_2": 0.1, "F_s": 2.5, "v_s": 10.0}, {}, 2.5),  # v_d far below v_s: F_s counts, not F_c
     ("lugre", {**VISCOUS, "sigma_2": 0.1, "F_s": 2.5, "v_s": 1.0}, {}, 1.8),

@@ -31,6 +31,7 @@ def wrong(case: Case) -> list[str]:
     ]
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("case", CHOSEN, ids=lambda case: case.name)
 def test_no_verdict_is_wrong(case):
     assert wrong(case) == []

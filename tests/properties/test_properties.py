@@ -49,6 +49,7 @@ def word(holds):
     return {True: "y", False: "n", None: "?"}[holds]
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("damping", [0.3, 1.5], ids=["not passive", "passive"])
 @pytest.mark.parametrize("name", KNOWN)
 def test_verdicts_with_known_answers(name, damping):
@@ -69,6 +70,7 @@ def test_verdicts_with_known_answers(name, damping):
         assert verdict.evidence
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("smooth_abs", ["sqrt", "compact"])
 @pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic_majorant"])
 def test_every_majorant_keeps_the_verdicts(name, smooth_abs):
@@ -108,6 +110,7 @@ def test_up_to_which_speed_table_1_is_passive():
     assert decided(law, "passive", 0.037).holds
 
 
+@pytest.mark.thorough
 def test_damping_that_falls_with_speed_makes_table_1_passive_up_to_its_threshold():
     assert [own_energy_serves(law_with("lugre", v_d=v)) for v in (0.0332, 0.0334)] == [True, False]
     assert [decided(law_with("lugre", v_d=v), "passive").holds for v in (0.06, 0.095)] == [True, False]
@@ -236,6 +239,7 @@ CAUGHT = {
 }  # fmt: skip
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("name", CAUGHT)
 def test_laws_that_are_wrong_are_caught(name):
     file = Path(broken_laws.__file__)

@@ -22,6 +22,7 @@ def test_every_reference_is_there():
     assert len(FILES) == 8
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_trajectory(file, tmp_path, capsys):
     path = SHARED / "scenarios" / "machines" / f"{file.stem}.toml"

@@ -17,6 +17,7 @@ def test_every_reference_is_there():
     assert len(FILES) == 36
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_trajectory(file):
     name, law, *k_v = file.stem.split("__")

@@ -87,6 +87,7 @@ def test_mistaken_laws(law):
     assert not CHECK.is_valid(with_law(**law))
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_mistakes(name):
     data = EXAMPLES[name]

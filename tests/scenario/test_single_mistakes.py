@@ -91,6 +91,7 @@ def test_a_misspelt_key(example, tmp_path):
         assert all(line.startswith(f"{path}: missing: ") for line in others), (path, lines)
 
 
+@pytest.mark.share(7)
 def test_an_unknown_key(example, tmp_path):
     for path in keys(example):
         for name in ("zzz", "name of mine", "a\nb\x1b[31m", "k" * 500, path.split(".")[-1] + "_x"):
@@ -102,6 +103,7 @@ def test_an_unknown_key(example, tmp_path):
             assert re.search(r"unknown key|no such constant|no such state", lines[0]), lines
 
 
+@pytest.mark.share(7)
 def test_a_wrong_value(example, tmp_path):
     for path in keys(example):
         kind = allowed(example, path)

@@ -43,6 +43,7 @@ def rubbed(on):
     return "velocity", signal, 2.0 * period
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("task", [presliding, pulled, positioned, rubbed])
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_under_every_drive(law, task):
@@ -50,6 +51,7 @@ def test_every_law_under_every_drive(law, task):
     assert_agrees(rig(law, drive, signal, t_end))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("on", ["olsson1998", "direct_drive2016", "liu2015", "valve_graphite", "valve_teflon"])
 @pytest.mark.parametrize("task", [presliding, pulled, positioned, rubbed])
 @pytest.mark.parametrize("law", ["lugre", "lugre_sobczyk", "elastoplastic_majorant"])
@@ -81,6 +83,7 @@ def test_starts_in_motion_with_bent_bristles(law):
 JUMPS = {"kind": "points", "t": [0.1, 0.4, 0.4, 0.9, 0.9, 1.3], "value": [0.0, 1.0, -0.8, 0.7, 1.4, -1.2]}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     ("drive", "size"), [("force", 2.0), ("velocity", 5e-3), (spring("canudas1995", 0.1), 0.3), (pid("canudas1995"), 2.0)]
 )  # fmt: skip
@@ -106,6 +109,7 @@ def test_stribeck_exponents(delta):
     assert_agrees(rig(law, "velocity", velocity, 2.0))
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_rigs(seed):
     assert_agrees(random_rig(seed))

@@ -33,6 +33,7 @@ def with_energy(law, name, rows=300):
     return data
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize("name", RIGS)
 @pytest.mark.parametrize("law", LAWS)
 def test_balance(law, name):

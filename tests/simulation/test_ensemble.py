@@ -32,6 +32,7 @@ def assert_as_alone(data, values, folder=None, share=1e-6):
     return found
 
 
+@pytest.mark.share(7)
 @needs_compiler
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law(law):

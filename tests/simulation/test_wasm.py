@@ -40,6 +40,7 @@ def assert_same(compiled, other):
         assert error <= 1e-6 * max(compiled.peaks[column.name], 1e-300), column.name
 
 
+@pytest.mark.share(7)
 @needs_compiler
 @pytest.mark.parametrize(("law", "drive"), [(law, drive) for law in LAWS for drive in DRIVES])
 def test_every_law_under_every_drive(law, drive, by_wasm):

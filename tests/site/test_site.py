@@ -133,6 +133,7 @@ def test_every_block_of_python_is_python_and_names_what_there_is(page):
                 assert known, name
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("page", sorted((DOCS / "start").glob("*.md")), ids=lambda p: p.stem)
 def test_five_minutes(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -164,6 +165,7 @@ def test_the_gallery_is_a_gallery():
         assert len(re.findall(r"^# \.\. explorer:: \S+", script.read_text(encoding="utf-8"), re.M)) == 1, script.name
 
 
+@pytest.mark.share(6)
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
 def test_a_script_of_the_gallery(script, monkeypatch, capsys):
     plt = pytest.importorskip("matplotlib.pyplot")
@@ -182,6 +184,7 @@ def test_a_script_of_the_gallery(script, monkeypatch, capsys):
     capsys.readouterr()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda p: p.stem)
 def test_a_notebook_runs(notebook, tmp_path, monkeypatch):
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
@@ -197,6 +200,7 @@ def test_a_notebook_runs(notebook, tmp_path, monkeypatch):
     assert all(results[1:])
 
 
+@pytest.mark.thorough
 def test_the_site_is_built_without_a_warning(tmp_path):
     """All but the gallery's runs, which have tests of their own, and the explorers."""
     pytest.importorskip("sphinx_gallery")

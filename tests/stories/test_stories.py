@@ -52,6 +52,7 @@ TRUTH = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_a_joint_is_fitted_and_put_into_a_simulator(tmp_path, capsys):
     """The roboticist's story: friction that grows with the gearbox's torque is found, and goes along."""
     run("stribeck new joint-from-log")

@@ -150,6 +150,7 @@ def test_a_client_of_ones_own(cluster, here, tmp_path):
     assert bytes_of(tmp_path) == here
 
 
+@pytest.mark.thorough
 def test_a_law_of_ones_own_goes_along_as_text(cluster, tmp_path):
     (tmp_path / "mine.py").write_text(
         "from stribeck.laws.lugre import LuGre\nclass Mine(LuGre):\n    name = 'mine'\n    description = 'LuGre, another name'\n"
@@ -202,6 +203,7 @@ def test_a_worker_whose_temporary_folder_takes_nothing_is_left_out_and_named(her
     assert bytes_of(tmp_path / "there") == here
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="needs SIGSTOP")
 def test_a_worker_that_is_stopped_for_ever_is_named_and_its_parts_go_to_others(here, tmp_path, monkeypatch):
     monkeypatch.setattr(module, "_SILENT", 1.0)

@@ -28,6 +28,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize(("name", "prop", "change"), WRONG)
 def test_a_counterexample_is_confirmed_and_a_wrong_one_is_not(name, prop, change):
     law = LAWS[name].law()
@@ -40,6 +41,7 @@ def test_a_counterexample_is_confirmed_and_a_wrong_one_is_not(name, prop, change
     assert confirmed(statement(law), prop, evidence) is False
 
 
+@pytest.mark.share(7)
 @pytest.mark.parametrize(
     "name", ["DahlHalf", "BoucWenHalf", "LorentzianPower", "SechStribeck", "BoucWenSoft", "OwnConstants"]
 )

@@ -44,6 +44,7 @@ def readings(run):
     return np.floor(np.asarray(run["a.y"]) / 1e-6 + 0.5) * 1e-6
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("target", [HERE, ARM], ids=["here", "arm"])
 @pytest.mark.parametrize("case", CASES)
 def test_processor_in_the_loop(case, target, tmp_path):

@@ -60,6 +60,7 @@ def fitted(motion, t_end):
     return fit_machine(chain(t_end), Logs((recording,), sought), starts=6, baselines=False)
 
 
+@pytest.mark.thorough
 def test_a_chaotic_recording_has_intervals_that_hold_the_truth(motion):
     true = Scenario(chain(6.0)).with_changes(TRUTH)
     near, far = (simulate(true.with_changes({"bodies.rotor.initial.y": x})) for x in (START, START + 1e-6))

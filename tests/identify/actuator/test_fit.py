@@ -73,6 +73,7 @@ def counted(lanes, predict):
     return predicted
 
 
+@pytest.mark.thorough
 def test_a_column_in_degrees_or_of_the_wrong_sign_is_noticed(recordings, tmp_path):
     for factor, words in ((180 / np.pi, "degrees"), (-1.0, "sign")):
         record(tmp_path / "wrong.csv", body(amplitude=5.0), change=lambda x, f=factor: {**x, "y": f * x["y"]})
@@ -151,6 +152,7 @@ def test_a_fit_that_was_stopped_keeps_what_it_found_and_goes_on(recordings, tmp_
     assert not (tmp_path / "fit.partial.json").exists()
 
 
+@pytest.mark.thorough
 def test_intervals_are_those_of_the_noise_that_is_left(tmp_path):
     """From a poor start the noise settles over several rounds; it was taken as twice as much."""
     record(tmp_path / "run.csv", body(amplitude=5.0))

@@ -47,6 +47,7 @@ def fitted(folder, data, wanted, **more):
     return found
 
 
+@pytest.mark.thorough
 def test_laws_left_open_are_searched_again_from_those_that_they_contain(folder):
     data = body()
     law = {"name": "coulomb_viscous", "k_v": 1e4, "parameters": {"F_c": 0.2, "sigma_2": 20.0}}
@@ -56,6 +57,7 @@ def test_laws_left_open_are_searched_again_from_those_that_they_contain(folder):
     assert found.laws["errors"]["guide = lugre_majorant"] < 0.2 * found.laws["errors"]["guide = stribeck"]
 
 
+@pytest.mark.thorough
 def test_a_law_by_itself_is_searched_again_from_the_static_curve(folder):
     data = body(mass=3.3, F_c=0.5, sigma_2=5.6, sigma_0=260000.0, sigma_1=440.0, F_s=8.8, v_s=0.11)
     fitted(folder, data, ALL)

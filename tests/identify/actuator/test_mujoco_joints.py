@@ -40,6 +40,7 @@ def arm():
     return model, table
 
 
+@pytest.mark.thorough
 def test_each_joint_s_friction_is_found(arm):
     model, table = arm
     before = model.dof_damping.copy()

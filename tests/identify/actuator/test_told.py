@@ -47,6 +47,7 @@ def test_the_one_recording_that_is_in_other_units_is_named(tmp_path):
     assert any(n.startswith("loads.push.signal: with its column times 0.001") for n in found.notes), found.notes
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("off", [1e-3, 5e-2])
 def test_the_sensor_of_one_recording_that_errs_is_named(tmp_path, off):
     record(tmp_path / "good.csv", body(amplitude=3.0))
@@ -64,6 +65,7 @@ def test_the_sensor_of_one_recording_that_errs_is_named(tmp_path, off):
     assert found.parameters[MASS].low < 1.0 < found.parameters[MASS].high
 
 
+@pytest.mark.thorough
 def test_noise_of_an_input_is_counted_in_the_intervals(tmp_path):
     rng = np.random.default_rng(3)
     noisy = lambda x: {**x, "u": x["u"] + 0.1 * rng.standard_normal(len(x["u"]))}  # noqa: E731

@@ -62,6 +62,7 @@ def test_a_simulation_follows_what_moves_at_a_tenth_of_the_sampling_rate():
     assert log.acceleration[inside] == pytest.approx(-(rate**2) * np.sin(rate * t[inside]), abs=4e-3 * rate**2)
 
 
+@pytest.mark.thorough
 def test_break_aways_of_a_few_samples_bias_no_interval(monkeypatch):
     """At 500 Hz a body breaks away within some ten samples: the Stribeck curve came out too steep and F_c too low."""
     monkeypatch.syspath_prepend(str(Path(__file__).parent.parent.parent.parent / "benchmarks"))

@@ -32,6 +32,7 @@ def test_every_parameter_of_lugre_is_found(full):
     assert int(fit.details["search"].split()[0]) >= 5
 
 
+@pytest.mark.thorough
 def test_sigma_0_from_presliding_with_one_percent_noise_is_within_five_percent():
     fit = fit_dynamic(rig.measured([rig.loop(size, 4.0, 3) for size in (4e-6, 8e-6, 2e-5)]), "lugre", **RIG)
     assert fit.estimates["sigma_0"].identifiable
@@ -89,6 +90,7 @@ def test_given_and_tied_constants_stay(full):
     assert fit.estimates["F_c"].value == pytest.approx(10.0, rel=0.01)
 
 
+@pytest.mark.thorough
 def test_a_law_constant_is_fitted_when_it_is_freed():
     log = rig.measured([*rig.LOOPS, *rig.STROKES], "elastoplastic_majorant", k_v=1e5, z_ba=5e-6)
     free = [*rig.TRUTH, "z_ba"]

@@ -45,6 +45,7 @@ def check(fit, names, tolerance):
         assert estimate.value == pytest.approx(truth, rel=tolerance), name
 
 
+@pytest.mark.thorough
 def test_the_velocity_for_a_measured_force():
     force = (16 + 6 * np.sin(2 * np.pi * 1.3 * T)) * np.sin(2 * np.pi * 0.8 * T)
     log = log_of(rig({"kind": "force"}, force - 1.0), force)  # 1 N holds back all the time

@@ -43,6 +43,7 @@ def fitted(path, **options):
     return stribeck.fit(path, "lugre", time="t", position="y", force="F", **options)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("starts", [1, 20])
 def test_the_truth_is_found_from_any_number_of_starts(record, starts):
     fit = fitted(record, starts=starts)
@@ -95,12 +96,14 @@ def test_a_start_is_the_same_however_many_there_are(record):
         assert first_values(problem, count, 3) == many[:count]
 
 
+@pytest.mark.thorough
 def test_more_starts_are_never_worse(record):
     """The hard way: the force for the noisy motion, in which no start reaches the noise."""
     errors = [fitted(record, output="force", starts=n).relative_force_error for n in (1, 3)]
     assert all(later <= earlier * (1 + 1e-6) for earlier, later in pairwise(errors))
 
 
+@pytest.mark.thorough
 def test_progress_rises_to_the_end(record):
     shares = []
     fitted(record, starts=2, progress=shares.append)

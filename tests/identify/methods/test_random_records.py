@@ -58,6 +58,7 @@ def check(fit):
         assert e.range[0] <= e.interval[0] <= e.value <= e.interval[1] <= e.range[1], name
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("seed", range(16))
 def test_a_random_record_is_fitted_or_refused_in_words(seed):
     draw = np.random.default_rng(seed)

@@ -106,6 +106,7 @@ def study():
     return module
 
 
+@pytest.mark.thorough
 def test_intervals_cover_the_truth_in_twenty_experiments():
     coverage = study()
     cases = [coverage.covered(name, seed) for name in coverage.LAWS for seed in range(7)][:20]

@@ -224,6 +224,7 @@ def test_a_driven_velocity_tells_nothing():
         advise("lugre_sobczyk", "canudas1995", position_error=1e-3, scenario=scenario)
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("set_name", parameters())
 @pytest.mark.parametrize("name", [n for n, each in builtin().items() if each.has_z and "k_v" in each.constants()])
 def test_every_law_and_machine(name, set_name):
