@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.core.library import Model, ModelLibrary
+from stribeck.identify.core.library import Model, ModelLibrary, SteadyLibrary
 from stribeck.identify.core.search import library, refine
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.memory import rows_together
 from stribeck.identify.models.record import Record
 
+Of = TypeVar("Of", bound=ModelLibrary)
 ROUNDS = 4  # of choosing by the rows that are independent by the chosen model's residual
 
 
 @dataclass
-class Selection:
+class Selection(Generic[Of]):
     """Libraries of the candidate laws, and the model that is reported.
 
     Attributes:
@@ -27,7 +29,7 @@ class Selection:
         alone: only laws without forms may be reported.
     """
 
-    libraries: list[ModelLibrary]
+    libraries: list[Of]
     solved: list[Array]
     rows: float
     alone: bool = False
@@ -35,7 +37,7 @@ class Selection:
     index: int = 0
 
     @property
-    def library(self) -> ModelLibrary:
+    def library(self) -> Of:
         """Of the reported law."""
         return self.libraries[self.law]
 
@@ -43,6 +45,11 @@ class Selection:
     def model(self) -> Model:
         """The reported model."""
         return self.library.models[self.index]
+
+    @property
+    def open(self) -> bool:
+        """Whether there was anything to choose."""
+        return len([m for m in self.library.models if not (self.alone and m[1])]) > 1
 
     @property
     def coefficients(self) -> Array:
@@ -88,7 +95,7 @@ def independent(lib: ModelLibrary, x: Array, sse: Array) -> float:
 
 def chosen(
     records: Sequence[tuple[Record, SteadyCurve]], alone: bool = False, speeds: Sequence[float] = ()
-) -> Selection:
+) -> Selection[SteadyLibrary]:
     """The model of the least BIC among all laws and forms.
 
     Args:

@@ -6,7 +6,7 @@ and are not carried over to another.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,7 @@ LAGS = (2.0, 6.0, 18.0, 54.0)  # samples, by factors of 3: one lag between two o
 WAVES = 3  # cosines over a record's length: warming up has no more
 OF_RECORD = ("drift", "level by time", "filter")
 LOADED = "load and weight"  # friction that grows with all that is carried
+BENDS_BELOW = 0.35  # of v_s: a wider bend is the law's own curve
 Key = tuple[str, str]  # form, column
 
 
@@ -152,6 +153,12 @@ def steady(name: str, v: Array, at: Anchor, rigid: bool = False) -> Array:
 def is_bend(name: str) -> bool:
     """Whether a form is a bend of the curve that vanishes at high speed: it belongs to the level at rest."""
     return name.startswith(("bend", "pointed"))
+
+
+def fits(name: str, nodes: Sequence[Mapping[str, float]], fast: float) -> Array:
+    """At which nodes of the shapes a form is something else than the law's own curve: a bend as wide as that is the same."""
+    bends = BENDS_BELOW * np.array([s.get("v_s", np.inf) for s in nodes])
+    return np.asarray(float(name.split()[1]) * fast < bends if name.startswith("bend") else np.ones(len(nodes), bool))
 
 
 def _rate(log: Log, x: Array) -> Array:

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.stats import t as student
 
 from stribeck.arrays import Array
-from stribeck.identify.core.choice import Selection
-from stribeck.identify.core.library import LEVELS, RIDGE, ModelLibrary
+from stribeck.identify.core.choice import Of, Selection
+from stribeck.identify.core.library import RIDGE, ModelLibrary
 from stribeck.identify.core.states import Estimate, EstimateState, ends, state_of
 from stribeck.identify.models.memory import rows_together
 
@@ -25,15 +25,12 @@ DRAWS, SHARE, WORSE = (
     2.0,
 )  # replicates; forms withheld; squared residual beside the reported one's of a replicate
 AGAIN, WITHHELD = 0.95, 0.9  # quantiles of the shifts: of 40 draws the 38th and the 36th largest
-SEEN, LARGEST = (
-    1.0,
-    0.02,
-)  # size of a hidden form: its visible part in residuals; at most so much of the force's deviation
+SEEN = 1.0  # residuals: the visible part of a hidden form
 LAGS = 4.0  # times the rows that err together: Bartlett's weights then keep nine tenths of the correlation
 EXPLAINED = 0.25  # of the force's deviation: a fit that leaves more identifies nothing
 
 
-def judged(choice: Selection, draws: int = DRAWS, trusted: bool = True) -> dict[str, Estimate]:
+def judged(choice: Selection[Of], draws: int = DRAWS, trusted: bool = True) -> dict[str, Estimate]:
     """Every estimate of the reported model with interval, range and state.
 
     Args:
@@ -43,7 +40,7 @@ def judged(choice: Selection, draws: int = DRAWS, trusted: bool = True) -> dict[
     lib, model, x = choice.library, choice.model, choice.coefficients
     value = lib.parameters(model, x)
     slope = _slopes(choice, value)
-    by_ratio = np.array([n in lib.curve.shapes for n in value])
+    by_ratio = np.array([n in lib.by_ratio for n in value])
     part: dict[str, Array] = {"C": covariance(choice, slope)}
     part["A"], part["B"], withheld = _redrawn(choice, value, by_ratio, draws)
     part["H"], hidden = _hidden(choice, slope)
@@ -53,24 +50,24 @@ def judged(choice: Selection, draws: int = DRAWS, trusted: bool = True) -> dict[
     found = {}
     for q, (name, x_now) in enumerate(value.items()):
         own = [ends(x_now, half[q], bool(by_ratio[q])) for half in (interval, wide)]
-        state = state_of(own[0], own[1], *lib.beside(name, value))
+        state = state_of(own[0], own[1], *lib.level_of(name, value))
         hangs = state is EstimateState.MODEL_DEPENDENT
-        if state is EstimateState.IDENTIFIED and (not trusted or (name in lib.curve.positive and x_now < 0)):
+        if state is EstimateState.IDENTIFIED and not trusted:
             state = EstimateState.MODEL_DEPENDENT
         cause = (withheld if part["B"][q] > part["H"][q] else hidden)[q] if hangs else ""
         found[name] = Estimate(
             x_now, own[0], own[1], state, depends_on=cause, parts={k: float(z[q]) for k, z in part.items()}
         )
-    return lib.curve.judged(found, found[LEVELS[0]], lib.at.speeds[0])
+    return lib.concluded(found)
 
 
-def missed(choice: Selection) -> float:
+def missed(choice: Selection[Of]) -> float:
     """What the reported model leaves, of the force's deviation."""
     lib, r = choice.library, choice.library.residual(choice.model, choice.coefficients)
     return float(np.sqrt(np.mean(r**2)) / max(float(np.std(lib.columns[:, 0])), 1e-300))
 
 
-def _slopes(choice: Selection, value: Mapping[str, float]) -> Array:
+def _slopes(choice: Selection[Of], value: Mapping[str, float]) -> Array:
     """The derivatives of the estimates by the coefficients."""
     lib, model, x = choice.library, choice.model, choice.coefficients
     base, slope = np.array(list(value.values())), np.empty((len(value), len(x)))
@@ -81,7 +78,7 @@ def _slopes(choice: Selection, value: Mapping[str, float]) -> Array:
     return slope
 
 
-def covariance(choice: Selection, slope: Array) -> Array:
+def covariance(choice: Selection[Of], slope: Array) -> Array:
     """C: the larger of the delete-a-block jackknife, Newey and West's, what the record leaves of a prior of one largest force,
     and, of several files, the spread between these; times Student's t."""
     lib, model, x = choice.library, choice.model, choice.coefficients
@@ -111,7 +108,7 @@ def _jackknife(lib: ModelLibrary, gram: Array, i: list[int], target: int, slope:
 
 
 def _redrawn(
-    choice: Selection, value: Mapping[str, float], by_ratio: Array, draws: int
+    choice: Selection[Of], value: Mapping[str, float], by_ratio: Array, draws: int
 ) -> tuple[Array, Array, list[str]]:
     """A and B, and the form whose withholding moves each estimate most."""
     lib, n, count = choice.library, choice.law, len(choice.library.gram)
@@ -132,7 +129,7 @@ def _redrawn(
         good.append(ratio <= WORSE)
         which.append(withheld)
     far = np.asarray(abs(np.array(moved)), float)
-    a = np.quantile(abs(np.array(again)), AGAIN, axis=0)
+    a = np.quantile(abs(np.array(again)), AGAIN, axis=0) if choice.open else np.zeros(len(base))
     b = np.quantile(far[good], WITHHELD, axis=0) if any(good) else np.zeros(len(base))
     return np.asarray(a, float), np.asarray(b, float), _cause(choice.model[1], far, which)
 
@@ -148,20 +145,20 @@ def _cause(own: tuple[str, ...], far: Array, which: list[set[str]]) -> list[str]
     return [own[int(i)] for i in np.argmax(np.array(more), axis=0)]
 
 
-def _hidden(choice: Selection, slope: Array) -> tuple[Array, list[str]]:
+def _hidden(choice: Selection[Of], slope: Array) -> tuple[Array, list[str]]:
     """H, and the hidden form that moves each estimate most."""
     lib, model, x = choice.library, choice.model, choice.coefficients
     j, r = lib.columns[:, lib.index(model)], lib.residual(model, x)
     i = lib.index(model)
     inverse = _inverse(lib.gram.sum(0)[np.ix_(i, i)], np.array(lib.natural)[i])
     noise = np.sqrt(max(float(r @ r) / len(r), 1e-12 * lib.largest**2))
-    force, shifts, names = float(np.std(lib.columns[:, 0])), [], []  # a preload is no scale of friction
+    shifts, names = list[Array](), list[str]()
     for g, own in lib.groups.items():
         if g not in model[1]:
             column = lib.columns[:, own[0]]
             stands = inverse @ (j.T @ column)
             seen = float(np.sqrt(np.mean((column - j @ stands) ** 2)))
-            shifts.append(slope @ stands * min(SEEN * noise / max(seen, 1e-9), LARGEST * force))
+            shifts.append(slope @ stands * min(SEEN * noise / max(seen, 1e-9), lib.largest_hidden(g)))
             names.append(g)
     if not shifts:
         return np.zeros(len(slope)), [""] * len(slope)

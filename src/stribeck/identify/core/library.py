@@ -1,14 +1,16 @@
-"""Models of one law on one record as linear regressions: the Gram matrix of all columns, by block, answers everything."""
+"""Models as linear regressions on one record: the Gram matrix of all columns, by block, answers everything."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.core.forms import Anchor, is_bend, steady
+from stribeck.identify.core.forms import Anchor, fits, is_bend, steady
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import Record
 
@@ -19,107 +21,84 @@ RIDGE, DEAD = (
 LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction at four speeds that were seen
 ASKED = "level at {:.4g}"  # at a speed that the user names
 CELL, STEEP = 1.2, 3.0  # of a node's cell: where its slopes still hold; factor on the squared residual beyond
+LARGEST = 0.02  # of the force's deviation, or of a number: the largest form that may hide
 Model = tuple[int, tuple[str, ...]]  # index of the node, forms
 
 
-@dataclass
-class ModelLibrary:
-    """Models of one law on one record. Columns: the force, the body's, the forms', and those of the nodes of the shapes.
+@dataclass(kw_only=True)
+class ModelLibrary(ABC):
+    """Models of one law on one record: what search, choice and judging see.
 
     Attributes:
-        nodes: shapes of the law; each has ``k`` columns: the law's, then its slopes by the logarithm of each shape.
-        targets: the column that each node's model is to meet: the force, or the force without what is given.
-        groups, size, name: columns of each form; the rms of each column before it was scaled, and its key.
-        gram: (blocks, p, p).
-        step: of the grid, by shape, in logarithms.
+        columns, gram: (rows, p); (blocks, p, p).
+        groups: columns of each form.
+        targets: the column that each node's model is to meet; ``starts``: the first of the node's ``k`` columns.
         natural: the mean square that a column has by its unit: what does not move is told beside it.
         models: kept by the search; ``count``: coefficients of each; ``kinds``: which forms each has.
     """
 
-    record: Record
-    at: Anchor
-    groups: dict[str, list[int]]
-    size: dict[int, float]
-    name: dict[int, tuple[str, str]]
     columns: Array
     gram: Array
-    step: list[float]
-    nodes: list[dict[str, float]] = field(default_factory=list)
+    groups: dict[str, list[int]]
     targets: list[int] = field(default_factory=list)
     starts: list[int] = field(default_factory=list)
     natural: list[float] = field(default_factory=list)
     models: list[Model] = field(default_factory=list)
 
     @property
-    def curve(self) -> SteadyCurve:
-        """The law's columns."""
-        return self.at.curve
-
-    @property
-    def levels(self) -> dict[str, float]:
-        """The speeds of the levels, by name."""
-        names = [*LEVELS, *(ASKED.format(v) for v in self.at.speeds[len(LEVELS) :])]
-        return dict(zip(names, self.at.speeds, strict=True))
-
-    @property
+    @abstractmethod
     def k(self) -> int:
         """Columns of a node."""
-        return len(self.curve.names) + len(self.step)
 
     @property
-    def body(self) -> list[str]:
-        """What the body's columns are called."""
-        return list(self.record.body)
+    @abstractmethod
+    def beside(self) -> list[int]:
+        """The columns that every model has beside those of its node."""
+
+    @property
+    @abstractmethod
+    def files(self) -> Array:
+        """The file of each block."""
+
+    @property
+    @abstractmethod
+    def by_ratio(self) -> frozenset[str]:
+        """The estimates whose intervals are taken by their logarithm."""
+
+    @abstractmethod
+    def parameters(self, model: Model, x: Array) -> dict[str, float]:
+        """All numbers that a model estimates."""
+
+    @abstractmethod
+    def fault(self, x: Array) -> Array:
+        """A factor on the squared residual of coefficients (models, columns) that cannot be."""
+
+    @abstractmethod
+    def largest_hidden(self, form: str) -> float:
+        """The largest coefficient of a form that no record need show."""
+
+    @abstractmethod
+    def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
+        """For what may be 0: what it is measured by, and whether being known within a factor of two does too."""
+
+    @abstractmethod
+    def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
+        """Estimates as they are told: bounds, and what cannot be."""
+
+    def allowed(self, form: str) -> Array:
+        """Whether a form may stand beside each node's law."""
+        return np.ones(len(self.starts), bool)
 
     @property
     def largest(self) -> float:
-        """The largest force."""
+        """The largest value of the target."""
         return float(np.max(abs(self.columns[:, 0])))
 
-    @property
-    def first_form(self) -> int:
-        """The place of the first form's coefficient in a model's."""
-        return self.k + len(self.body)
-
     def index(self, model: Model) -> list[int]:
-        """The columns of a model: the law's with slopes, the body's, the forms'."""
+        """The columns of a model: the law's with slopes, what every model has, the forms'."""
         s, chosen = model
         own = range(self.starts[s], self.starts[s] + self.k)
-        return [*own, *range(1, 1 + len(self.body)), *(i for g in chosen for i in self.groups[g])]
-
-    @property
-    def files(self) -> Array:
-        """The file of each block."""
-        return np.array([self.record.file[self.record.block == b][0] for b in range(len(self.gram))])
-
-    def beside(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
-        """For what may be 0, such as an offset or a weight: the friction's level in its unit, and whether being known within a
-        factor of two does too, as it does for all but a constant force."""
-        if name not in self.body or name in self.curve.inertia:
-            return None, False
-        column = self.columns[:, 1 + self.body.index(name)]
-        level = self.curve.coulomb(value, value[LEVELS[-1]])
-        return level / max(float(np.max(abs(column))), 1e-300), float(np.ptp(column)) > 0
-
-    def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
-        """Further nodes; ``heights``: of the law's columns, with which the slopes are taken."""
-        made, place = [], self.columns.shape[1]
-        for shape, height in zip(shapes, heights, strict=True):
-            own = self.record.law_with_slopes(self.curve, shape, height)
-            known = self.record.known(self.curve, shape)
-            self.targets.append(0 if known is None else place + own.shape[1])
-            self.starts.append(place)
-            level = max((x * x for x in height.values()), default=1.0)
-            self.natural += [1.0] * len(self.curve.names) + [level] * len(self.step) + [1.0] * (known is not None)
-            made.append(own if known is None else np.column_stack([own, self.columns[:, 0] - known]))
-            place += made[-1].shape[1]
-        new = np.column_stack(made)
-        both, block, p = np.column_stack([self.columns, new]), self.record.block, self.columns.shape[1]
-        side = np.array([both[block == b].T @ new[block == b] for b in range(block.max() + 1)])
-        gram = np.empty((len(side), both.shape[1], both.shape[1]))
-        gram[:, :p, :p], gram[:, :, p:], gram[:, p:, :p] = self.gram, side, np.swapaxes(side, 1, 2)[:, :, :p]
-        self.columns, self.gram = both, gram
-        self.nodes += [dict(s) for s in shapes]
+        return [*own, *self.beside, *(i for g in chosen for i in self.groups[g])]
 
     def keep(self, models: list[Model]) -> None:
         """Take these models."""
@@ -147,6 +126,118 @@ class ModelLibrary:
         force = gram[target, target]
         sse = np.maximum(force - np.einsum("mi,mi->m", x, b), 1e-12 * force)
         return x / d, sse * self.fault(x / d)
+
+    def scores(self, sse: Array, rows: float) -> Array:
+        """BIC with ``rows`` independent rows; which forms they are is paid for too."""
+        which = 2 * self.kinds.sum(axis=1) * np.log(max(len(self.groups), 1))
+        return np.asarray(rows * np.log(sse) + self.count * np.log(max(rows, 3.0)) + which)
+
+    def residual(self, model: Model, x: Array) -> Array:
+        """What a model leaves, row by row."""
+        i = self.index(model)
+        return self.columns[:, self.targets[model[0]]] - self.columns[:, i] @ x[: len(i)]
+
+
+@dataclass(kw_only=True)
+class SteadyLibrary(ModelLibrary):
+    """Of a steady law. Columns: the force, the body's, the forms', and those of the nodes of the shapes.
+
+    Attributes:
+        nodes: shapes of the law; each has ``k`` columns: the law's, then its slopes by the logarithm of each shape.
+        size, name: the rms of each form's column before it was scaled, and its key.
+        step: of the grid, by shape, in logarithms.
+    """
+
+    record: Record
+    at: Anchor
+    size: dict[int, float]
+    name: dict[int, tuple[str, str]]
+    step: list[float]
+    nodes: list[dict[str, float]] = field(default_factory=list)
+
+    @property
+    def curve(self) -> SteadyCurve:
+        """The law's columns."""
+        return self.at.curve
+
+    @property
+    def levels(self) -> dict[str, float]:
+        """The speeds of the levels, by name."""
+        names = [*LEVELS, *(ASKED.format(v) for v in self.at.speeds[len(LEVELS) :])]
+        return dict(zip(names, self.at.speeds, strict=True))
+
+    @property
+    def k(self) -> int:
+        """Columns of a node."""
+        return len(self.curve.names) + len(self.step)
+
+    @property
+    def body(self) -> list[str]:
+        """What the body's columns are called."""
+        return list(self.record.body)
+
+    @property
+    def first_form(self) -> int:
+        """The place of the first form's coefficient in a model's."""
+        return self.k + len(self.body)
+
+    @property
+    def files(self) -> Array:
+        """The file of each block."""
+        return np.array([self.record.file[self.record.block == b][0] for b in range(len(self.gram))])
+
+    @property
+    def beside(self) -> list[int]:
+        """The body's columns."""
+        return list(range(1, 1 + len(self.body)))
+
+    @property
+    def by_ratio(self) -> frozenset[str]:
+        """Shapes."""
+        return frozenset(self.curve.shapes)
+
+    def allowed(self, form: str) -> Array:
+        """Whether a form bends the curve otherwise than the law itself."""
+        return fits(form, self.nodes, self.at.fast)
+
+    def largest_hidden(self, form: str) -> float:
+        """A share of the force's deviation: a preload is no scale of friction."""
+        return LARGEST * float(np.std(self.columns[:, 0]))
+
+    def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
+        """What cannot be stands in for something else; bounds where the speeds that were seen give no more."""
+        for n, e in found.items():
+            if e.state is EstimateState.IDENTIFIED and n in self.curve.positive and e.value < 0:
+                found[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
+        return self.curve.judged(found, found[LEVELS[0]], self.at.speeds[0])
+
+    def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
+        """The friction's level in its unit; a factor of two does for all but a constant force."""
+        if name not in self.body or name in self.curve.inertia:
+            return None, False
+        column = self.columns[:, 1 + self.body.index(name)]
+        level = self.curve.coulomb(value, value[LEVELS[-1]])
+        return level / max(float(np.max(abs(column))), 1e-300), float(np.ptp(column)) > 0
+
+    def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
+        """Further nodes; ``heights``: of the law's columns, with which the slopes are taken."""
+        made, place = [], self.columns.shape[1]
+        for shape, height in zip(shapes, heights, strict=True):
+            own = self.record.law_with_slopes(self.curve, shape, height)
+            known = self.record.known(self.curve, shape)
+            self.targets.append(0 if known is None else place + own.shape[1])
+            self.starts.append(place)
+            level = max((x * x for x in height.values()), default=1.0)
+            self.natural += [1.0] * len(self.curve.names) + [level] * len(self.step) + [1.0] * (known is not None)
+            made.append(own if known is None else np.column_stack([own, self.columns[:, 0] - known]))
+            place += made[-1].shape[1]
+        new = np.column_stack(made)
+        both, block, p = np.column_stack([self.columns, new]), self.record.block, self.columns.shape[1]
+        side = np.array([both[block == b].T @ new[block == b] for b in range(block.max() + 1)])
+        gram = np.empty((len(side), both.shape[1], both.shape[1]))
+        gram[:, :p, :p], gram[:, :, p:], gram[:, p:, :p] = self.gram, side, np.swapaxes(side, 1, 2)[:, :, :p]
+        self.columns, self.gram = both, gram
+        self.nodes += [dict(s) for s in shapes]
 
     def fault(self, x: Array) -> Array:
         """A factor on the squared residual of what cannot be: negative levels or masses, steps out of the grid's cell."""
@@ -199,13 +290,3 @@ class ModelLibrary:
         return out | dict(
             zip(self.levels, self.level(model, x, np.array(list(self.levels.values()))).tolist(), strict=True)
         )
-
-    def scores(self, sse: Array, rows: float) -> Array:
-        """BIC with ``rows`` independent rows; which forms they are is paid for too."""
-        which = 2 * self.kinds.sum(axis=1) * np.log(max(len(self.groups), 1))
-        return np.asarray(rows * np.log(sse) + self.count * np.log(max(rows, 3.0)) + which)
-
-    def residual(self, model: Model, x: Array) -> Array:
-        """What a model leaves, row by row."""
-        i = self.index(model)
-        return self.columns[:, self.targets[model[0]]] - self.columns[:, i] @ x[: len(i)]

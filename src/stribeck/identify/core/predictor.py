@@ -19,6 +19,7 @@ from scipy.signal import savgol_filter
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.forms import OF_RECORD, Anchor, Key, forms
+from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.search import optimum
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
@@ -171,7 +172,7 @@ class AllRows:
         return curve.known(self.log.velocity[self.at], shape)
 
 
-def predictor(choice: Selection, log: Log) -> Predictor:
+def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
     """The candidate that predicts left-out stretches of a log best.
 
     Args:
@@ -201,7 +202,7 @@ def predictor(choice: Selection, log: Log) -> Predictor:
     return replace(_candidate(choice, np.ones(count), log, moving, *best), error=error)
 
 
-def _block_of(choice: Selection, log: Log, block: NDArray[np.intp]) -> NDArray[np.intp]:
+def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp]) -> NDArray[np.intp]:
     """The block of each row of the whole record: that of the last compared row before it in its file."""
     record, out = choice.library.record, np.zeros(len(log), np.intp)
     names = list(dict.fromkeys(log.files)) or [""]
@@ -219,7 +220,7 @@ def _block_of(choice: Selection, log: Log, block: NDArray[np.intp]) -> NDArray[n
 
 
 def _candidate(
-    choice: Selection, weight: Array, log: Log, rows: NDArray[np.intp], alone: bool, motion: str
+    choice: Selection[SteadyLibrary], weight: Array, log: Log, rows: NDArray[np.intp], alone: bool, motion: str
 ) -> Predictor:
     """Chosen on a weighting of the blocks, its numbers from some rows of the log."""
     n, i, x, _ = choice.choose(weight, alone=alone or choice.alone)

@@ -11,7 +11,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.forms import Anchor, Key, forms
-from stribeck.identify.core.library import RIDGE, Model, ModelLibrary
+from stribeck.identify.core.library import RIDGE, Model, ModelLibrary, SteadyLibrary
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.models import ripple
 from stribeck.identify.models.curves import SteadyCurve
@@ -33,7 +33,6 @@ SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step
 LITTLE = 1e-5  # of the squared residual: the search has ended
 HARDLY = 1e-3  # of a column's square beside the model: the model stands for less
 SHOWN = 0.05  # of a bend's height that the record must reach
-BENDS_BELOW = 0.35  # of v_s: a wider bend is the law's own curve
 STEEPNESS = 0.02  # of the level: the least coefficient with which slopes at an optimum are taken
 COST = (
     0.04  # of the logarithm of the squared residual, a column of the beam must gain: BIC of some 200 independent rows
@@ -92,7 +91,7 @@ def optimum(
     return shape, x, sse
 
 
-def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) -> ModelLibrary:
+def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) -> SteadyLibrary:
     """All columns and their Gram matrices, and the models that a beam search meets.
 
     Args:
@@ -144,7 +143,7 @@ def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Map
     return inside and (n == 0 or (x[0] > 0 and float(x[:n].min()) >= 0))
 
 
-def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> ModelLibrary:
+def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> SteadyLibrary:
     """The library before its nodes: force, body, and every form that the record moves and the body does not hold."""
     made: list[Array] = []
     groups, size, name = dict[str, list[int]](), dict[int, float](), dict[int, Key]()
@@ -161,7 +160,17 @@ def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> M
     block = record.block
     gram = np.array([columns[block == b].T @ columns[block == b] for b in range(block.max() + 1)])
     natural = [1.0, *np.mean(body**2, axis=0).tolist(), *[1.0] * len(made)]
-    return ModelLibrary(record, at, groups, size, name, columns, gram, step, natural=natural)
+    return SteadyLibrary(
+        record=record,
+        at=at,
+        groups=groups,
+        size=size,
+        name=name,
+        columns=columns,
+        gram=gram,
+        step=step,
+        natural=natural,
+    )
 
 
 def _in_body(column: Array, body: Array) -> bool:
@@ -231,7 +240,7 @@ def _try_beside(
     found: dict[frozenset[str], tuple[float, tuple[str, ...]]],
 ) -> None:  # fmt: skip
     """The squared residual of one set of forms at all nodes, and of this set with each other form beside it."""
-    nodes, target = range(len(lib.nodes)), np.array(lib.targets)
+    nodes, target = range(len(lib.starts)), np.array(lib.targets)
     a_i = np.array([lib.index((s, chosen)) for s in nodes])
     rest = {g: i for g, i in lib.groups.items() if g not in chosen}
     b_i = np.array([i for own in rest.values() for i in own], dtype=int)
@@ -247,13 +256,11 @@ def _try_beside(
     fault = lib.fault(y[:, :, -1] / d)
     for s in nodes:
         met[s, frozenset(chosen)] = (float(sse[s] * fault[s]), chosen)
-    v_s, j = np.array([s.get("v_s", np.inf) for s in lib.nodes]), 0
+    j = 0
     for g, own in rest.items() if further else ():
         w = list(range(j, j + len(own)))
         j += len(own)
-        ok = np.all(left[:, w] / diag[w] > HARDLY, axis=1)
-        if g.startswith("bend"):
-            ok &= float(g.split()[1]) * lib.at.fast < BENDS_BELOW * v_s
+        ok = np.all(left[:, w] / diag[w] > HARDLY, axis=1) & lib.allowed(g)
         gain = _gain(total, left, share, b, y, b_i, w)
         after = np.where(ok, np.maximum(sse - gain, 1e-12) * np.where(fault > 50, fault, 1.0), np.inf)
         new, key = (*chosen, g), frozenset((*chosen, g))
@@ -276,7 +283,7 @@ def _gain(total: Array, left: Array, share: Array, b: Array, y: Array, b_i: Arra
     return np.asarray(crossed / det)
 
 
-def refine(lib: ModelLibrary, rows: float) -> None:
+def refine(lib: SteadyLibrary, rows: float) -> None:
     """The best sets of forms, and the law alone, get a node at their own optimum; the next best sets are tried there too.
 
     Without it forms stand in for the grid's error.

@@ -20,6 +20,7 @@ from stribeck.identify.beyond import seen
 from stribeck.identify.core.choice import Selection, chosen
 from stribeck.identify.core.forms import OF_RECORD
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
+from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.details import Candidate
@@ -89,7 +90,7 @@ def fit_static(log: Log, names: Sequence[str], setting: Setting | None = None) -
     return replace(_finished(rows, choice, found, unused, setting, made.error), predictor=made)
 
 
-def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], setting: Setting) -> Selection:
+def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], setting: Setting) -> Selection[SteadyLibrary]:
     """The best model on the rows of a band."""
     records = [_compared(rows, name, body, setting) for name in names]
     return chosen(records, setting.alone or setting.published, setting.speeds)
@@ -169,7 +170,12 @@ def check_motion(log: Log) -> None:
 
 
 def _finished(
-    rows: Rows, choice: Selection, found: Mapping[str, Estimate], unused: Sequence[str], setting: Setting, error: float
+    rows: Rows,
+    choice: Selection[SteadyLibrary],
+    found: Mapping[str, Estimate],
+    unused: Sequence[str],
+    setting: Setting,
+    error: float,
 ) -> Fit:
     """The fit with what a report shows."""
     lib, log, curve = choice.library, rows.log, choice.library.curve
@@ -202,7 +208,7 @@ def _finished(
     )  # fmt: skip
 
 
-def _told(choice: Selection, found: Mapping[str, Estimate], log: Log) -> dict[str, Estimate]:
+def _told(choice: Selection[SteadyLibrary], found: Mapping[str, Estimate], log: Log) -> dict[str, Estimate]:
     """Estimates with units, and with the experiment that would determine those that are open."""
     own, sizes = laws.find(choice.library.curve.law).constants(), sizes_of(thinned(log))
     values = {n: e.value for n, e in found.items()}
@@ -231,7 +237,7 @@ def _experiment(name: str, values: Mapping[str, float], sizes: Sizes, turns: boo
     return "" if name.startswith("level") else experiment_for(name, values, sizes, rotary=turns)
 
 
-def _used(choice: Selection, found: Mapping[str, Estimate], largest: float) -> dict[str, float]:
+def _used(choice: Selection[SteadyLibrary], found: Mapping[str, Estimate], largest: float) -> dict[str, float]:
     """The law's constants as a simulation can take them: levels above 0, and none below the Coulomb level."""
     own = laws.find(choice.library.curve.law).constants()
     out = {n: found[n].value for n in own if n in found}
@@ -251,7 +257,7 @@ def _sharp_sign(curve: SteadyCurve, log: Log) -> dict[str, float]:
     return {"k_v": max(_SHARP, _SHARPEST / float(np.max(abs(log.velocity))))}
 
 
-def _rms_of_forms(choice: Selection) -> dict[str, float]:
+def _rms_of_forms(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     """The force of each form of the reported model, N (rms)."""
     lib, model, x, out = choice.library, choice.model, choice.coefficients, dict[str, float]()
     place = lib.first_form
@@ -262,7 +268,7 @@ def _rms_of_forms(choice: Selection) -> dict[str, float]:
     return out
 
 
-def _prediction(choice: Selection) -> tuple[Prediction, float]:
+def _prediction(choice: Selection[SteadyLibrary]) -> tuple[Prediction, float]:
     """Friction, measured and fitted, at the rows that were compared; and norm(residual)/norm(measured friction)."""
     lib, record, x = choice.library, choice.library.record, choice.coefficients
     i, friction = lib.index(choice.model), np.zeros(len(record.at))
@@ -289,7 +295,7 @@ def _size(x: Array) -> float:
     return float(np.linalg.norm(x))
 
 
-def _candidates(choice: Selection) -> list[Candidate]:
+def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
     """The best model of each law, and the plainest model, on the rows that were compared."""
     every, found = np.ones(len(choice.library.gram)), list[Candidate]()
     for n, lib in enumerate(choice.libraries):
@@ -311,7 +317,7 @@ def _candidates(choice: Selection) -> list[Candidate]:
     return found
 
 
-def nearest_stribeck(choice: Selection) -> dict[str, float]:
+def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     """The Stribeck law nearest to a curve of bends, over the speeds that were seen: for simulations."""
     lib = choice.library
     slow, fast = lib.at.speeds[0], lib.at.speeds[3]
@@ -332,7 +338,11 @@ def nearest_stribeck(choice: Selection) -> dict[str, float]:
 
 
 def _notes(
-    choice: Selection, found: Mapping[str, Estimate], unused: Sequence[str], forms: Mapping[str, float], log: Log
+    choice: Selection[SteadyLibrary],
+    found: Mapping[str, Estimate],
+    unused: Sequence[str],
+    forms: Mapping[str, float],
+    log: Log,
 ) -> list[str]:
     """What a reader should know, a sentence each, the most important first."""
     out, left = [], missed(choice)
