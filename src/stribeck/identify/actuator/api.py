@@ -157,6 +157,8 @@ class Fitting:
         result = self.told(best, notes)
         result.laws = picked
         self.work.section(0.95)
+        if baselines and not self.held:
+            result.notes.append("no recording is held out (hold_out = true): the errors are those of the fit itself")
         try:
             if result.status == "done" and baselines:
                 result.baselines = choice.baselines(self, result)
@@ -203,8 +205,6 @@ class Fitting:
             filled(self.scenario, self.sought, values), relation=relation, agreeing=best.found.agreeing,
         )  # fmt: skip
         result.nuisance = {c.name: values[c.name] for c in best.problem.sought if c.nuisance}
-        if not self.held:
-            result.notes.append("no recording is held out (hold_out = true): the errors are those of the fit itself")
         return result
 
     def suspected(self, best: BestPoint) -> list[str]:

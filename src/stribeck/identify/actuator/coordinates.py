@@ -27,7 +27,8 @@ class MachineCoordinate:
     Attributes:
         name: its path as the user wrote it (with the log's number).
         targets: the machine's paths that it sets, each with a factor; empty for a sensor's number.
-        output: the column and what of its sensor: offset, gain, delay (s), or clock (s of delay gained in a second).
+        output: the column and what of its sensor: offset, gain, delay (s), clock (s of delay gained in a second), or what
+            it holds beside.
         log: the recording that it belongs to, or None: all.
         nuisance: not asked for: the state in which a recording begins.
     """
@@ -111,16 +112,20 @@ def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: i
         if output[1] not in measured:
             hint = nearest(output[1], measured) or f" (measured are {', '.join(sorted(measured))})"
             return f"unknown.{s.path}: {output[1]}: is not measured{hint}"
-        if output[2] not in NEUTRAL:
-            return f"unknown.{s.path}: {output[2]}: must be {', '.join(NEUTRAL)} of a sensor"
-        return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {}, (output[1], output[2]), log)
+        known = {
+            **NEUTRAL,
+            **dict.fromkeys(n for r in logs.recordings if output[1] in r.outputs for n in r.outputs[output[1]].beside),
+        }
+        if output[2] not in known:
+            return f"unknown.{s.path}: {output[2]}: must be {', '.join(known)} of a sensor"
+        return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {}, (output[1], output[2]), log, s.nuisance)
     start = _START.fullmatch(rest)
     path = f"bodies.{start[1]}.initial.{start[2]}" if start else rest
     if start and log is None:
         return f"unknown.{s.path}: must begin with log.*. or log.0.: a start belongs to a recording"
     if text := impossible(scenario, path, s.low, s.high):
         return f"unknown.{s.path}: {text}"
-    return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {path: 1.0}, None, log)
+    return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {path: 1.0}, None, log, s.nuisance)
 
 
 def impossible(scenario: Scenario, path: str, *values: float) -> str | None:

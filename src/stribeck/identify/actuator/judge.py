@@ -160,7 +160,7 @@ def unit(scenario: Scenario, c: MachineCoordinate) -> str:
     """The unit of what is sought, where the machine says it."""
     if c.output is not None:
         of = next((x.unit for x in scenario.rig.machine.columns if x.name == c.output[0]), "")
-        return {"offset": of, "gain": "1", "delay": "s", "clock": "s/s"}[c.output[1]]
+        return {"offset": of, "gain": "1", "delay": "s", "clock": "s/s"}.get(c.output[1], "")
     path = next(iter(c.targets))
     owner, name = machine_places(scenario).get(path, ("", path.rpartition(".")[2]))
     if owner == "initial":

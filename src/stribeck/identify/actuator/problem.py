@@ -217,6 +217,9 @@ class MachineProblem:
                 x *= gain[:, None]
             if offset is not None:
                 x += offset[:, None]
+            for name, column in target.beside.items():
+                if (factor := sensors.get((target.column, name))) is not None:
+                    x += factor[:, None] * column
         return found
 
     def _simulated(self, k: int, U: Array, shift: Mapping[str, Array]) -> Array:
@@ -298,7 +301,7 @@ class MachineProblem:
         for c in self.sought:
             x = c.start if c.start is not None else None if c.prior is None else c.prior[0]
             if x is None and c.output is not None:
-                x = NEUTRAL[c.output[1]]
+                x = NEUTRAL.get(c.output[1], 0.0)
             if x is None:
                 x = number_at(self.runs[0], next(iter(c.targets), ""))
             inside = x is not None and c.low <= x <= c.high

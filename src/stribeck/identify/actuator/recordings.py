@@ -33,7 +33,8 @@ _TOP = ("log", "unknown", "laws", "window", "schema")
 @dataclass(frozen=True)
 class Channel:
     """What was measured, or given: a column of the file in SI units, and when; nan where a sample is missing. ``unit`` is
-    the file's, where no gain was given beside it."""
+    the file's, where no gain was given beside it. ``beside``: what an output holds beside the machine's column, such as
+    inertia: columns at the same times, by the name of the coefficient that is sought (``outputs.COLUMN.NAME``)."""
 
     column: str
     t: Array
@@ -41,6 +42,7 @@ class Channel:
     unit: str = ""
     noise: float | None = None
     held: bool = False  # between samples, as a sampled controller holds it
+    beside: Mapping[str, Array] = field(default_factory=dict)
 
     @cached_property
     def bridged(self) -> Bridged:
@@ -80,13 +82,15 @@ class Recording:
 
 @dataclass(frozen=True)
 class Sought:
-    """What is sought, by path: its bounds, where to start, and what is known beforehand (mean and deviation)."""
+    """What is sought, by path: its bounds, where to start, and what is known beforehand (mean and deviation); ``nuisance``:
+    how a recording begins, which is sought and not judged."""
 
     path: str
     low: float
     high: float
     start: float | None = None
     prior: tuple[float, float] | None = None
+    nuisance: bool = False
 
 
 @dataclass(frozen=True)

@@ -31,11 +31,12 @@ _LOCK = Lock()
 
 @dataclass(frozen=True)
 class Compared:
-    """A column of a run that is compared: times and values, and where the machine's column has these times."""
+    """A column of a run that is compared: times and values, and what it holds beside the machine's column."""
 
     column: str
     t: Array
     x: Array
+    beside: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass
@@ -169,7 +170,8 @@ def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel
     found = {}
     for name, c in recording.outputs.items():
         there = (c.t >= begin - 1e-12) & (c.t <= end + 1e-12) & np.isfinite(c.x) & np.isfinite(c.t)
-        found[name] = replace(c, t=c.t[there] - begin, x=c.x[there])
+        beside = {of: x[there] for of, x in c.beside.items()}
+        found[name] = replace(c, t=c.t[there] - begin, x=c.x[there], beside=beside)
     return found
 
 
@@ -205,10 +207,10 @@ def recorded_run(
         new = scenario.with_changes(changes)
     except InputError as error:
         raise InputError([f"log.{log} ({recording.file}): {line}" for line in error.problems]) from None
-    targets = [Compared(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
+    there = rows_of(recording, begin, min(end, new.end + begin))
+    targets = [Compared(n, c.t, c.x, c.beside) for n, c in there.items() if len(c.t)]
     piece = None if span is None else f"{begin:g}"
-    there = [x for x in targets if len(x.t)]
-    run = RecordedRun(recording.file, log, piece, new, there, {}, recording.hold_out, {}, (), doubt, drives)
+    run = RecordedRun(recording.file, log, piece, new, targets, {}, recording.hold_out, {}, (), doubt, drives)
     return replace(run, otherwise=tuple(run.driven(each).scenario for each in others))
 
 
