@@ -26,7 +26,6 @@ def test_a_body_that_rests_throughout_has_no_friction_to_fit(stribeck, tmp_path)
         (),
         ("--law", "coulomb_viscous"),
         ("--law", "lugre", "--method", "dynamic"),
-        ("--law", "lugre", "--method", "presliding"),
     ):
         found = stribeck("fit", rest, *COLUMNS, *words, "--out", tmp_path / "out")
         assert (found.status, found.out) == (2, ""), found.err

@@ -51,7 +51,7 @@ def test_a_keyword_that_is_no_role_is_refused_with_a_log_too():
 def test_messages_name_arguments_and_not_options():
     with pytest.raises(InputError) as caught:
         stribeck.fit(log(), "coulomb_viscous", method="x")
-    assert str(caught.value).startswith("method: 'x': must be static, presliding, dynamic")
+    assert str(caught.value).startswith("method: 'x': must be static, dynamic")
     with pytest.raises(InputError, match=r"^output, drive: belong to method dynamic, not static$"):
         stribeck.fit(log(), "coulomb_viscous", output="velocity", method="static")
 
@@ -64,10 +64,9 @@ def test_the_law_of_a_fit_is_the_law_of_its_curve():
     np.testing.assert_allclose(law.steady_force(p.velocity), p.fitted, rtol=1e-4)
 
 
-@pytest.mark.parametrize("method", ["presliding", "dynamic"])
-def test_given_constants_that_contradict_are_named(method):
+def test_given_constants_that_contradict_are_named():
     """By simulation it said that 'no values near the data's are allowed'."""
     t = np.arange(500) * 2e-3
     log = {"t": t, "y": np.sin(t), "F": np.cos(t)}
     with pytest.raises(InputError, match=r"constants.F_s\]?: 3.0: must be at least F_c \(F_c = 6.0\)"):
-        stribeck.fit(log, "lugre", time="t", position="y", force="F", method=method, constants={"F_c": 6.0, "F_s": 3.0})
+        stribeck.fit(log, "lugre", time="t", position="y", force="F", constants={"F_c": 6.0, "F_s": 3.0})

@@ -44,7 +44,7 @@ Mass = Annotated[
 ]
 Method = Annotated[
     str | None,
-    typer.Option("--method", rich_help_panel=ADVANCED, metavar="METHOD", help="static, presliding or dynamic."),
+    typer.Option("--method", rich_help_panel=ADVANCED, metavar="METHOD", help="static or dynamic."),
 ]
 Given = Annotated[
     list[str] | None,

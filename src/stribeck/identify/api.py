@@ -19,7 +19,6 @@ from stribeck.identify.methods import bristles
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.methods.motion import fit_motion
 from stribeck.identify.methods.optimise import STOPPED
-from stribeck.identify.methods.presliding import fit_presliding
 from stribeck.identify.methods.static import LAWS, Setting, check_motion, fit_static
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Fit
@@ -51,8 +50,8 @@ def fit(
             (``time="t"``). A TOML file of the data's name beside it may hold them.
         units: the unit of a column by its name; SI unless given. A position in an angle makes the machine rotary.
         force_gain: force per unit of the force column: a number, or the name of a constant in the file.
-        mass: kg; fitted unless given (presliding: 0 unless given).
-        method: "static", "presliding" or "dynamic"; by default static for a law without bristles, else dynamic.
+        mass: kg; fitted unless given.
+        method: "static" or "dynamic"; by default static for a law without bristles, else dynamic.
         constants: constants of the law that are given (k_v, z_ba, or any other), and terms.
         free: constants of the law's own to fit too (k_v).
         terms: what the force holds beside friction, mass and offset (docs/fit.md).
@@ -124,7 +123,7 @@ def fit_log(
 
 def is_simulated(names: Sequence[str], method: str | None) -> bool:
     """Whether a fit of these laws simulates them."""
-    return method in ("presliding", "dynamic") or (method is None and any(laws.find(name).has_z for name in names))
+    return method == "dynamic" or (method is None and any(laws.find(name).has_z for name in names))
 
 
 def preparation(names: Sequence[str], options: FitOptions, cutoff: float | None) -> Preparation:
@@ -238,10 +237,6 @@ def _setting(options: FitOptions) -> Setting:
 def _simulated(log: Log, law: str, options: FitOptions, work: Work, folds: int = 0) -> Fit:
     """By simulation of the law along the measured motion, or of the motion under the measured force or command."""
     free, fixed = options.free_of(law), dict[str, Any](options.constants)
-    if options.method == "presliding":
-        return fit_presliding(
-            log, law, fixed=fixed, mass=options.mass or 0.0, starts=min(options.starts, 8), seed=options.seed, work=work
-        )
     if options.output != "force":
         offset = ("offset",) if (options.drive or {"kind": "force"}).get("kind") == "force" else ()
         return fit_motion(

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypedDict
 
 from stribeck.arrays import Array
 
 if TYPE_CHECKING:
     from stribeck.identify.statistics.crossvalidate import LeftOut
-
-
-class MeasuredLoop(TypedDict):
-    """A small reversal, row by row: s, m, N."""
-
-    time: Array
-    position: Array
-    measured: Array
-    fitted: Array
 
 
 class Candidate(TypedDict):
@@ -46,16 +37,11 @@ class FitDetails(TypedDict, total=False):
     speeds: dict[str, float]
     missed: float
     nearest_stribeck: dict[str, float]
-    loops: Sequence[MeasuredLoop]
-    segments: Sequence[dict[str, float]]
     left_out: LeftOut
     friction_error: float
     rest: float
     seen: dict[str, tuple[float, float]]
     decimation: int
-    intervals_over: str
-    misfit_share: float
-    filter_bias: dict[str, float]
     noise: SeenNoise
     search: str
     output: str

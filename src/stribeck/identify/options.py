@@ -11,7 +11,7 @@ from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.models.terms import OF_MOTION, TERMS, problem
 
-METHODS = ("static", "presliding", "dynamic")
+METHODS = ("static", "dynamic")
 FILTERS = ("published",)
 
 

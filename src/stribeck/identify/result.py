@@ -30,8 +30,6 @@ _TOLD = (
     "friction_error",
     "missed",
     "rest",
-    "misfit_share",
-    "intervals_over",
     "output_error",
     "nearest_stribeck",
 )
@@ -73,7 +71,7 @@ class Fit:
 
     Attributes:
         law_name: the law's name.
-        method: "static", "presliding" or "dynamic".
+        method: "static" or "dynamic".
         estimates: the law's parameters; ``body``: what belongs to the rig: mass, offset, ...
         levels: friction at speeds that were seen.
         fixed: constants that were given, not fitted.

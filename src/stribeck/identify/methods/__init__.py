@@ -1,1 +1,1 @@
-"""How it is fitted: static, presliding, dynamic, motion."""
+"""How it is fitted: static, dynamic, motion."""

@@ -23,7 +23,7 @@ def page(fit: Fit, command: str, data: str) -> str:
     log = fit.log
     chapters = [
         _result(fit), _model(fit), *_candidates(fit), *([_data(log, data), *_traces(fit, log)] if log is not None else []),
-        *_curve(fit), *_loops(fit), *_residuals(fit), *_profiles(fit), *_properties(fit),
+        *_curve(fit), *_residuals(fit), *_profiles(fit), *_properties(fit),
     ]  # fmt: skip
     about = f"Stribeck {__version__}, {command}, data SHA-256 {fit.data_hash[:16]}..."
     left_out = f", and {percent(fit.cross_validated_error, 3)} on data left out" if fit.cross_validated_error else ""
@@ -126,14 +126,6 @@ def _curve(fit: Fit) -> list[Chapter]:
         return []
     text = ["Friction is the measured force less what belongs to the rig: inertia, offset and the like."]
     return [Chapter("curve", "Friction against velocity", text, figures=[pictures.curve(fit)])]
-
-
-def _loops(fit: Fit) -> list[Chapter]:
-    loops = fit.details.get("loops", ())
-    if not len(loops):
-        return []
-    text = ["Small reversals, in which the contact mostly holds, measured and as simulated along the measured motion."]
-    return [Chapter("presliding", "Presliding", text, figures=[pictures.loops(loops)])]
 
 
 def _traces(fit: Fit, log: Log) -> list[Chapter]:

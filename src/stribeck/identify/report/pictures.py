@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +10,6 @@ from scipy.stats import chi2
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
-from stribeck.identify.details import MeasuredLoop
 from stribeck.identify.log import Log
 from stribeck.identify.result import Fit
 from stribeck.report import plots
@@ -22,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _DOTS = 2500  # points of a cloud: more make the page heavy and show nothing new
-_LOOPS = 6
 _SLOWEST = 0.01  # quantile of the speeds
 _ROOM = 1.5  # times the largest measured friction
 _FALL = float(chi2.ppf(0.95, 1))
@@ -109,27 +106,6 @@ def curve_figure(fit: Fit) -> Figure:
         axis.set_ylabel("friction (N)")
         plots.legend(made, axis)
         return made
-
-
-def loops(found: Sequence[MeasuredLoop]) -> FigureSvg:
-    """The longest hysteresis loops, measured and fitted."""
-    chosen = sorted(found, key=lambda loop: -float(np.ptp(loop["position"])))[:_LOOPS]
-    with plots.style():
-        names = [f"loop {i + 1}" for i in range(len(chosen))]
-        columns = min(len(names), 2)
-        layout = [names[i : i + columns] for i in range(0, len(names), columns)]
-        layout[-1] += [layout[-1][-1]] * (columns - len(layout[-1]))
-        made, axes = plots.figure(layout, 2.6 * len(layout) + 0.3)
-        for name, loop in zip(names, chosen, strict=True):
-            about = loop["position"] - loop["position"].mean()
-            of_x = scale([Quantity("position", "m", "", about)])
-            x, rows = of_x.of(about), _some(len(about))
-            plots.line(axes[name], 2, x[rows], loop["measured"][rows], "measured", linewidth=0.8)
-            plots.line(axes[name], 1, x[rows], loop["fitted"][rows], "fitted")
-            axes[name].set_xlabel(of_x.label)
-            axes[name].set_ylabel("friction (N)")
-        plots.legend(made, axes[names[0]])
-        return plots.finish(made, "loops", "Friction against position in small reversals.")
 
 
 def residuals(fit: Fit) -> FigureSvg:
