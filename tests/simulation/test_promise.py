@@ -1,12 +1,14 @@
 """A run keeps its promise: y and v right to 1e-6 of their peaks, F to 1e-4, however small or stiff the motion is."""
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stribeck
 from stribeck.errors import StribeckNote
+from stribeck.simulation import counts
 from stribeck.simulation.promise import MeasuredMotion, Promise, Tolerances
 from tests.simulation.rig import needs_compiler
 
@@ -97,3 +99,22 @@ def test_a_tolerance_of_the_file_stays():
     given = {"y": 1e-9, "v": 1e-9, "z": 1e-9}
     loose, tight = (stribeck.simulate(stepped(1e-13, **more)) for more in ({"atol": given}, {}))
     assert loose.stats["accepted"] < 0.5 * tight.stats["accepted"]
+
+
+EDGE = Path(__file__).parent / "near_an_edge.toml"  # at rtol 1e-8 a reading falls off the edge of a count
+
+
+def test_a_reading_near_the_edge_of_a_count():
+    """Two tolerances differ, and finer runs follow until two agree."""
+    found, fine = (stribeck.simulate(stribeck.load(EDGE), **more) for more in ({}, {"rtol": 1e-11}))
+    assert found.message.startswith("done")
+    for name, share in (("rotor.y", 1e-6), ("rotor.v", 1e-6), ("arm.y", 1e-6), ("bearing.F", 1e-4), ("seal.F", 1e-4)):
+        assert np.max(abs(found[name] - fine[name])) <= 0.1 * share * np.max(abs(fine[name]))
+
+
+def test_readings_that_no_tolerance_settles_are_said(monkeypatch):
+    """Where the finest run still differs from the one before."""
+    monkeypatch.setattr(counts, "_FINEST", 1e-9)
+    with pytest.warns(StribeckNote, match="less differ by more than 1e-06 of the peak; counts of an encoder"):
+        found = stribeck.simulate(stribeck.load(EDGE))
+    assert "counts of an encoder" in found.message

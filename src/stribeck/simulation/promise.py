@@ -20,13 +20,14 @@ from stribeck.machine.table import joined
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
 
+MOTION, FORCE = 1e2, 1e4  # times solve.rtol, of the peaks: what is promised of y and v, and of F
 # As shares of what is promised. A step's error is a tenth of an absolute tolerance at most, and a hundred steps' errors may
 # add up: so a peak of 1e-3 of the scale that a tolerance is made for leaves a margin of 10. The error of a step is counted
 # in F a hundred times for the steps on which a stiff deflection keeps it, the last term of the dense output ten times for
 # the terms that follow it (benchmarks/promise.py).
 _LEAST_PEAK = 1e-3
 _STEP_IN_FORCE, _DENSE_IN_FORCE = 1e2, 1e3  # times solve.rtol
-_DENSE = 1e2  # times solve.rtol: what is promised of y and v; the terms that follow the last are smaller
+_DENSE = MOTION  # the terms that follow the last are smaller
 _ROUNDING = 1e3  # times solve.rtol: a tenth of what is promised of F, as rounding of some steps adds up
 # Passes with tighter tolerances: the first may measure a wrong peak of F, the next one then starts from the right one.
 MOST_PASSES = 3
@@ -143,8 +144,8 @@ class Promise:
         system = self.scenario.system
         names = [s.name for s, x in zip(system.states, loose, strict=True) if x]
         forces = [joined(c.name, "F") for c, x in zip(system.contacts, wrong, strict=True) if x]
-        told = [f"{', '.join(names)} to {100 * self._rtol:g}"] if names else []
-        told += [f"{', '.join(forces)} to {1e4 * self._rtol:g}"] if forces else []
+        told = [f"{', '.join(names)} to {MOTION * self._rtol:g}"] if names else []
+        told += [f"{', '.join(forces)} to {FORCE * self._rtol:g}"] if forces else []
         return f"accuracy not reached: {' and '.join(told)} of the peak; rounding allows no smaller steps"
 
 

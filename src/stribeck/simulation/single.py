@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from stribeck.errors import note
 from stribeck.scenario import Scenario
-from stribeck.simulation import backend, native
+from stribeck.simulation import backend, counts, native
+from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
 
 if TYPE_CHECKING:
@@ -53,7 +54,11 @@ def simulate_once(
         note(text)
     for text in _remarks(scenario):
         note(text)
-    result = made.solve(scenario, progress)
+
+    def once(what: Scenario) -> Result:
+        return made.solve(what, progress)
+
+    result = counts.settled(scenario, once) if counts.reads_counts(scenario) else once(scenario)
     for text in result.remarks:
         note(text)
     reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
