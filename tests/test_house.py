@@ -31,7 +31,7 @@ ANY: dict[str, tuple[int, str]] = {
         6,
         "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",
     ),
-    "report": (8, "certificates as JSON; Matplotlib's options"),
+    "mouth": (4, "Matplotlib's options"),
     "sweeps": (2, "columns of any type"),
     "machine": (62, "`Held`, declared once; Pydantic's hooks, whose arguments are its own; a file's tables"),
     "scenario": (22, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),

@@ -19,7 +19,7 @@ import numpy as np
 from machines import MACHINES
 
 import stribeck
-from stribeck.report.design import best
+from stribeck.loops.said import best
 
 FITTED = ("F_c", "F_s", "v_s", "sigma_2")
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import Done
+from examples.paper.common import Chapter, Done
 from stribeck.errors import StribeckError
 from stribeck.loops.compensation import with_compensation
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.uncertainty import friction_intervals, friction_samples
-from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.mouth import plots
+from stribeck.mouth.document import FigureSvg, Table
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 

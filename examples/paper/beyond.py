@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from examples.paper.break_away import break_away_force
-from examples.paper.common import REFERENCE, Done, Variant, solve_all
-from stribeck.report import plots
-from stribeck.report.cells import percent
-from stribeck.report.overview import curves
-from stribeck.report.page import Chapter, FigureSvg, Table
+from examples.paper.common import REFERENCE, Chapter, Done, Variant, solve_all
+from stribeck.mouth import plots
+from stribeck.mouth.cells import percent
+from stribeck.mouth.document import FigureSvg, Table
 from stribeck.simulation import Solution
 from stribeck.simulation.comparison import deviations
+from stribeck.simulation.drawing import curves
 
 _OTHERS: dict[str, Variant] = {
     REFERENCE: ("lugre", {}),

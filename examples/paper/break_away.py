@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from examples.paper.common import PAPER, PROPOSED, REFERENCE, Done, Variant, scenario, solve
+from examples.paper.common import PAPER, PROPOSED, REFERENCE, Chapter, Done, Variant, scenario, solve
 from stribeck.loops.oscillation import first_maximum
-from stribeck.report import plots
-from stribeck.report.page import Chapter, Table
+from stribeck.mouth import plots
+from stribeck.mouth.document import Table
 
 RATES = (1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0)  # N/s
 _TABLE = (1.0, 5.0, 10.0, 20.0, 30.0, 40.0, 50.0)

@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stribeck import examples
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError, StribeckNote
-from stribeck.report.page import Chapter
+from stribeck.mouth import document
+from stribeck.mouth.document import FigureSvg
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
+
+
+@dataclass(frozen=True)
+class Chapter(document.Chapter):
+    """A chapter of the report: what it says, and ``numbers`` and ``data`` (columns) for programs."""
+
+    figures: Sequence[FigureSvg] = ()
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    data: Mapping[str, ArrayLike] = field(default_factory=dict)
+
 
 Variant = tuple[str, dict[str, float]]  # a law and its own constants
 

@@ -7,16 +7,16 @@ from math import pi, tan
 
 import numpy as np
 
-from examples.paper.common import BRISTLES, STEEPNESSES, Done, Variant, solve
+from examples.paper.common import BRISTLES, STEEPNESSES, Chapter, Done, Variant, solve
 from examples.paper.statements import passivity_cycle
 from stribeck import laws
 from stribeck.laws.terms import g
+from stribeck.mouth import plots
+from stribeck.mouth.cells import human
+from stribeck.mouth.document import FigureSvg
 from stribeck.properties.cycles import integrate
 from stribeck.properties.steepness.search import with_k_v
 from stribeck.properties.steepness.steady import Creep
-from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg
-from stribeck.report.quantities import human
 from stribeck.scenario import Scenario
 
 _SHARE = 0.95

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from examples.paper.common import BRISTLES, Done
+from examples.paper.common import BRISTLES, Chapter, Done
 from examples.paper.statements import passivity_cycle
 from stribeck import laws
 from stribeck.constants import DECIDED
 from stribeck.laws.base import Law
+from stribeck.mouth import plots
+from stribeck.mouth.document import FigureSvg, Table
 from stribeck.properties import NAMES, Verdicts, check
 from stribeck.properties.storage import storage_interval
-from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
 
 _HERE = "--parameters canudas1995 --set k_v=1e6"
 _V_MAX = 0.02  # m/s: LuGre with Table 1 is passive up to about twice that

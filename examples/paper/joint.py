@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from examples.paper.common import Done
+from examples.paper.common import Chapter, Done
 from stribeck.constants import SHOWN
 from stribeck.errors import StribeckError
+from stribeck.mouth import plots
+from stribeck.mouth.document import FigureSvg, Table
 from stribeck.properties import WORK, Verdict
 from stribeck.properties.checked import CheckedAlways, largest_v_d
 from stribeck.properties.ranges import of_contact
 from stribeck.properties.verdicts import ranges_in_words
 from stribeck.properties.worst import Varied
-from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 

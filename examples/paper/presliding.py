@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
-from stribeck.report import plots
-from stribeck.report.cells import percent
-from stribeck.report.overview import curves
-from stribeck.report.page import Chapter, Table
+from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, record, solve_all
+from stribeck.mouth import plots
+from stribeck.mouth.cells import percent
+from stribeck.mouth.document import Table
 from stribeck.simulation.comparison import deviations
+from stribeck.simulation.drawing import curves
 
 _INSTANTS = (10.0, 15.0, 35.0, 40.0)  # s: the ends of the ramps and of the holds
 

@@ -10,9 +10,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from examples.paper.common import Chapter
 from stribeck.files import together, write_columns, write_json
-from stribeck.report.page import Chapter, html
-from stribeck.report.quantities import human
+from stribeck.mouth.cells import human
+from stribeck.mouth.page import html
 from stribeck.version import __version__
 
 # In the order of the report; other modules of this folder that have a chapter come after them.

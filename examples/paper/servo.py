@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from examples.paper.common import Done, record, solve
+from examples.paper.common import Chapter, Done, record, solve
 from stribeck import examples
 from stribeck.arrays import Array
 from stribeck.loops.lyapunov import rises
-from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.mouth import plots
+from stribeck.mouth.document import FigureSvg, Table
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from examples.paper.common import PROPOSED, REFERENCE, Done, record, scenario, solve, solve_all
-from stribeck.report import plots
-from stribeck.report.cells import percent
-from stribeck.report.overview import curves
-from stribeck.report.page import Chapter, Table
+from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, record, scenario, solve, solve_all
+from stribeck.mouth import plots
+from stribeck.mouth.cells import percent
+from stribeck.mouth.document import Table
 from stribeck.simulation.comparison import deviations
+from stribeck.simulation.drawing import curves
 
 
 def chapter(done: Done) -> Chapter:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stribeck.report import plots
-from stribeck.report.page import FigureSvg
+from stribeck.mouth import plots
+from stribeck.mouth.document import FigureSvg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

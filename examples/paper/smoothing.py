@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from examples.paper.common import STEEPNESSES, Done
+from examples.paper.common import STEEPNESSES, Chapter, Done
 from stribeck.expressions.ops import Value
 from stribeck.laws.terms import S_0, S_1, S_2, m
-from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
-from stribeck.report.quantities import prefixed
+from stribeck.mouth import plots
+from stribeck.mouth.cells import prefixed
+from stribeck.mouth.document import FigureSvg, Table
 
 
 def chapter(done: Done) -> Chapter:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from examples.paper.common import PROPOSED, REFERENCE, Done, solve
-from stribeck.report.cells import percent
-from stribeck.report.page import Chapter, Table
+from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, solve
+from stribeck.mouth.cells import percent
+from stribeck.mouth.document import Table
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import PAPER, PROPOSED, REFERENCE, Done
+from examples.paper.common import PAPER, PROPOSED, REFERENCE, Chapter, Done
 from stribeck.laws import law
-from stribeck.report import plots
-from stribeck.report.page import Chapter, Table
-from stribeck.report.quantities import prefixed
+from stribeck.mouth import plots
+from stribeck.mouth.cells import prefixed
+from stribeck.mouth.document import Table
 
 
 def chapter(done: Done) -> Chapter:

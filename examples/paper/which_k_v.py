@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from examples.paper.common import Done
+from examples.paper.common import Chapter, Done
 from stribeck import examples, laws
+from stribeck.mouth.document import Table
 from stribeck.properties.steepness import Steepness, Tolerated, smallest_steepness
-from stribeck.report.page import Chapter, Table
-from stribeck.report.steepness import steepness_figure
+from stribeck.properties.steepness_figure import steepness_figure
 from stribeck.scenario import Scenario
 
 _TOLERATED: dict[str, object] = {

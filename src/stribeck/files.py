@@ -271,6 +271,26 @@ def write_json(path: Path, data: object) -> None:
     write_text(path, json.dumps(finite(data), indent=2, allow_nan=False) + "\n")
 
 
+def write_summary(
+    paths: list[Path],
+    place: Path,
+    folder: Path,
+    summary: Mapping[str, object],
+    more: Mapping[str, object] | None = None,
+) -> list[str]:
+    """Write summary.json in ``place`` beside these files, last; the paths of all as they will be in ``folder``.
+
+    Args:
+        summary: what it says; files that it names come first.
+        more: what stands behind the files.
+    """
+    files = [str(folder / path.name) for path in (*paths, place / "summary.json")]
+    earlier = summary.get("files", [])
+    assert isinstance(earlier, list)
+    write_json(place / "summary.json", {**summary, "files": [*earlier, *files], **(more or {})})
+    return files
+
+
 def write_sealed(path: Path, data: object) -> None:
     """Write data as JSON beside its digest, for :func:`json_of`: what a stopped command goes on from."""
     write_text(path, json.dumps({"sha256": _seal(data), "data": data}) + "\n")

@@ -50,7 +50,7 @@ def test_options_that_do_not_go_together(stribeck, scenario, tmp_path):
 def test_compare_prints_a_table(stribeck, scenario):
     result = stribeck("run", scenario, "--law", "lugre", "--law", "dahl")
     assert result.status == 0
-    assert re.search(r"dahl +\S+ +\S+ %", result.out)
+    assert re.search(r"dahl +y +\S+ mm +\S+ %", result.out)
 
 
 @pytest.mark.parametrize(

@@ -155,7 +155,7 @@ def test_names_in_plots(stribeck, scenario, tmp_path, name):
 
 
 def test_a_long_label_is_cut_and_nothing_in_it_is_a_formula():
-    from stribeck.report.plots import plain
+    from stribeck.mouth.plots import plain
 
     assert plain("$x$") == r"\$x\$"
     assert len(plain("x" * 3000)) == 60

@@ -20,7 +20,7 @@ from stribeck.identify.actuator import page
 from stribeck.identify.predict import saved
 from stribeck.identify.report import files
 from stribeck.identify.report.files import FITS
-from stribeck.report import chapters
+from stribeck.mouth import page as pages
 from tests.identify.actuator.recorded import body, logs, record
 
 needs_signals = pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
@@ -40,7 +40,7 @@ def test_an_older_result_stays_whole(command, scenario, tmp_path, capsys, monkey
     def stopped(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(chapters, "write_page", stopped)
+    monkeypatch.setattr(pages, "write", stopped)
     assert _status([*words, "--set", "drive.stiffness=3.0"]) == 130
     assert content(out) == before
 
@@ -197,12 +197,12 @@ def test_no_input_is_replaced(stribeck, tmp_path, monkeypatch, words):
 SLOW = """
 import signal, sys, time
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
-from stribeck.report import chapters
+from stribeck.mouth import page as pages
 from tests.identify.actuator.recorded import body, logs, record
 def slow(*args):
     print("ready", flush=True)
     time.sleep(600)
-chapters.write_page = slow
+pages.write = slow
 from stribeck.cli import main
 main(sys.argv[1:])
 """
@@ -227,13 +227,13 @@ IMPORTS = """
 import signal, sys, time
 sys.path.insert(0, sys.argv.pop())
 from stribeck import cli
-from stribeck.report import chapters
+from stribeck.mouth import page as pages
 cli._LONGEST_IMPORT = 0.5
 def slow(*args):
     import swallows
     print("imported", flush=True)
     time.sleep(600)
-chapters.write_page = slow
+pages.write = slow
 cli.main(sys.argv[1:])
 """
 SWALLOWS = """
@@ -295,7 +295,7 @@ def test_a_check_that_ends_while_it_writes_leaves_the_older_result_whole(stribec
     assert stribeck("check", "lugre", *asked).status == 0
     before = content(tmp_path / "out")
     assert {"report.html", "passive.toml"} <= set(before)
-    monkeypatch.setattr("stribeck.report.check.write_check", _ends)
+    monkeypatch.setattr("stribeck.properties.said.write_check", _ends)
     assert stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked).status != 0
     assert content(tmp_path / "out") == before
 

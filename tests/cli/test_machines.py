@@ -28,7 +28,7 @@ def test_templates_run_as_they_are(stribeck, tmp_path, monkeypatch, name):
 @needs_compiler
 def test_what_run_prints(stribeck):
     done = stribeck("run", str(examples.path("belt")), "--set", "solve.t_end=1")
-    assert "belt: done, 2 bodies, contacts: sole lugre, 101 rows of 101" in done.out
+    assert "done: 2 bodies, contacts: sole lugre; 101 rows of 101" in done.out
     assert "sole: slip" in done.out
     assert "slider.y" in done.out
 

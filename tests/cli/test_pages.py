@@ -13,7 +13,7 @@ def test_run(stribeck, scenario, tmp_path):
     }  # fmt: skip
     page = Page(tmp_path / "out" / "report.html")
     rows = {row[0]: row for row in page.tables[0]}
-    assert rows["F"][1:] == ["friction force", f"{data['peaks']['F']:.6g}", f"{data['final']['F']:.6g}", "N"]
+    assert rows["F"][1:] == ["friction force", f"{data['peaks']['F']:.8g}", f"{data['final']['F']:.8g}", "N"]
     assert page.headings == ["1. Result", "2. Plots", "3. The law lugre_sobczyk", "4. The scenario"]
 
 
@@ -21,7 +21,7 @@ def test_compare(stribeck, scenario, tmp_path):
     words = ("run", scenario, "--law", "lugre", "--law", "dahl", "--out", tmp_path / "out", "--json")
     data = json.loads(stribeck(*words).out)
     rows = {row[0]: row for row in Page(tmp_path / "out" / "report.html").tables[0]}
-    assert rows["dahl"][1] == f"{data['laws']['dahl']['deviations']['y']['max']:.4g}"
+    assert rows["dahl"][1:3] == ["y", f"{data['laws']['dahl']['deviations']['y']['max'] * 1e3:.4g} mm"]
 
 
 def test_check(stribeck, tmp_path):

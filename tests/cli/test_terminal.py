@@ -9,7 +9,7 @@ import pytest
 
 from stribeck import examples
 from stribeck.cli.app import app
-from stribeck.cli.text import say
+from stribeck.mouth.terminal import say
 
 COMMANDS = sorted(command.name or command.callback.__name__ for command in app.registered_commands)
 SPOKEN = {

@@ -10,7 +10,7 @@ from stribeck.loops import boundary
 from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import Judgement
 from stribeck.loops.loop import loop_of
-from stribeck.report.design import mixed_sentence
+from stribeck.loops.said import mixed_sentence
 from tests.loops.axis import axis
 
 PATH = "controllers.hold.K_p"

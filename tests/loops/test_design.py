@@ -11,7 +11,7 @@ from stribeck import InputError, Scenario, design
 from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import loop_of
-from stribeck.report.quantities import human
+from stribeck.mouth.cells import human
 from tests.loops.axis import axis
 from tests.machine.independent import solve
 from tests.machine.machines import law

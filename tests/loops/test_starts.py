@@ -7,13 +7,13 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.loops.compensation import CompensationResult, _dithered, with_compensation
+from stribeck.loops.figures import unbeaten
 from stribeck.loops.judge import Judgement, at_rest, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import Tracked, reversal_errors
+from stribeck.loops.said import starts_sentence
 from stribeck.loops.shaken import SHARE, swings
 from stribeck.loops.starts import Start, _together, from_starts, kinds
-from stribeck.report.design import starts_sentence
-from stribeck.report.design_figures import unbeaten
 from tests.loops.axis import axis
 from tests.machine.machines import law
 

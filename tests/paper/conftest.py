@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from stribeck.errors import EXTRAS
-from stribeck.report.page import html
+from stribeck.mouth.page import html
 from tests.absent import site_without
 from tests.pages import Page
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from stribeck.cli import show
 from stribeck.cli.shared import given_options
-from stribeck.cli.text import say
 from stribeck.errors import InputError, refuse_twice
 from stribeck.identify.actuator import MachineFit, fit_machine
 from stribeck.identify.actuator.page import FILES, number_or_open, write_machine_fit
 from stribeck.identify.actuator.result import Transfer
+from stribeck.mouth.terminal import say
 from stribeck.scenario import Scenario, parse_assignment, parse_assignments
 
 if TYPE_CHECKING:

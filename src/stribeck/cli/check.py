@@ -217,7 +217,7 @@ def _law(
         with written.whole(asked.out) as folder:
             written.files = _write_scenarios(verdicts, folder)
             with left_out("the page"):
-                from stribeck.report import check as report
+                from stribeck.properties import said as report
 
                 written.pages = report.write_check(verdicts, folder, show.command_line())
     if asked.certificate is not None:
@@ -258,7 +258,7 @@ def _machine(file: Path, assignments: list[str], forces: list[str], trust: bool,
                 path for name, v in found.contacts.items() for path in _write_scenarios(v, folder, f"{name}_")
             ]
             with left_out("the page"):
-                from stribeck.report import check as report
+                from stribeck.properties import said as report
 
                 written.pages = report.write_machine_check(found, scenario, folder, show.command_line())
     if asked.certificate is not None:
@@ -395,8 +395,8 @@ def _stated(verdict: Verdict) -> str:
 
 def _print(verdicts: Verdicts, of: str = "") -> None:
     """A law's constants, its verdicts and their evidence."""
-    from stribeck.cli.text import say
     from stribeck.constants import DECIDED
+    from stribeck.mouth.terminal import say
 
     heading, *more = verdicts.headings()
     say(of + heading, 4)
@@ -412,8 +412,8 @@ def _print(verdicts: Verdicts, of: str = "") -> None:
 
 
 def _print_steepness(found: Steepness) -> None:
-    from stribeck.cli.text import say
     from stribeck.constants import rotary_unit
+    from stribeck.mouth.terminal import say
 
     def unit(linear: str) -> str:
         return rotary_unit(linear) if found.rotary else linear
@@ -448,8 +448,8 @@ def rounded_up(x: float) -> str:
 
 
 def _print_machine(found: MachineVerdicts) -> None:
-    from stribeck.cli.text import say
     from stribeck.constants import SHOWN
+    from stribeck.mouth.terminal import say
 
     for name, verdicts in found.contacts.items():
         _print(verdicts, f"{name}: ")

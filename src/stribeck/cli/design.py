@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stribeck.cli.shared import ControllerName, Json, Out, ScenarioFile, Set, Trust, Undetermined, app
-from stribeck.cli.text import say
+from stribeck.mouth.terminal import say
 
 if TYPE_CHECKING:
     from stribeck.control.gains import Condition
@@ -63,8 +63,8 @@ def design(
     """
     from stribeck.cli import show
     from stribeck.loops import design as judge
+    from stribeck.loops.said import MACHINES
     from stribeck.loops.servo import ServoDesign
-    from stribeck.report.design import MACHINES
 
     loaded = show.load(scenario, set_ or [], trust)
     if out is not None:
@@ -103,17 +103,17 @@ def _write(found: Design | ServoDesign, summary: dict[str, object], out: Path, c
     from stribeck.loops.servo import ServoDesign
 
     if isinstance(found, ServoDesign):
-        from stribeck.report.design_servo import write_servo
+        from stribeck.loops.servo_said import write_servo
 
         return write_servo(found, summary, out, command)
-    from stribeck.report.design import write_design
+    from stribeck.loops.said import write_design
 
     return write_design(found, summary, out, command)
 
 
 def _print(path: Path, found: Design, out: Path | None) -> None:
-    from stribeck.report.design import along_sentences, headline, position_unit, starts_sentence
-    from stribeck.report.quantities import human
+    from stribeck.loops.said import along_sentences, headline, position_unit, starts_sentence
+    from stribeck.mouth.cells import human
 
     unit, own = position_unit(found), found.judgement
     say(f"{path.name}: {headline(own, unit)}  ({starts_sentence(found.starts, own, unit)})", 4)
@@ -150,7 +150,7 @@ def _next(path: Path, found: Design, out: Path | None) -> str:
 
 
 def _print_errors(found: Design, unit: str) -> None:
-    from stribeck.report.quantities import human
+    from stribeck.mouth.cells import human
 
     rows: list[Sequence[str]] = [("move", "peak error", "rms", "after a reversal", "at rest", "settling")]
     for name, row in found.errors.items():
@@ -165,8 +165,8 @@ def _print_errors(found: Design, unit: str) -> None:
 
 
 def _print_compensations(found: Design, unit: str) -> None:
-    from stribeck.report.design import REMEDIES, excess_sentence, quiet_range
-    from stribeck.report.quantities import human
+    from stribeck.loops.said import REMEDIES, excess_sentence, quiet_range
+    from stribeck.mouth.cells import human
 
     rows: list[Sequence[str]] = [("remedy", "quiet", "share", "after a reversal", "worst friction")]
     for c in found.compensations:

@@ -10,8 +10,8 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TypedDict, TypeVar
 
 from stribeck.cli.shared import Json, app
-from stribeck.cli.text import say
 from stribeck.errors import BuildError, one_line, said_by
+from stribeck.mouth.terminal import say
 
 T = TypeVar("T")
 

@@ -25,8 +25,8 @@ from stribeck.cli.record import (
     Velocity,
 )  # fmt: skip
 from stribeck.cli.shared import ADVANCED, Json, Out, app
-from stribeck.cli.text import say
 from stribeck.errors import InputError
+from stribeck.mouth.terminal import say
 
 if TYPE_CHECKING:
     from stribeck.identify.log import Log
@@ -281,7 +281,7 @@ def _tell(result: Fit, log: Log, data: list[Path], summary: dict[str, object], w
 
 def _headline(result: Fit, data: list[Path]) -> str:
     """The file, the law, what it leaves, and what plainer models leave."""
-    from stribeck.report.cells import percent
+    from stribeck.mouth.cells import percent
 
     name = data[0].name if len(data) == 1 else f"{len(data)} files"
     others = sorted((c for c in result.candidates if not c["chosen"]), key=lambda c: -c["relative_force_error"])

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stribeck.cli.shared import Json, app, place
-from stribeck.cli.text import say
 from stribeck.errors import InputError
+from stribeck.mouth.terminal import say
 
 if TYPE_CHECKING:
     from stribeck.laws.library import Library

@@ -10,8 +10,8 @@ import typer
 from stribeck.cli import record, show
 from stribeck.cli.record import Force, Gain, Load, Position, Pressure, Unit, Velocity
 from stribeck.cli.shared import ADVANCED, Json, Out, Trust, Undetermined, app, given_options
-from stribeck.cli.text import say
 from stribeck.errors import InputError
+from stribeck.mouth.terminal import say
 
 if TYPE_CHECKING:
     from stribeck.arrays import Array
@@ -120,7 +120,7 @@ def _by_fit(
 
 
 def _tell(found: Predicted, rows: int, files: list[str]) -> None:
-    from stribeck.report.cells import percent
+    from stribeck.mouth.cells import percent
 
     print(f"{found.model.law}, {found.model.method}: {rows} rows, {found.rest:.0%} at rest")
     for name, x in _errors(found).items():
@@ -149,7 +149,7 @@ def _errors(found: Predicted) -> dict[str, float | None]:
 
 def _page(found: Predicted, time: Array, data: list[Path], folder: Path, out: Path) -> str:
     from stribeck.identify.report import overlay
-    from stribeck.report.cells import percent
+    from stribeck.mouth.cells import percent
 
     traces = {
         "force": ("N", found.traces.measured, found.traces.fitted),
@@ -179,8 +179,7 @@ def _by_machine(
 ) -> int:
     """Simulate the file with the record's drive, print how far the motion is off."""
     from stribeck.identify import validate as validating
-    from stribeck.report.cells import percent
-    from stribeck.report.quantities import human
+    from stribeck.mouth.cells import human, percent
 
     if out is not None:
         show.check_folder(out)

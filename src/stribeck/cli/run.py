@@ -11,15 +11,12 @@ import typer
 
 from stribeck.cli import show
 from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app, place
-from stribeck.cli.text import say, width
 from stribeck.errors import InputError, StribeckNote, refuse_twice
+from stribeck.mouth import terminal
 
 if TYPE_CHECKING:
     from stribeck.scenario import Scenario
-    from stribeck.simulation import Solution
-    from stribeck.simulation.comparison import Comparison
 
-_NUMBERS = 40  # columns of a row of the comparison beside its label
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
 
@@ -91,42 +88,17 @@ def _simulate(scenario: Scenario, path: Path, *, out: Path | None, keep_c: Path 
         write_text(keep_c, c_source(scenario))
         files.append(str(keep_c))
     if out is not None:
-        from stribeck.report.run import write_run
+        from stribeck.simulation.tables import write_run
 
         files += write_run(solution, out, {**summary, "files": files}, show.command_line())
     if json:
         show.print_json({**summary, "files": files})
     else:
-        _print(solution, files)
+        terminal.tell(solution.document(), files)
     if solution.status != "done":
         show.failed(scenario.name, solution.reason)
         return 1
     return 0
-
-
-def _print(solution: Solution, files: list[str]) -> None:
-    from stribeck.report.quantities import prefixed
-
-    scenario, stats = solution.scenario, solution.stats
-    print(f"{scenario.name}: {solution.status}, {scenario.subject}, {len(solution.t)} rows of {scenario.rows}")
-    milliseconds = 1e3 * stats["seconds"]
-    print(f"  {stats['accepted']} steps ({stats['rejected']} rejected) in {milliseconds:.1f} ms, {stats['solver']}")
-    named = scenario.system.by_element
-    if not named:
-        slips, sticks = len(solution.events["slip"]), len(solution.events["stick"])
-        print(f"  |v| rises through v_s {slips} times (slip), falls through it {sticks} times (stick)")
-    for element, events in solution.events.items() if named else ():
-        counts = ", ".join(f"{kind} {len(times)}" for kind, times in events.items() if len(times))
-        print(f"  {element}: {counts or 'no events'}")
-    width = max(8, *(len(column.name) for column in solution.columns))
-    print(f"  {'':{width}}{'peak':>16}{'final':>16}")
-    peaks, final = solution.peaks, solution.final
-    for column in solution.columns:
-        factor, unit = prefixed(column.unit, peaks[column.name])
-        last = final.get(column.name, float("nan"))
-        print(f"  {column.name:{width}}{peaks[column.name] / factor:16.8g}{last / factor:16.8g} {unit}")
-    for file in files:
-        print(f"  wrote {file}")
 
 
 # -- several laws ----------------------------------------------------------------------------------------------------
@@ -143,13 +115,13 @@ def _compare(scenario: Scenario, laws: list[str], contact: str | None, *, out: P
         comparison = compare_laws(variants, tell)
     summary, files = comparison.summary(), list[str]()
     if out is not None:
-        from stribeck.report.compare import write_comparison
+        from stribeck.simulation.tables import write_comparison
 
         files = write_comparison(comparison, out, summary, show.command_line())
     if json:
         show.print_json({**summary, "files": files})
     else:
-        _print_comparison(comparison, files)
+        terminal.tell(comparison.document(), files)
     for label, solution in comparison.solutions.items():
         if solution.status != "done":
             show.failed(f"{scenario.name} with {label}", solution.reason)
@@ -190,25 +162,6 @@ def _changes(text: str, table: str) -> dict[str, object]:
     refuse_twice([key for key, _ in given], f"--law: {text!r}:")
     places = {f"{table}.parameters.{key}" if key in PARAMETERS else f"{table}.{key}": value for key, value in given}
     return {f"{table}.name": match["name"], **places}
-
-
-def _print_comparison(comparison: Comparison, files: list[str]) -> None:
-    from stribeck.report.cells import percent
-
-    reference = next(iter(comparison.solutions))
-    units = {column.name: column.unit for column in comparison.solutions[reference].columns}
-    wide = max(map(len, comparison.solutions))
-    beside = wide if wide <= width() - _NUMBERS else 0  # the labels' column; none where they would fold the table
-    say(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak", 2)
-    print(f"  {'law' if beside else '':{beside}}{'deviation':>14}{'share':>12}  of")
-    for label, deviations in comparison.deviations.items():
-        if not beside:
-            print(f"  {label}")
-        for i, (name, d) in enumerate(deviations.items()):
-            named = label if beside and not i else ""
-            print(f"  {named:{beside}}{d['max']:14.4g}{percent(d['max_relative']):>12}  {name} ({units[name]})")
-    for file in files:
-        print(f"  wrote {file}")
 
 
 # -- the machine as a drawing ----------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ from stribeck.expressions.pretty import name as symbol_name
 from stribeck.files import write_text
 from stribeck.laws import table
 from stribeck.laws.render import Equation, condition, equations
-from stribeck.report.page import in_script
+from stribeck.mouth.page import in_script
 from stribeck.scenario import Scenario
 from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM

@@ -12,8 +12,8 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.expressions.ops import Value
 from stribeck.files import write_text, write_with
-from stribeck.report import plots
-from stribeck.report.page import FigureSvg
+from stribeck.mouth import plots
+from stribeck.mouth.document import FigureSvg
 from stribeck.rig.plan import SMALLEST, Limits, Test, motion, programme
 from stribeck.rig.synthetic import LABEL, Experiment, Sensors, experiment
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import Solution, simulate
+
+if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
 
 
 def compared(scenario: Scenario) -> tuple[str, ...]:
@@ -32,6 +36,12 @@ class Comparison:
     def status(self) -> str:
         """``"done"`` when every law was simulated to the end, else ``"failed"``."""
         return "done" if all(s.status == "done" for s in self.solutions.values()) else "failed"
+
+    def document(self) -> Document:
+        """What the comparison says to people, for the terminal and for a page."""
+        from stribeck.simulation import said
+
+        return said.comparison(self)
 
     def summary(self) -> dict[str, object]:
         """What ``stribeck run --json`` prints under several laws, without the files."""

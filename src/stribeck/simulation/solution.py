@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from html import escape
@@ -21,6 +20,8 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from stribeck.mouth.document import Document
 
 
 class Solution:
@@ -113,26 +114,34 @@ class Solution:
             column: the column; with ``ax`` the first one unless given.
             ax: the axes to draw into; new ones unless given.
         """
-        report = importlib.import_module("stribeck.report.overview")  # stands above this room
+        from stribeck.simulation import drawing
+
         if column is None and ax is None:
-            whole: Figure = report.figure_of(self)
-            return whole
+            return drawing.figure_of(self)
         if ax is None:
             from matplotlib.figure import Figure as NewFigure
 
             ax = NewFigure(layout="constrained").subplots()
-        report.curves(ax, {self.scenario.label: self}, "t", column or self.columns[0].name)
+        drawing.curves(ax, {self.scenario.label: self}, "t", column or self.columns[0].name)
         found = ax.get_figure(root=True)
         assert found is not None
         return found
 
     def _repr_svg_(self) -> str:
-        report = importlib.import_module("stribeck.report.overview")  # stands above this room
-        return str(report.overview({self.scenario.label: self}).svg)
+        from stribeck.mouth import plots
+        from stribeck.simulation import drawing
+
+        return plots.drawn(drawing.overview({self.scenario.label: self})).svg
 
     def _repr_html_(self) -> str:
         svg = self._repr_svg_()
         return f"<p>{escape(repr(self))}<br>{escape(self.message)}</p>{svg[svg.index('<svg') :]}"
+
+    def document(self) -> Document:
+        """What the run says to people, for the terminal and for a page."""
+        from stribeck.simulation import said
+
+        return said.run(self)
 
     def to_pandas(self) -> pandas.DataFrame:
         """The columns as a pandas data frame, t first.

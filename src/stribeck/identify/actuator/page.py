@@ -13,9 +13,10 @@ from stribeck.files import finite, seen_from, together, write_text
 from stribeck.identify.actuator.intervals import THRESHOLD
 from stribeck.identify.actuator.result import LogResult, MachineFit, Parameter
 from stribeck.identify.report.files import FITS
-from stribeck.report.cells import digits
-from stribeck.report.page import Chapter, FigureSvg, Table, html
-from stribeck.report.plots import figure, finish, legend, line, style, thin
+from stribeck.mouth.cells import digits
+from stribeck.mouth.document import Chapter, FigureSvg, Table
+from stribeck.mouth.page import html
+from stribeck.mouth.plots import figure, finish, legend, line, style, thin
 from stribeck.scenario.moved import moved
 from stribeck.version import __version__
 

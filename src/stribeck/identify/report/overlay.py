@@ -9,9 +9,10 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.files import write_text
-from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table, html
-from stribeck.report.quantities import Quantity, scale
+from stribeck.mouth import plots
+from stribeck.mouth.document import Chapter, FigureSvg, Table
+from stribeck.mouth.page import html
+from stribeck.mouth.quantities import Quantity, scale
 from stribeck.version import __version__
 
 _ZOOM = 0.1  # of the record

@@ -10,9 +10,10 @@ from stribeck.identify.log import Log
 from stribeck.identify.report import pictures, traces
 from stribeck.identify.report.formula import model_lines
 from stribeck.identify.result import Fit
+from stribeck.mouth.cells import digits, percent
+from stribeck.mouth.document import Chapter, Table
+from stribeck.mouth.page import html
 from stribeck.properties import check
-from stribeck.report.cells import digits, percent
-from stribeck.report.page import Chapter, Table, html
 from stribeck.version import __version__
 
 _LONG = 80  # letters: names of more files than fit in a head are counted

@@ -12,9 +12,10 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
 from stribeck.identify.result import Fit
-from stribeck.report import plots
-from stribeck.report.page import FigureSvg
-from stribeck.report.quantities import Quantity, prefixed, scale
+from stribeck.mouth import plots
+from stribeck.mouth.cells import prefixed
+from stribeck.mouth.document import FigureSvg
+from stribeck.mouth.quantities import Quantity, scale
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.result import Fit
-from stribeck.report import plots
-from stribeck.report.page import FigureSvg
-from stribeck.report.quantities import Quantity, scale
+from stribeck.mouth import plots
+from stribeck.mouth.document import FigureSvg
+from stribeck.mouth.quantities import Quantity, scale
 
 _CLOSE = 2  # reversals shown
 _SHARE = 0.04  # of the record, that a close look is wide

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 pytest.importorskip("matplotlib")
-from stribeck.report import plots
+from stribeck.mouth import plots
 
 pytestmark = pytest.mark.pictures
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from stribeck.mouth import plots
+from stribeck.mouth.document import FigureSvg
 from stribeck.properties.steepness import Steepness
-from stribeck.report import plots
-from stribeck.report.page import FigureSvg
 
 
 def steepness_figure(found: Mapping[str, Steepness], name: str, caption: str) -> FigureSvg:

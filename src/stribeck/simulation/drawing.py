@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,16 +13,16 @@ from stribeck.arrays import Array
 from stribeck.constants import rotary_words
 from stribeck.control import PressureCascade
 from stribeck.drives import Drive
-from stribeck.report import machines, plots
-from stribeck.report.page import FigureSvg
-from stribeck.report.panels import ENERGY, Panel
-from stribeck.report.quantities import Quantity, Scale, deviation_rows, quantities, scale
-from stribeck.simulation import Solution
-from stribeck.simulation.comparison import compared
+from stribeck.mouth import plots
+from stribeck.mouth.document import Figure as Picture
+from stribeck.mouth.quantities import Quantity, Scale, scale
+from stribeck.simulation.panels import ENERGY, Panel, of_machine
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from stribeck.simulation.solution import Solution
 
 _ROW = 2.15  # inches
 _FAST = 10.0  # Stribeck velocities: from there on what happens near rest needs an axis of its own
@@ -37,13 +37,13 @@ _FRICTION = (
     Panel("F", "friction against position", x="y"),
 )
 _CASCADE = (
-    Panel("y", "position", also=", and its desired course", beside=("y_d",)),
+    Panel("y", "position", also=", and its desired course", axis="position", beside=("y_d",)),
     Panel("e", "position error after the transient", settled=True),
     Panel("p_1", "pressure in chamber 1"),
     Panel("p_2", "pressure in chamber 2"),
     Panel("u", "valve voltage"),
     Panel("V", "Lyapunov function", log=True),
-    Panel("F", "friction force", also=", and what the controller assumes", beside=("F_hat",), alone=True),
+    Panel("F", "friction force", also=", and what the controller assumes", axis="force", beside=("F_hat",), alone=True),
     Panel("F", "friction against velocity", x="v", near_rest=True),
 )
 _OF_DRIVE: dict[type[Drive], tuple[Panel, ...]] = {
@@ -55,15 +55,15 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     """What is worth seeing of a solution, in the order of reading."""
     known = {"t", *(column.name for column in solution.columns)}
     if not solution.scenario.rig.single:
-        return machines.panels(solution.scenario.rig.machine)
+        return of_machine(solution.scenario.rig.machine)
     if (own := _OF_DRIVE.get(solution.scenario.drive)) is not None:
         return own
     if "I" in known:
         error = Panel("e", "control error after the transient", settled=True)
-        first = [Panel("y", "position", also=", and its setpoint", beside=("r",)), error]
+        first = [Panel("y", "position", also=", and its setpoint", axis="position", beside=("r",)), error]
     else:
-        first = [Panel("y", "position", also=", and the spring's far end", beside=("x",))]
-    force = Panel("F", "friction force", also=", and the force of the drive", beside=("u",), alone=True)
+        first = [Panel("y", "position", also=", and the spring's far end", axis="position", beside=("x",))]
+    force = Panel("F", "friction force", also=", and the force of the drive", axis="force", beside=("u",), alone=True)
     rest = [Panel("v", "velocity"), force]
     if solution.scenario.law.has_z:
         rest.append(Panel("z", "mean bristle deflection"))
@@ -78,33 +78,63 @@ def figure_of(solution: Solution) -> Figure:
         return drawn(shown, panels(solution), next(iter(shown)), _speed(solution))
 
 
-def overview(solutions: Mapping[str, Solution], name: str = "plot", caption: str = "") -> FigureSvg:
+def overview(solutions: Mapping[str, Solution], name: str = "plot", caption: str = "") -> Picture:
     """Everything worth seeing of one solution or several, each a line of its own."""
-    first = next(iter(solutions.values()))
-    shown = _labelled(solutions)
-    return draw(shown, panels(first), name, caption, "" if len(shown) > 1 else next(iter(shown)), _speed(first))
+
+    def draw() -> Figure:
+        first, shown = next(iter(solutions.values())), _labelled(solutions)
+        return drawn(shown, panels(first), "" if len(shown) > 1 else next(iter(shown)), _speed(first))
+
+    return Picture(name, caption, draw)
 
 
-def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption: str = "") -> FigureSvg:
-    """The overview of several solutions with, beside y, v and F, how far each is from the first."""
-    shown = _labelled(solutions)
-    reference, *others = shown.items()
-    names = compared(next(iter(solutions.values())).scenario)
-    for label, found in others:
-        shown[label] = {**found, **{n: q for n, q in deviation_rows(reference[1], found, names).items() if n != "t"}}
-    wanted = []
-    for panel in panels(next(iter(solutions.values()))):
-        wanted.append(panel)
-        if panel.x == "t" and panel.y in names and others:
-            wanted.append(Panel(f"Δ{panel.y}", f"deviation of {panel.y} from {plots.plain(reference[0], 40)}"))
-    wanted = [p for p in wanted if p.y not in ("z", "E_in")]
-    return draw(shown, wanted, name, caption, slow=_speed(next(iter(solutions.values()))))
+def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption: str = "") -> Picture:
+    """The overview of several solutions with, beside what is compared, how far each is from the first."""
+
+    def draw() -> Figure:
+        first, shown = next(iter(solutions.values())), _labelled(solutions)
+        names = first.scenario.rig.compared
+        reference, *others = shown.items()
+        for label, found in others:
+            apart = deviation_rows(reference[1], found, names)
+            shown[label] = {**found, **{n: q for n, q in apart.items() if n != "t"}}
+        wanted = []
+        for panel in panels(first):
+            wanted.append(panel)
+            if panel.x == "t" and panel.y in names and others:
+                wanted.append(Panel(f"Δ{panel.y}", f"deviation of {panel.y} from {plots.plain(reference[0], 40)}"))
+        return drawn(shown, [p for p in wanted if p.y not in ("z", "E_in")], "", _speed(first))
+
+    return Picture(name, caption, draw)
 
 
 def _labelled(solutions: Mapping[str, Solution]) -> dict[str, Quantities]:
     """The quantities of each solution by its label, which says where a run failed."""
     early = {label: "" if s.status == "done" else " (failed early)" for label, s in solutions.items()}
     return {f"{label}{early[label]}": quantities(solution) for label, solution in solutions.items()}
+
+
+def quantities(solution: Solution) -> dict[str, Quantity]:
+    """The columns of a solution by name, and what its plots derive from them: y_d of a servo, e of a PID loop."""
+    found = {"t": Quantity("t", "s", "time", solution.t)}
+    found |= {c.name: Quantity(c.name, c.unit, c.meaning, solution[c.name]) for c in solution.columns}
+    if "r" in found and "I" in found:
+        found["e"] = Quantity("e", found["y"].unit, "control error y - r", solution["y"] - solution["r"])
+    elif "e" in found:
+        found["y_d"] = Quantity("y_d", found["y"].unit, "desired position", solution["y"] - solution["e"])
+    return found
+
+
+def deviation_rows(
+    reference: Mapping[str, Quantity], other: Mapping[str, Quantity], names: Iterable[str] = ("y", "v", "F")
+) -> dict[str, Quantity]:
+    """How far the columns are from the reference's, over the rows that both reached; t too."""
+    rows = min(len(reference["t"].values), len(other["t"].values))
+    found = {"t": Quantity("t", "s", "time", reference["t"].values[:rows])}
+    for name in names:
+        a, b = reference[name], other[name]
+        found[f"Δ{name}"] = Quantity(f"Δ{name}", a.unit, f"deviation of {name}", b.values[:rows] - a.values[:rows])
+    return found
 
 
 def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tuple[Scale, Scale]:
@@ -124,29 +154,15 @@ def _speed(solution: Solution) -> float:
     return min((float(law.machine.get("v_s") or law.scales(law.p).speed) for law in laws), default=0.0)
 
 
-def draw(
-    shown: Mapping[str, Quantities],
-    wanted: Sequence[Panel],
-    name: str,
-    caption: str,
-    title: str = "",
-    slow: float = 0.0,
-) -> FigureSvg:
-    """Panels in two columns, a line for each label.
+def drawn(shown: Mapping[str, Quantities], wanted: Sequence[Panel], title: str, slow: float) -> Figure:
+    """Panels in two columns, a line for each label. Call within :func:`stribeck.mouth.plots.style`.
 
     Args:
         shown: by label, the quantities by name; one that a label does not have is not drawn for it.
         wanted: the panels in the order of reading, left to right.
-        name, caption: of the figure.
         title: above all panels, where they have one line each.
         slow: a speed in SI units; ``near_rest`` stretches what is below it.
     """
-    with plots.style():
-        return plots.finish(drawn(shown, wanted, title, slow), name, caption, pdf=True)
-
-
-def drawn(shown: Mapping[str, Quantities], wanted: Sequence[Panel], title: str, slow: float) -> Figure:
-    """The figure of :func:`draw`, within its style."""
     keys = [str(i) for i in range(len(wanted))]
     layout = [keys[i : i + 2] for i in range(0, len(keys), 2)]
     if len(layout[-1]) < 2:
@@ -167,7 +183,12 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         return
     first = next(iter(lines.values()))
     beside = [first[n] for n in panel.beside if n in first and not (panel.alone and len(shown) > 1)]
-    of_y = scale([*(q[panel.y] for q in lines.values()), *beside], plain=panel.log)
+    words = rotary_words if "rad" in first[panel.y].unit else str
+    of_y = scale(
+        [*(q[panel.y] for q in lines.values()), *beside],
+        plain=panel.log,
+        name=words(panel.axis) if beside else "",
+    )
     of_x = scale([q[panel.x] for q in lines.values()])
     numbers = {label: i for i, label in enumerate(shown)}
     for i, other in enumerate(beside):
@@ -191,7 +212,11 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         if beside_gaps.any():
             dots = (plots.drawable(values[beside_gaps]) for values in given)
             axis.plot(*dots, ".", markersize=2.0, color=plots.COLOURS[numbers[label] % len(plots.COLOURS)])
-    axis.set(xlabel=of_x.label, ylabel=of_y.label, title=_title(panel, bool(beside), "rad" in first[panel.y].unit))
+    axis.set(
+        xlabel=of_x.label,
+        ylabel=of_y.label,
+        title=words(panel.title + (panel.also if beside else "")),
+    )
     if beside:
         names = [first[panel.y].name, *(q.name for q in beside)]
         plots.key(axis, names if len(lines) == 1 else names[1:], len(beside))
@@ -215,11 +240,6 @@ def _beyond(lines: Mapping[str, Quantities], name: str, slow: float) -> bool:
     """Whether the speed reaches far beyond ``slow``."""
     fastest = max(float(np.max(np.abs(q[name].values), initial=0.0)) for q in lines.values())
     return slow > 0 and fastest > _FAST * slow
-
-
-def _title(panel: Panel, beside: bool, rotary: bool) -> str:
-    text = panel.title + (panel.also if beside else "")
-    return rotary_words(text) if rotary else text
 
 
 def _settled(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, of_y: Scale) -> None:

@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stribeck.files import json_of, write_json, write_sealed, write_with
-from stribeck.report.page import Chapter, FigureSvg, Table, html
-from stribeck.report.plots import in_time, thin
+from stribeck.mouth.document import Chapter, FigureSvg, Table
+from stribeck.mouth.page import html
+from stribeck.mouth.plots import in_time, thin
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_beside(tmp_path):

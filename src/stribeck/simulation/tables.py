@@ -1,17 +1,46 @@
-"""A solution as files."""
+"""Runs as files: tables of their columns, the page, and summary.json, all of them together."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stribeck.errors import left_out, needed
-from stribeck.files import arrow_array, write_json, write_parquet, write_text, write_with
-from stribeck.report.page import FigureSvg
-from stribeck.simulation import Solution
+from stribeck.files import arrow_array, finite, seen_from, together, write_parquet, write_summary, write_with
+from stribeck.mouth import page
+from stribeck.simulation.solution import Solution
+
+if TYPE_CHECKING:
+    from stribeck.simulation.comparison import Comparison
+
+_LONGEST = 100  # characters of a label in a file's name
+
+
+def write_run(solution: Solution, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
+    """Write trajectory.csv and .parquet, plot.svg, .png and .pdf, report.html and, last, summary.json; the paths."""
+    with together(folder) as place:
+        paths = write_table(solution, place, "trajectory")
+        with left_out("the plot and the page"):
+            paths += page.write(solution.document(), place, command)
+        tables = {"tables": finite(solution.scenario.data), "folder": seen_from(folder, solution.scenario.folder)}
+        return write_summary(paths, place, folder, summary, tables)
+
+
+def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
+    """Write a trajectory for each law, compare.svg, .png and .pdf, report.html and, last, summary.json with the
+    deviations; the paths."""
+    paths: list[Path] = []
+    with together(folder) as place:
+        for i, (label, solution) in enumerate(comparison.solutions.items()):
+            name = re.sub(r"[^A-Za-z0-9_.=+-]+", "_", label).strip("_")
+            paths += write_table(solution, place, f"{i}_{name[:_LONGEST]}")
+        with left_out("the plot and the page"):
+            paths += page.write(comparison.document(), place, command)
+        return write_summary(paths, place, folder, summary)
 
 
 def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
@@ -26,23 +55,6 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
         _write_parquet(solution, paths[1])
         return paths
     return paths[:1]
-
-
-def write_figure(figure: FigureSvg, folder: Path) -> list[Path]:
-    """The figure as SVG, PNG and PDF under its name."""
-    paths = [folder / f"{figure.name}.{kind}" for kind in ("svg", "png", "pdf")]
-    write_text(paths[0], figure.svg)
-    for path, data in zip(paths[1:], (figure.png, figure.pdf), strict=True):
-        write_with(path, lambda beside, data=data: beside.write_bytes(data))  # type: ignore[misc]
-    return paths
-
-
-def write_summary(paths: list[Path], place: Path, folder: Path, summary: Mapping[str, object]) -> list[str]:
-    """Write summary.json in ``place`` beside these files, and with their paths as they will be in ``folder``; the paths."""
-    paths.append(place / "summary.json")
-    files = [str(folder / path.name) for path in paths]
-    write_json(paths[-1], {**summary, "files": files})
-    return files
 
 
 def write_csv(path: Path, columns: dict[str, object]) -> None:

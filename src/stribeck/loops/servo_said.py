@@ -10,29 +10,29 @@ import numpy as np
 from stribeck.constants import DECIDED
 from stribeck.control.gains import Condition
 from stribeck.errors import left_out
+from stribeck.files import write_summary
 from stribeck.loops.lyapunov import Along
 from stribeck.loops.servo import ServoDesign
-from stribeck.report import chapters, plots
-from stribeck.report.files import write_figure, write_summary
-from stribeck.report.overview import overview
-from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.mouth import page, plots
+from stribeck.mouth.document import Chapter, Document, Figure, FigureSvg, Table
+from stribeck.scenario import said as of_scenario
+from stribeck.simulation.drawing import overview
 
 
 def write_servo(found: ServoDesign, summary: Mapping[str, object], folder: Path, command: str = "") -> list[str]:
     """Write gains.svg and plot.svg (with PNG and PDF), report.html and, last, summary.json; the paths."""
     solution, paths = found.solution, list[Path]()
     with left_out("the plots and the page"):
-        figures = [_along(found.along)] if found.along is not None else []
+        figures: list[Figure | FigureSvg] = [_along(found.along)] if found.along is not None else []
         figures.append(overview({solution.scenario.name: solution}))
-        paths = [path for figure in figures for path in write_figure(figure, folder)]
         text, tables = _conditions(found)
         derivation = f"dV/dt = {summary['derivative']}"
         chapter = Chapter("conditions", "Conditions and proof", text, tables, code=derivation)
-        pages = [chapter, *chapters.plots(figures), chapters.of_scenario(solution.scenario)]
+        pages = [chapter, Chapter("plots", "Plots", figures=figures), of_scenario.file(solution.scenario)]
         word = {True: "is proved", False: "is refuted", None: "is not settled"}[found.proof.proven]
-        introduction = [f"That V decreases for |v| up to {found.gains.v_max:.4g} m/s {word}."]
+        lead = f"that V decreases for |v| up to {found.gains.v_max:.4g} m/s {word}"
         title = f"{solution.scenario.name}: do these gains hold?"
-        paths.append(chapters.write_page(folder, title, introduction, pages, command))
+        paths = page.write(Document(title, lead, (), pages), folder, command)
     return write_summary(paths, folder, folder, summary)
 
 

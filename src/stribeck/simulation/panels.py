@@ -1,13 +1,47 @@
-"""The panels of a machine: two for each body, contact, motor and controller, one for each link and load."""
+"""The panels of a figure: what each shows, and which ones a machine wants."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from stribeck.machine.system import MachineSystem
-from stribeck.report.panels import ENERGY, Panel
 
 
-def panels(machine: MachineSystem) -> tuple[Panel, ...]:
-    """What is worth seeing of a machine, in the order of reading."""
+@dataclass(frozen=True)
+class Panel:
+    """One panel: a quantity against another, under a title of words.
+
+    Attributes:
+        y: the quantity drawn, for every solution.
+        title: what it is, in words; ``axis``: what it and ``beside`` are, for the label; ``also``: and what ``beside`` is.
+        x: what it is drawn against.
+        beside: quantities of the same unit drawn with it: a setpoint, a driving force.
+        alone: draw ``beside`` only where there is one solution, as it differs from one to the other.
+        near_rest: stretch the horizontal axis around 0, where it reaches far.
+        log: a logarithmic vertical axis.
+        settled: the vertical axis shows the second half of the time; a transient may leave it.
+    """
+
+    y: str
+    title: str
+    x: str = "t"
+    also: str = ""
+    axis: str = ""
+    beside: tuple[str, ...] = ()
+    alone: bool = False
+    near_rest: bool = False
+    log: bool = False
+    settled: bool = False
+
+
+ENERGY = Panel(
+    "E_in", "energy put in", also=", dissipated, stored", axis="energy", beside=("E_dissipated", "E_stored"), alone=True
+)
+
+
+def of_machine(machine: MachineSystem) -> tuple[Panel, ...]:
+    """What is worth seeing of a machine, in the order of reading: two panels for each body, contact, motor and controller,
+    one for each link and load."""
     found: list[Panel] = []
     followed = {each.measures: each.name for each in machine.controllers} | {x.on: x.name for x in machine.drives}
     for body in machine.bodies:
@@ -16,7 +50,7 @@ def panels(machine: MachineSystem) -> tuple[Panel, ...]:
             title = f"{body.name} (tied to it: {', '.join(tied)})" if tied else body.name
             beside = (f"{followed[body.name]}.r",) if body.name in followed else ()
             also = f", and what {followed[body.name]} is to follow" if beside else ""
-            found.append(Panel(f"{body.name}.y", f"{title}: position", also=also, beside=beside))
+            found.append(Panel(f"{body.name}.y", f"{title}: position", also=also, axis="position", beside=beside))
             found.append(Panel(f"{body.name}.v", f"{body.name}: velocity"))
             found += [Panel(f"{body.name}.{s.name}", f"{body.name}: {s.meaning}") for s in body.plant.states]
     for contact in machine.contacts:

@@ -9,18 +9,19 @@ import numpy as np
 
 from stribeck.constants import DECIDED, SHOWN
 from stribeck.errors import StribeckError
+from stribeck.laws import said as of_law
 from stribeck.laws.base import Law
+from stribeck.mouth import page, plots
+from stribeck.mouth.document import Chapter, Document, Figure, FigureSvg, Table
+from stribeck.mouth.quantities import Quantity, scale
 from stribeck.properties import Verdict, Verdicts
 from stribeck.properties.ports import MachineVerdicts
+from stribeck.properties.steepness_figure import steepness_figure
 from stribeck.properties.verdicts import ranges_in_words
-from stribeck.report import chapters, plots
-from stribeck.report.files import write_figure
-from stribeck.report.overview import overview
-from stribeck.report.page import Chapter, FigureSvg, Table
-from stribeck.report.quantities import Quantity, scale
-from stribeck.report.steepness import steepness_figure
 from stribeck.scenario import Scenario
+from stribeck.scenario import said as of_scenario
 from stribeck.simulation import simulate
+from stribeck.simulation.drawing import overview
 
 _MEANING = {
     "unique": "one z(t) for every v(t)",
@@ -45,7 +46,7 @@ def write_check(verdicts: Verdicts, folder: Path, command: str = "") -> list[Pat
         text = [f"{name}: k_v = {each.k_v!r}" for name, each in verdicts.steepness.items()]
         found.insert(0, Chapter("steepness", "The smallest k_v", text, figures=needed))
     found.append(Chapter("curve", "Friction at held speeds", figures=[curve]))
-    found += [*replays_chapter(replays, "replays", "The counterexamples"), chapters.of_law(law)]
+    found += [*replays_chapter(replays, "replays", "The counterexamples"), of_law.chapter(law)]
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if law.rotary else 'm/s'}" if verdicts.v_max else ""
     named = {
         holds: ", ".join(name.replace("_", "-") for name, v in verdicts.properties.items() if v.holds is holds)
@@ -53,23 +54,20 @@ def write_check(verdicts: Verdicts, folder: Path, command: str = "") -> list[Pat
     }
     others = [f"{word}: {named[x]}." for word, x in (("Refuted", False), ("Undecided", None)) if named[x]]
     introduction = [" ".join([f"Proved{limit}: {named[True] or 'none of the five properties'}.", *others])]
-    paths = [path for figure in (curve, *needed, *replays) for path in write_figure(figure, folder)]
-    return [*paths, chapters.write_page(folder, f"What {law.name} guarantees", introduction, found, command)]
+    return page.write(Document(f"What {law.name} guarantees", introduction[0].rstrip("."), (), found), folder, command)
 
 
 def write_machine_check(found: MachineVerdicts, scenario: Scenario, folder: Path, command: str = "") -> list[Path]:
     """Write report.html and the replays into the folder; the paths."""
-    made, figures = [_whole(found)], []
+    made = [_whole(found)]
     for name, verdicts in found.contacts.items():
         made.append(verdicts_chapter(verdicts, f"contact-{name}", f"Contact {name}: {verdicts.law.name}"))
         made.append(evidence(verdicts, f"evidence-{name}", f"Evidence for {name}"))
         own = [f for n, v in verdicts.properties.items() if (f := replay_figure(n, v, name)) is not None]
         made += replays_chapter(own, f"replays-{name}", f"Counterexamples of {name}")
-        figures += own
-    made += chapters.of_laws(scenario)
-    paths = [path for figure in figures for path in write_figure(figure, folder)]
-    introduction = [f"Passive at its ports: {SHOWN[found.passive]}: {found.why}."]
-    return [*paths, chapters.write_page(folder, f"What {found.name} guarantees", introduction, made, command)]
+    made += of_scenario.laws(scenario)
+    lead = f"Passive at its ports: {SHOWN[found.passive]}: {found.why}"
+    return page.write(Document(f"What {found.name} guarantees", lead, (), made), folder, command)
 
 
 def _whole(found: MachineVerdicts) -> Chapter:
@@ -101,7 +99,7 @@ def verdicts_chapter(verdicts: Verdicts, key: str = "verdicts", title: str = "Ve
     return Chapter(key, title, text, [Table(head, rows, prose=True)])
 
 
-def replays_chapter(figures: Sequence[FigureSvg], key: str, title: str) -> list[Chapter]:
+def replays_chapter(figures: Sequence[Figure], key: str, title: str) -> list[Chapter]:
     """A chapter of counterexamples, where there are any."""
     text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
     return [Chapter(key, title, text, figures=figures)] if figures else []
@@ -141,7 +139,7 @@ def _curve(law: Law) -> FigureSvg:
         return plots.finish(made, "curve", "The friction force when a speed is held.", pdf=True)
 
 
-def replay_figure(name: str, verdict: Verdict, of: str = "") -> FigureSvg | None:
+def replay_figure(name: str, verdict: Verdict, of: str = "") -> Figure | None:
     """The motion of a counterexample; None where there is none that can be shown."""
     if verdict.holds is not False or verdict.scenario is None:
         return None

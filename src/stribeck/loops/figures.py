@@ -9,9 +9,9 @@ import numpy as np
 from stribeck.loops.boundary import PathVerdicts
 from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.moves import Tracked
-from stribeck.report import plots
-from stribeck.report.page import FigureSvg
-from stribeck.report.quantities import prefixed
+from stribeck.mouth import plots
+from stribeck.mouth.cells import prefixed
+from stribeck.mouth.document import FigureSvg
 
 VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
 from stribeck.errors import needed
-from stribeck.report.page import FigureSvg
-from stribeck.report.readout import marked
+from stribeck.mouth.document import Figure as Picture
+from stribeck.mouth.document import FigureSvg
+from stribeck.mouth.readout import marked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -206,6 +207,12 @@ def key(axis: Axes, names: Sequence[str], beside: int) -> None:
 def finish(made: Figure, name: str, caption: str, pdf: bool = False) -> FigureSvg:
     """The drawn figure as SVG and PNG (and PDF) under a name, with its caption. Call within :func:`style`."""
     return FigureSvg(name, svg(made), caption, *prints(made, pdf))
+
+
+def drawn(figure: Picture) -> FigureSvg:
+    """A document's figure as SVG, PNG and PDF."""
+    with style():
+        return finish(figure.draw(), figure.name, figure.caption, pdf=True)
 
 
 def prints(made: Figure, pdf: bool) -> tuple[bytes, bytes]:

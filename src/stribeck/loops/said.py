@@ -8,19 +8,19 @@ from pathlib import Path
 import tomli_w
 
 from stribeck.errors import left_out
-from stribeck.files import together, write_text
+from stribeck.files import together, write_summary, write_text
 from stribeck.loops import Design
+from stribeck.loops import figures as drawings
 from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult, with_compensation
 from stribeck.loops.judge import Judgement
 from stribeck.loops.starts import Start, kinds
 from stribeck.machine.elements.controllers import Controller
-from stribeck.report import chapters, design_figures
-from stribeck.report.cells import digits
-from stribeck.report.files import write_figure, write_summary
-from stribeck.report.page import Chapter, FigureSvg, Table
-from stribeck.report.quantities import human
+from stribeck.mouth import page
+from stribeck.mouth.cells import digits, human
+from stribeck.mouth.document import Chapter, Document, FigureSvg, Table
 from stribeck.scenario import Scenario
+from stribeck.scenario import said as of_scenario
 from stribeck.scenario.moved import moved
 
 _MEANING = {
@@ -47,14 +47,12 @@ def write_design(found: Design, summary: dict[str, object], folder: Path, comman
         if found.excess is not None and found.excess.counterexample is not None:
             paths.append(_excess(found.excess.counterexample, place, folder))
         with left_out("the plots and the page"):
-            figures = [design_figures.tracking(found.tracked, position_unit(found))]
-            figures += [design_figures.line(line, i) for i, line in enumerate(found.lines)]
+            figures = [drawings.tracking(found.tracked, position_unit(found))]
+            figures += [drawings.line(line, i) for i, line in enumerate(found.lines)]
             if found.compensations:
-                figures.append(design_figures.motions(found.compensations, found.moves.period, position_unit(found)))
-                figures.append(design_figures.shares(found.compensations, _unit(found, found.judgement.body)))
-            for figure in figures:
-                paths += write_figure(figure, place)
-            paths.append(_page(found, figures, place, command))
+                figures.append(drawings.motions(found.compensations, found.moves.period, position_unit(found)))
+                figures.append(drawings.shares(found.compensations, _unit(found, found.judgement.body)))
+            paths += page.write(_page(found, figures), place, command)
         return write_summary(paths, place, folder, summary)
 
 
@@ -107,7 +105,7 @@ def _controllers(found: Design) -> tuple[Controller, ...]:
     return rig.machine.controllers
 
 
-def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: str) -> Path:
+def _page(found: Design, figures: Sequence[FigureSvg]) -> Document:
     scenario = found.loop.scenario
     made = [_verdict(found), _starts(found), _errors(found)]
     if found.lines:
@@ -120,14 +118,14 @@ def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: st
         made.append(Chapter("boundaries", "Where the verdict changes", text, tables))
     if found.compensations:
         made.append(_compensations(found))
-    made += chapters.plots(figures)
-    made.append(chapters.of_scenario(scenario))
-    lead = [f"{sentence(found).capitalize()}."]
+    made.append(Chapter("plots", "Plots", figures=figures))
+    made.append(of_scenario.file(scenario))
+    lead = [sentence(found)]
     if len(kinds(found.starts, found.judgement)) > 1:
         lead.append(
             f"{starts_sentence(found.starts, found.judgement, _unit(found, found.judgement.body)).capitalize()}."
         )
-    return chapters.write_page(folder, f"{scenario.name}: will it hunt?", lead, made, command)
+    return Document(f"{scenario.name}: will it hunt?", lead[0], lead[1:], made)
 
 
 def _verdict(found: Design) -> Chapter:

@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, examples, simulate
-from stribeck.report import design_figures, overview
-from stribeck.report.quantities import Quantity, prefixed, quantities, scale
+from stribeck.loops import figures as design_figures
+from stribeck.mouth import plots
+from stribeck.mouth.cells import prefixed
+from stribeck.mouth.quantities import Quantity, scale
+from stribeck.simulation import drawing
+from stribeck.simulation.drawing import quantities
 
 pytestmark = pytest.mark.pictures
 
@@ -26,7 +30,8 @@ ROTARY = {
 
 def words(figure):
     """The texts of a figure; the minus sign as a dash."""
-    texts = re.findall(r">([^<>]+)</text>", figure.svg)
+    drawn = plots.drawn(figure)
+    texts = re.findall(r">([^<>]+)</text>", drawn.svg)
     return [text.strip().replace("\N{MINUS SIGN}", "-") for text in texts]
 
 
@@ -60,15 +65,15 @@ def solved():
 
 
 def test_a_spring_shows_its_far_end_and_its_force(solved):
-    found = words(overview.overview({"lugre_sobczyk": solved["stick_slip"]}))
+    found = words(drawing.overview({"lugre_sobczyk": solved["stick_slip"]}))
     assert "position, and the spring's far end" in found
-    assert {"x", "u", "y (m)", "z (µm)", "friction force, and the force of the drive"} <= set(found)
+    assert {"x", "u", "position (m)", "z (µm)", "friction force, and the force of the drive"} <= set(found)
     assert "v (mm/s), logarithmic beyond v_s" in found
     assert not any(re.search(r"\de-?\d", text) for text in found)  # no 1e-3 above an axis
 
 
 def test_pid_shows_setpoint_error_and_control_force(solved):
-    found = words(overview.overview({"lugre_sobczyk": solved["limit_cycle"]}))
+    found = words(drawing.overview({"lugre_sobczyk": solved["limit_cycle"]}))
     assert {"r", "u", "position, and its setpoint", "control error after the transient"} <= set(found)
     q = quantities(solved["limit_cycle"])
     np.testing.assert_array_equal(q["e"].values, solved["limit_cycle"]["y"] - solved["limit_cycle"]["r"])
@@ -76,7 +81,7 @@ def test_pid_shows_setpoint_error_and_control_force(solved):
 
 def test_a_servo_shows_its_desired_course_and_the_late_error(solved):
     solution = solved["servo"]
-    found = words(overview.overview({"servo": solution}))
+    found = words(drawing.overview({"servo": solution}))
     assert {"y_d", "F_hat", "position error after the transient", "V (J)"} <= set(found)
     late = np.abs(solution["e"][solution.t >= 1.0]).max()
     _, unit = prefixed("m", late)
@@ -86,18 +91,18 @@ def test_a_servo_shows_its_desired_course_and_the_late_error(solved):
 
 def test_a_comparison_shows_deviations_and_a_legend_and_one_run_none(solved):
     other = simulate(solved["stick_slip"].scenario.with_changes({"law.k_v": 1e6}))
-    found = words(overview.comparison({"first": solved["stick_slip"], "second": other}))
+    found = words(drawing.comparison({"first": solved["stick_slip"], "second": other}))
     assert {"first", "second", "deviation of y from first", "ΔF (mN)"} <= set(found)
     assert "u" not in found  # which differs from line to line
-    one = words(overview.overview({"the only one": solved["stick_slip"]}))
+    one = words(drawing.overview({"the only one": solved["stick_slip"]}))
     assert one.count("the only one") == 1  # the title
 
 
 def test_a_figure_is_also_a_picture_and_a_document(solved):
-    figure = overview.overview({"a": solved["stick_slip"]})
+    figure = plots.drawn(drawing.overview({"a": solved["stick_slip"]}))
     assert figure.png.startswith(b"\x89PNG")
     assert figure.pdf.startswith(b"%PDF")
-    assert figure.svg == overview.overview({"a": solved["stick_slip"]}).svg
+    assert figure.svg == plots.drawn(drawing.overview({"a": solved["stick_slip"]})).svg
 
 
 @pytest.mark.parametrize(
@@ -109,7 +114,7 @@ def test_a_rotary_machine_has_its_units_everywhere(given, tmp_path):
     assert units["y"] == ("rad", "angle")
     assert units["v"] == ("rad/s", "angular velocity")
     assert units["F"] == ("N m", "friction torque")
-    found = words(overview.overview({"law": solution}))
+    found = words(drawing.overview({"law": solution}))
     assert any(text.startswith("y (") and "rad)" in text for text in found)
     assert "angle" in found
     assert not any(re.search(r"\((m|mm|µm|N|mN|mm/s|m/s)\)", text) for text in found)
@@ -136,7 +141,7 @@ def test_runs_that_failed_stand_in_the_figure_of_verdicts(verdicts, shown):
 
 def test_matplotlib_says_nothing_of_its_own_folders(tmp_path):
     """A line of 350 characters stood on the screen of a user without a home."""
-    words = "from stribeck.report import plots\nwith plots.style():\n    plots.figure([['a']], 2.0)\n"
+    words = "from stribeck.mouth import plots\nwith plots.style():\n    plots.figure([['a']], 2.0)\n"
     told = os.environ | {"MPLCONFIGDIR": str(tmp_path / "file" / "below")}
     (tmp_path / "file").touch()
     done = subprocess.run([sys.executable, "-c", words], env=told, capture_output=True, text=True, check=True)

@@ -1,0 +1,75 @@
+"""Numbers as text: the only place where a value of a document becomes words."""
+
+from __future__ import annotations
+
+import math
+
+from stribeck.mouth.document import Amount, Cell, Head, Share, Table
+
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
+_NOT_ABOVE_ONE = ("m", "s", "rad", "V")  # nobody reads kilometres, kiloseconds or kiloradians off a plot
+_PREFIXED = (*_NOT_ABOVE_ONE, "N", "Pa", "J", "W", "A", "Hz")
+_LEAST = 0.5  # what the largest number of an axis is at least, in its unit
+
+
+def prefixed(unit: str, largest: float) -> tuple[float, str]:
+    """The factor and the unit in which numbers up to ``largest`` are short: mm for what is below half a metre."""
+    base = unit.partition("/")[0].partition(" ")[0].partition("^")[0]
+    if base not in _PREFIXED or not 0 < largest < math.inf:
+        return 1.0, unit
+    top = 1.0 if base in _NOT_ABOVE_ONE else _PREFIXES[0][0]
+    fitting = [(factor, name) for factor, name in _PREFIXES if factor <= top]
+    factor, name = next(((f, n) for f, n in fitting if largest >= _LEAST * f), fitting[-1])
+    return factor, name + unit
+
+
+def human(x: float, unit: str, count: int = 3) -> str:
+    """A number of so many digits in a unit that keeps it short: ``0.0642`` m is ``64.2 mm``."""
+    factor, name = prefixed(unit, abs(x))
+    return f"{x / factor:.{count}g} {name}".rstrip()
+
+
+def in_prefix(unit: str, first: float, *others: float) -> tuple[float | str, ...]:
+    """Numbers in the prefix that keeps the first one short, and the unit with it: the end of a row."""
+    factor, name = prefixed(unit, abs(first))
+    return (*(x / factor for x in (first, *others)), name or "1")
+
+
+def digits(x: float | None, unknown: str = "-", count: int = 6) -> str:
+    """A number with so many digits; ``unknown`` where there is none."""
+    return unknown if x is None or math.isnan(x) else f"{x:.{count}g}"
+
+
+def percent(share: float | None, places: int | None = None) -> str:
+    """A share as a percentage with three digits, or with so many places."""
+    if share is None or not math.isfinite(share):
+        return "-"
+    return f"{100 * share:.3g} %" if places is None else f"{100 * share:.{places}f} %"
+
+
+def text(cell: Cell, count: int = 6) -> str:
+    """The text of a cell; a plain number has so many digits."""
+    if isinstance(cell, Amount):
+        return "-" if cell.value is None or math.isnan(cell.value) else human(cell.value, cell.unit, cell.digits)
+    if isinstance(cell, Share):
+        return percent(cell.value, cell.places)
+    if isinstance(cell, str | int):
+        return str(cell)
+    return digits(cell, count=count)
+
+
+def texts(table: Table, where: str) -> tuple[list[str], list[list[str]], list[bool]]:
+    """The titles and rows that a table shows in a place, as text, and which columns hold words and stand to the left."""
+    given = [c if isinstance(c, Head) else Head(c) for c in table.columns]
+    shown = [i for i, column in enumerate(given) if where in column.on]
+    rows = [[text(row[i], given[i].digits) for i in shown if i < len(row)] for row in table.rows]
+    words = [any(not _is_number(row[i]) for row in table.rows if i < len(row)) for i in shown]
+    return [given[i].title for i in shown], rows, words
+
+
+def _is_number(cell: Cell) -> bool:
+    """Whether a cell stands to the right: a number, nothing, or text that begins as one and has no words."""
+    if not isinstance(cell, str):
+        return True
+    head = cell.removesuffix("%").strip().lstrip("+-~\N{MINUS SIGN}")
+    return head in ("", "open", "given", "any", "nan", "inf") or (head[0].isdigit() and " " not in head)

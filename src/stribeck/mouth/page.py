@@ -1,0 +1,96 @@
+"""The self-contained HTML page of a document."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+
+from stribeck.errors import needed
+from stribeck.files import write_text, write_with
+from stribeck.mouth import plots
+from stribeck.mouth.cells import texts
+from stribeck.mouth.document import Chapter, Document, Figure, FigureSvg
+from stribeck.version import __version__
+
+
+def in_script(data: object) -> str:
+    """Data as JSON that may stand in a script of HTML: nothing in it ends that, or opens another."""
+    return json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+
+
+def _whole(text: str) -> str:
+    """The text as HTML; options of commands are not broken behind their dashes."""
+    from markupsafe import Markup, escape
+
+    shown = str(escape(text)).replace("\n", "<br>")
+    return Markup(re.sub(r"--[\w-]+", r'<span class="whole">\g<0></span>', shown))
+
+
+def write(document: Document, folder: Path, command: str = "", name: str = "report.html") -> list[Path]:
+    """Write the figures of a document as SVG, PNG and PDF, and its page, which stands alone; the paths, last the page."""
+    drawn = {
+        figure.name: plots.drawn(figure) if isinstance(figure, Figure) else figure
+        for chapter in document.chapters if "page" in chapter.on for figure in chapter.figures
+    }  # fmt: skip
+    paths = [path for figure in drawn.values() for path in write_figure(figure, folder)]
+    chapters = [
+        replace(chapter, figures=[drawn[figure.name] for figure in chapter.figures])
+        for chapter in document.chapters
+        if "page" in chapter.on
+    ]
+    introduction = [f"{document.lead[:1].upper()}{document.lead[1:]}.", *(_sentence(text) for text in document.facts)]
+    about = f"Stribeck {__version__}" + (f", {command}" if command else "")
+    path = folder / name
+    write_text(path, html(document.title, about, introduction, chapters, command, document.next))
+    return [*paths, path]
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}" + ("" if text.endswith((".", "!", "?", ":")) else ".")
+
+
+def write_figure(figure: FigureSvg, folder: Path) -> list[Path]:
+    """The figure as SVG, PNG and PDF under its name."""
+    paths = [folder / f"{figure.name}.{kind}" for kind in ("svg", "png", "pdf")]
+    write_text(paths[0], figure.svg)
+    for path, data in zip(paths[1:], (figure.png, figure.pdf), strict=True):
+        write_with(path, lambda beside, data=data: beside.write_bytes(data))  # type: ignore[misc]
+    return paths
+
+
+def html(
+    title: str,
+    about: str,
+    introduction: Sequence[str],
+    chapters: Sequence[Chapter],
+    command: str = "",
+    following: tuple[str, str] | None = None,
+) -> str:
+    """The page: nothing in it is fetched from elsewhere.
+
+    Args:
+        command: what a button copies.
+        following: the command that comes next, and what for.
+    """
+    with needed("a page"):
+        import jinja2
+
+    template, script = (
+        files("stribeck.mouth").joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "page.js")
+    )
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
+    environment.filters["whole"] = _whole
+    return environment.from_string(template).render(
+        title=title,
+        about=about,
+        introduction=introduction,
+        chapters=chapters,
+        command=command,
+        next=following,
+        script=script,
+        texts=lambda table: texts(table, "page"),
+    )

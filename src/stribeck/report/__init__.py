@@ -1,1 +1,0 @@
-"""Files that people and tools read: tables, plots and pages."""
