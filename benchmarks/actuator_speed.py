@@ -43,7 +43,7 @@ def machine(load: float, t: np.ndarray, push: np.ndarray) -> Scenario:
 def rates(
     t: float, x: np.ndarray, p: dict[str, float], load: float, times: np.ndarray, push: np.ndarray
 ) -> list[float]:
-    """The drive's equations, written apart: docs/machines.md in plain floats."""
+    """The drive's equations, written apart: docs/reference/machines.md in plain floats."""
     y, v, arm, speed, z = x
     span, half = y - arm, 1e-3
     elastic = p["links.gear.stiffness"] * (span - min(max(span, -half), half))

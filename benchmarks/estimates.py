@@ -36,7 +36,7 @@ from stribeck.identify.models.record import record_of
 from stribeck.identify.models.static_problem import rows_of
 
 RESULTS = Path(__file__).parent / "results" / "estimates.json"
-PAGE = Path(__file__).parent.parent / "docs" / "fit-evidence.md"
+PAGE = Path(__file__).parent.parent / "docs" / "evidence" / "static-fits.md"
 NAMES, SPEED = {"time": "t", "position": "y", "force": "F"}, {"time": "t", "velocity": "v", "force": "F"}
 OF_ALL = ("mass", "offset", "F_c", "sigma_2")
 FAMILIES = {
@@ -211,12 +211,12 @@ ASKED = {
 
 
 def page(kept: dict[str, Any]) -> str:
-    """docs/fit-evidence.md, of the counts."""
+    """docs/evidence/static-fits.md, of the counts."""
     lines = [
-        "# Evidence: static fits",
+        "# Static fits: do intervals contain the truth?",
         "",
-        "Counts of `benchmarks/estimates.py` on seeds that no choice was made on. `docs/fit.md` says what the words mean.",
-        "This page is made by `python benchmarks/estimates.py --page`.",
+        "Counts on synthetic records with seeds unused in development. `python benchmarks/estimates.py --page` makes this page.",
+        "[Read an interval](../howto/read-an-interval.md) explains interval, model range and levels.",
         "",
         "| records | seeds | estimates | interval holds | range holds | usable | levels | range holds | usable | half width |",
         "|---|---|---|---|---|---|---|---|---|---|",
@@ -251,7 +251,7 @@ def page(kept: dict[str, Any]) -> str:
         )
     lines += [
         "",
-        "The error on further motions, beside the best plain fit (least squares, tanh-Stribeck) of each motion:",
+        "The error on further motions, over that of the best plain fit (least squares, tanh-Stribeck) of each motion:",
         "",
     ]
     lines += [
@@ -271,7 +271,7 @@ def main() -> None:
     """Run the families that are asked for; print and write the counts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("families", nargs="*", metavar="FAMILY", help=", ".join(ASKED))
-    parser.add_argument("--page", action="store_true", help="write docs/fit-evidence.md of what was counted")
+    parser.add_argument("--page", action="store_true", help="write docs/evidence/static-fits.md of what was counted")
     parser.add_argument("--first", type=int, default=70000)
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--out", type=Path, default=RESULTS)

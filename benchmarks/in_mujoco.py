@@ -56,8 +56,8 @@ def load(way: str, integrator: str, step: float) -> tuple[Any, Any]:
 
 @lru_cache(maxsize=1)
 def in_c() -> ctypes.CDLL:
-    """The callback of docs/tools.md with the exported C, compiled."""
-    document = Path(__file__).parent.parent / "docs" / "tools.md"
+    """The callback of docs/reference/tools.md with the exported C, compiled."""
+    document = Path(__file__).parent.parent / "docs" / "reference" / "tools.md"
     (code,) = re.findall(r"```c\n(.*?)```", document.read_text(encoding="utf-8"), re.S)
     folder, home = Path(tempfile.mkdtemp()), Path(mujoco.__file__).parent
     export(stribeck.law("lugre", "canudas1995"), "c", folder)

@@ -1,7 +1,7 @@
 """Is a verdict of ``stribeck check`` ever wrong? Laws written to mislead it, and built-in laws with random and extreme constants.
 
 The truth of the former is derived by hand (tests/properties/nasty); that of the latter follows from the exact
-conditions of docs/theory.md, evaluated here with rational numbers. A counterexample to passivity is integrated anew.
+conditions of docs/explanation/theory.md, evaluated here with rational numbers. A counterexample to passivity is integrated anew.
 
     python benchmarks/verdicts.py [--sets 20] [--seed 0] [--nasty | --builtin] [--list]
     python benchmarks/verdicts.py --builtin --results benchmarks/results/verdicts.json --seconds 150   # again until it is done

@@ -23,6 +23,8 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "commands",
     "explorer",
+    "evidence",
+    "reference",
 ]
 exclude_patterns = ["_build", "gallery", "made/gallery/*.ipynb", "made/gallery/*.py", "**sg_execution_times.rst"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}

@@ -1,4 +1,4 @@
-"""docs/architecture.md against the tree: every room is there, in the order of the imports."""
+"""docs/explanation/architecture.md against the tree: every room is there, in the order of the imports."""
 
 import re
 import tomllib
@@ -7,7 +7,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 SOURCE = ROOT / "src" / "stribeck"
-PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
 DRAWING = PAGE.split("```")[1]
 
 

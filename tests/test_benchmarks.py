@@ -53,21 +53,6 @@ def test_results_say_when_and_where(name):
     assert {"date", "processor", "cores", "load", "compiler", "versions"} <= results["machine"].keys()
 
 
-def test_the_page_on_machines_states_what_was_measured():
-    import json
-    from pathlib import Path
-
-    root = Path(__file__).parent.parent
-    measured = json.loads((root / "benchmarks" / "results" / "machines.json").read_text())["two_masses"]
-    page = (root / "docs" / "machines.md").read_text(encoding="utf-8")
-    names = {"stribeck": "Stribeck", "CasADi CVODES": "CasADi (CVODES)"}
-    rows = [row for row in measured if row.get("seconds")]
-    assert len(rows) == 4
-    for row in rows:
-        name = names.get(row["solver"], row["solver"])
-        assert f"| {name} | {1e3 * row['seconds']['median']:.3g} | {row['against_stribeck']:.3g} |" in page
-
-
 def test_a_benchmark_s_own_imports_exist():
     """One imported a neighbour by a name that it no longer had."""
     here = {path.stem for path in FOLDER.glob("*.py")}

@@ -47,7 +47,7 @@ BESIDE_THE_ROOMS = {
     "reference": "reference trajectories and published numbers, by others",
     "stories": "what README promises to each kind of reader",
     "site": "docs/, the site: its references, links, examples",
-    "theory": "docs/theory.md, step by step",
+    "theory": "docs/explanation/theory.md, step by step",
     "verify": "src/stribeck_verify, the independent checker",
 }
 TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}
@@ -152,6 +152,6 @@ def test_tests_mirror_the_rooms():
 
 
 def test_the_architecture_shows_every_room():
-    shown = (SOURCE.parent.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    shown = (SOURCE.parent.parent / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
     rooms = {f"{p.name}/" for p in SOURCE.iterdir() if (p / "__init__.py").is_file()}
     assert not (missing := {room for room in rooms if f"`{room}`" not in shown}), missing

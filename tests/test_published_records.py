@@ -1,4 +1,4 @@
-"""The table of docs/fit.md: each row's command run as it stands, and its numbers compared."""
+"""The table of docs/evidence/records.md: each row's command run as it stands, and its numbers compared."""
 
 import json
 import re
@@ -11,8 +11,8 @@ from stribeck.cli import _status
 from tests.shared import SHARED
 
 DATA = SHARED / "data"
-PAGE = (Path(__file__).parent.parent / "docs" / "fit.md").read_text(encoding="utf-8")
-TABLE = PAGE[PAGE.index("## Published records") : PAGE.index("EMPS: Janot")]
+PAGE = (Path(__file__).parent.parent / "docs" / "evidence" / "records.md").read_text(encoding="utf-8")
+TABLE = PAGE[PAGE.index("    E='") : PAGE.index("EMPS: Janot")]
 ROWS = re.findall(r"^\| `([^`]*)` \| (.*) \|$", TABLE, re.M)
 SHORT = dict(re.findall(r"^    ([A-Z]+)='(.*)'$", TABLE, re.M))
 

@@ -32,7 +32,7 @@ def chapter(done: Done) -> Chapter:
         "does not meet LuGre's own condition for passivity, sigma_1 (F_s - F_c) <= sigma_2 F_c (158 against 0.4 N s/m), so no "
         "law of its kind is passive with it at every speed; the last column is the speed up to which each one is (by sampling; - "
         "where it was not found in time).",
-        "docs/theory.md has the proofs; stribeck check decides for parameters of your own.",
+        "docs/explanation/theory.md has the proofs; stribeck check decides for parameters of your own.",
     )
     matrix = Table(["law", *NAMES, "passive for |v| up to (m/s)"], [_row(name, v) for name, v in verdicts.items()])
     numbers: dict[str, object] = {

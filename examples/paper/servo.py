@@ -115,7 +115,7 @@ def _text(
     off = {n: abs(_adaptation(worst)[n] - 1) for n in ("sigma_0", "sigma_1", "sigma_2", "F_c")}
     return (
         "The paper proves that a cascade controller with its law as friction observer tracks without error, and shows no "
-        "simulation. Its equations, with the printing errors put right, stand in docs/servo.md; the plant is illustrative.",
+        "simulation. Its equations, with the printing errors put right, stand in the documentation; the plant is illustrative.",
         f"Where plant and observer follow the same law the error falls to {matched:.0e} m, the solver's floor; without "
         f"compensation it is {1e3 * none:.0f} mm. A plant under lugre is the honest case: no observer with dF/dt equals "
         "it. On the sine the majorant reaches the floor where the paper's law keeps an error in proportion to 1/k_v; at "
@@ -132,7 +132,7 @@ def _text(
         f"{min(n['last'] for n in numbers):.0e} to {max(n['last'] for n in numbers):.0e} m remain. What bounds them are the "
         "parameters that the path excites weakly: in the worst case "
         + ", ".join(f"{name} is off by {100 * x:.1f} %" for name, x in off.items())
-        + ". On the sine, which excites all of them, error and parameters go on converging exponentially (docs/servo.md).",
+        + ". On the sine, which excites all of them, error and parameters go on converging exponentially (the documentation).",
     )
 
 

@@ -12,6 +12,7 @@ from stribeck_verify import verify
 from tests.properties.test_ports import machine
 
 ROOT = Path(__file__).parents[2]
+
 MY_SET = {"sigma_0": 2e4, "sigma_1": 30.0, "sigma_2": 12.0, "F_c": 2.0, "F_s": 2.7, "v_s": 4e-3}
 MY_LAW = """
 from stribeck.expressions.ops import sqrt
@@ -104,17 +105,27 @@ def test_bad_input_is_one_line_and_nothing_else(stribeck, words, text):
     assert text in result.err.splitlines()[-1]
 
 
+QUESTIONS = """\
+check lugre_sobczyk --parameters canudas1995 --set k_v=1e7 --out found
+run found/passive.toml
+check lugre --parameters canudas1995 --v-max 0.03
+check lugre --parameters canudas1995 --set sigma_2=200
+check lugre_majorant --parameters my_set.toml --set k_v=1e6 --verify
+check lugre --parameters canudas1995 --certificate proofs.json
+check mylaw.py:MyLaw --parameters canudas1995
+check lugre --parameters canudas1995 --level 1:2 --out swung
+check robot_joint.toml --force gear=40 --out joint
+"""
+
+
 @pytest.mark.thorough
-def test_the_commands_of_the_page(stribeck, tmp_path, monkeypatch):
-    """Each as it stands, in the order of the page, and what it shows."""
+def test_the_questions_that_it_answers(stribeck, tmp_path, monkeypatch):
+    """Each way to ask, and what it shows."""
     monkeypatch.chdir(tmp_path)
     Path("mylaw.py").write_text(MY_LAW)
     Path("my_set.toml").write_text("[parameters]\n" + "\n".join(f"{n} = {x}" for n, x in MY_SET.items()))
     Path("robot_joint.toml").write_text(dumps(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.1}])))
-    page = (ROOT / "docs" / "check.md").read_text()
-    lines = [line.partition("#")[0].split()[1:] for line in page.split("```sh\n")[1].split("```")[0].splitlines()]
-    assert len(lines) == 9
-    results = [stribeck(*words) for words in lines]
+    results = [stribeck(*line.split()) for line in QUESTIONS.splitlines()]
     assert [r.status for r in results] == [0] * 9
     found, run, slow, damped, proved, written, own, swung, joint = (r.out for r in results)
     assert re.search(r"passive +no +a cycle", found)

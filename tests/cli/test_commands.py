@@ -71,7 +71,7 @@ def test_compare_refuses_a_bad_law(stribeck, scenario, law, line):
 
 def test_a_law_of_the_users_own(stribeck, scenario):
     example = re.search(
-        r"```python\n(.*?)```", (examples.path("x").parents[3] / "docs" / "adding-a-law.md").read_text(), re.S
+        r"```python\n(.*?)```", (examples.path("x").parents[3] / "docs" / "howto" / "own-law.md").read_text(), re.S
     )
     (scenario.parent / "mylaw.py").write_text(example[1])
     result = stribeck("run", scenario, "--json", "--set", "law.name=mylaw.py:RootLuGre")

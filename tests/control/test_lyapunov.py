@@ -48,7 +48,7 @@ def test_the_errors_obey_the_closed_loop():
 
 
 def test_the_derivative_of_the_adaptive_loop(monkeypatch):
-    """dV_a/dt of docs/servo.md from the equations that are simulated, without the projection."""
+    """dV_a/dt of docs/explanation/servo.md from the equations that are simulated, without the projection."""
     monkeypatch.setattr(observer, "projected", lambda value, rate, bound: rate)
     v, z, s, A_p_err, K, K_D, w_n, drive, true_g = sympy.symbols("v z s A_p_err K K_D w_n S_1v g")
     sigmas = ("sigma_0", "sigma_1", "sigma_2")

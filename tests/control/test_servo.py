@@ -128,7 +128,7 @@ def test_V_never_rises_where_the_argument_is_exact():
 @needs_compiler
 @pytest.mark.parametrize(("factor", "middle", "late"), [(0.5, 1e-6, 1e-8), (1.5, 5e-6, 3e-7)])
 def test_adaptation_recovers(factor, middle, late):
-    """On the sine every parameter is found, and the error goes on falling exponentially: docs/servo.md has its figures."""
+    """On the sine every parameter is found, and the error goes on falling exponentially."""
     wrong = half(factor, solve__t_end=2000.0, output__step=0.1)
     fixed = last(solved(**{**wrong, "drive__adaptive": False, "solve__t_end": 20.0}))
     assert 0.016 < fixed < 0.021

@@ -15,7 +15,7 @@ ca = pytest.importorskip("casadi")
 
 SMOOTH = [name for name, law in builtin().items() if law.claims.smooth]
 STATIC = [name for name, law in builtin().items() if not law.has_z]
-EXAMPLE = Path(__file__).parent.parent.parent / "docs" / "time_optimal_move.py"
+EXAMPLE = Path(__file__).parent.parent.parent / "docs" / "pictures" / "time_optimal_move.py"
 
 
 def points(law, count=300):

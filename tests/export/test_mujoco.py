@@ -1,6 +1,5 @@
 """The exported models in MuJoCo itself: its own LuGre, and the callback for every law, against Stribeck's simulation."""
 
-import json
 import math
 from pathlib import Path
 
@@ -261,12 +260,3 @@ def test_awkward_names_of_a_users_law(tmp_path):
     data.qvel[0], data.act[0] = 2e-4, 1e-5
     mujoco.mj_forward(model, data)
     assert scope["force"](model, data) == pytest.approx(float(law.force(2e-4, 1e-5)), rel=1e-13)
-
-
-def test_document_quotes_the_benchmark():
-    text = (Path(__file__).parent.parent.parent / "docs" / "tools.md").read_text(encoding="utf-8")
-    for row in json.loads(RESULTS.read_text())["rows"]:
-        errors = (1e3 * row["stick_slip_max_error"], row["break_away_error"], 1e6 * row["drift_error"])
-        cells = " | ".join(f"{x:.0f}" if abs(x) >= 1000 else f"{x:.3g}" for x in errors)
-        cells += f" | {row['microseconds_a_step']:.2g}"
-        assert f"| {row['way']}, {row['integrator']} | {row['step'] * 1e3:g} | {cells} |" in text

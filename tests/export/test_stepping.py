@@ -93,7 +93,7 @@ def hold(step, load, seconds=0.8):
     return z, v
 
 
-# Above this speed dz/dt > 0 under a load r F_s < F_s, and z grows until the force holds it (docs/learning.md).
+# Above this speed dz/dt > 0 under a load r F_s < F_s, and z grows until the force holds it (docs/evidence/learning.md).
 CREEP = {
     "lugre": lambda p, r: 0.0,
     "lugre_majorant": lambda p, r: r / (1 - r) * 2 / (np.pi * p.k_v),

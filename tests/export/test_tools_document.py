@@ -1,4 +1,4 @@
-"""Every command and every Python line of docs/tools.md works as it stands, and says what it says."""
+"""Every command and every Python line of docs/reference/tools.md works as it stands, and says what it says."""
 
 import ctypes
 import re
@@ -15,7 +15,7 @@ from stribeck.cli import _status
 from stribeck.export import export
 
 ROOT = Path(__file__).parent.parent.parent
-TEXT = (ROOT / "docs" / "tools.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "reference" / "tools.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (\S[^\n]*)\n(.*?)(?=^## |\Z)", TEXT, re.S | re.M))
 
 
@@ -121,7 +121,7 @@ def test_jax(capsys):
 
 def test_links_lead_somewhere():
     for link in re.findall(r"\]\((?!http)([^)#]+)\)", TEXT):
-        assert (ROOT / "docs" / link).exists(), link
+        assert (ROOT / "docs" / "reference" / link).exists(), link
 
 
 def test_a_missing_package_is_named_with_the_way_to_get_it(monkeypatch):

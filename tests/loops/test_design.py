@@ -183,19 +183,6 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     assert float(boundary[0]) == pytest.approx(found["boundaries"][-1]["value"], rel=1e-5)
 
 
-@pytest.mark.thorough
-def test_the_commands_of_the_page(tmp_path, monkeypatch):
-    from pathlib import Path
-
-    from stribeck.cli import _status
-
-    monkeypatch.chdir(tmp_path)
-    page = (Path(__file__).parent.parent.parent / "docs" / "design.md").read_text(encoding="utf-8")
-    commands = page.split("```sh\n")[1].split("```")[0].splitlines()
-    assert [_status(command.split()[1:]) for command in commands] == [0, 0, 0]
-    assert json.loads(Path("design/summary.json").read_text())["verdict"] == "quiet"
-
-
 def test_a_set_in_a_file_is_found_from_the_folder_of_the_machine_that_is_written(tmp_path):
     """The command left a machine that looked for it beside itself."""
     import tomli_w

@@ -12,7 +12,7 @@ from stribeck import InputError, Scenario, simulate
 from stribeck.cli import _status
 from stribeck.machine.elements.contacts import Factor, Raise
 from stribeck.machine.elements.controllers import Compensation, Sampling
-from stribeck.machine.elements.cylinder import Piston  # its keys stand in docs/servo.md
+from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.machine import SECTIONS
 from stribeck.machine.reading import family_of
 from stribeck.scenario import schematic
@@ -181,8 +181,8 @@ def test_mistakes(kind, text, folder):
 
 
 def test_the_example_of_the_documentation(tmp_path):
-    """docs/adding-an-element.md: its file and its tables, as they stand."""
-    text = (Path(__file__).parent.parent.parent / "docs" / "adding-an-element.md").read_text(encoding="utf-8")
+    """docs/howto/own-element.md: its file and its tables, as they stand."""
+    text = (Path(__file__).parent.parent.parent / "docs" / "howto" / "own-element.md").read_text(encoding="utf-8")
     python, toml = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("python", "toml"))
     (tmp_path / "elements.py").write_text(python)
     tables = tomllib.loads(toml)
@@ -194,9 +194,9 @@ def test_the_example_of_the_documentation(tmp_path):
 
 @pytest.mark.thorough
 def test_the_machine_of_the_documentation(tmp_path, monkeypatch):
-    """docs/machines.md: its machine, its commands, its Python."""
+    """docs/reference/machines.md: its machine, its commands, its Python."""
     monkeypatch.chdir(tmp_path)
-    text = (Path(__file__).parent.parent.parent / "docs" / "machines.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parent.parent.parent / "docs" / "reference" / "machines.md").read_text(encoding="utf-8")
     toml, shell, python = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("toml", "sh", "python"))
     (tmp_path / "joint.toml").write_text(toml.replace("t_end = 3.0", "t_end = 0.1"))
     for command in shell.splitlines():
@@ -217,9 +217,13 @@ def test_the_machine_of_the_documentation(tmp_path, monkeypatch):
     assert scope["ensemble"].status == ["done"] * 3
 
 
-def test_the_pages_name_every_table_and_key():
-    """docs/machines.md names each key that the reader takes, of every table."""
-    text = (Path(__file__).parent.parent.parent / "docs" / "machines.md").read_text(encoding="utf-8")
+def test_the_reference_lists_every_table_and_key(monkeypatch):
+    """docs/reference/elements.md, made from the schema, has each key that the reader takes, of every table."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parent.parent.parent / "docs" / "_ext"))
+    pytest.importorskip("sphinx")
+    from reference import tables
+
+    text = "".join(tables("elements"))
     kinds = [kind for section in SECTIONS for kind in family_of(section).kinds.values() if kind is not Piston]
     for model in (*kinds, Compensation, Sampling, Raise, Factor):
         for key in model.file_keys():

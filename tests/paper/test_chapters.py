@@ -13,7 +13,7 @@ pytestmark = needs_compiler
 
 @pytest.mark.thorough
 def test_the_matrix(report):
-    """unique, bounded, smooth, passive, drift_free: docs/theory.md, with Table 1."""
+    """unique, bounded, smooth, passive, drift_free: docs/explanation/theory.md, with Table 1."""
     expected = {
         "lugre": "YYNNN",
         "lugre_arctan": "YNYNN",

@@ -10,7 +10,7 @@ from stribeck.laws import builtin, lugre, terms
 from stribeck.laws.base import BristleLaw
 from tests.proofs.coq import FOLDER, compiles, needs_coq, script
 
-DOCS = FOLDER.parent / "docs"
+DOCS = FOLDER.parent / "docs" / "explanation"
 
 
 def test_the_equations_in_coq_are_those_of_the_laws():

@@ -75,7 +75,7 @@ class Escapes(BristleLaw):
 
 
 class Root(BristleLaw):
-    """LuGre with |v| replaced by sqrt(v^2 + 1/k_v^2), as in docs/adding-a-law.md: nothing is wrong with it."""
+    """LuGre with |v| replaced by sqrt(v^2 + 1/k_v^2), as in docs/howto/own-law.md: nothing is wrong with it."""
 
     k_v = K_V
 

@@ -123,7 +123,7 @@ def test_a_set_at_its_very_limit_is_passive(name):
 
 
 def test_arctan_with_damping_that_falls_is_passive_though_z_has_no_bound():
-    """docs/theory.md: sigma_1 v_d/sqrt(2 e) <= 4 F_c suffices. Speeds without bound are covered, z too."""
+    """docs/explanation/theory.md: sigma_1 v_d/sqrt(2 e) <= 4 F_c suffices. Speeds without bound are covered, z too."""
     values = {"sigma_0": 2e8, "sigma_1": 0.35, "sigma_2": 0.0, "F_c": 35.0, "F_s": 93.0, "v_s": 0.24}
     v_d = 4 * np.sqrt(2 * np.e) * 35.0 / 0.35
     assert own_energy_serves(law_with("lugre_arctan", values, v_d=0.9 * v_d))

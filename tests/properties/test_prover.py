@@ -114,7 +114,7 @@ def test_a_law_spelt_otherwise_has_the_same_verdicts(words):
 
 
 def test_a_power_that_is_no_whole_number():
-    """exp(-|v/v_s|^delta): C1 for delta > 1, kinked for delta = 1 (docs/check.md)."""
+    """exp(-|v/v_s|^delta): C1 for delta > 1, kinked for delta = 1 (docs/explanation/check.md)."""
 
     def law(delta):
         def dz_dt(p, v, z):

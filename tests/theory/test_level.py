@@ -1,4 +1,4 @@
-"""The steps of docs/theory.md on a level that varies and on machines, numbered there."""
+"""The steps of docs/explanation/theory.md on a level that varies and on machines, numbered there."""
 
 import pytest
 import sympy as sp

@@ -1,4 +1,4 @@
-"""The steps of the proofs in docs/theory.md, numbered there, from the equations that are simulated.
+"""The steps of the proofs in docs/explanation/theory.md, numbered there, from the equations that are simulated.
 
 SymPy checks identities and limits; python-flint's balls, rounded outward, check inequalities over whole ranges.
 """
@@ -98,7 +98,7 @@ def test_4_sobczyk_is_bounded():
 
 
 def drawn(charged, slow, table, steep):
-    """E(e) of docs/theory.md as numbers: F v/f from 0 to z_0, v = -e/k_v."""
+    """E(e) of docs/explanation/theory.md as numbers: F v/f from 0 to z_0, v = -e/k_v."""
     back, size = -slow / steep, (2 / np.pi) * np.arctan(slow)
     width = (table["F_c"] + (table["F_s"] - table["F_c"]) * np.exp(-((back / table["v_s"]) ** 2))) / table["sigma_0"]
     log = np.log1p(charged / (size * width))

@@ -1,4 +1,4 @@
-"""Steps 27 to 29 of docs/theory.md: what slow unwinding gives back is the least slope of a storage function."""
+"""Steps 27 to 29 of docs/explanation/theory.md: what slow unwinding gives back is the least slope of a storage function."""
 
 from __future__ import annotations
 

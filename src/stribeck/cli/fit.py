@@ -58,7 +58,11 @@ Free = Annotated[
 ]
 Terms = Annotated[
     list[str] | None,
-    typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset, or delay (docs/fit.md)."),
+    typer.Option(
+        "--term",
+        metavar="TERM",
+        help="What the force holds beside mass and offset, or delay (docs/reference/fit-files.md).",
+    ),
 ]
 Cutoff = Annotated[
     float | None,

@@ -1,4 +1,4 @@
-"""The cascade controller of the paper's section 5, with its printing errors put right (docs/servo.md)."""
+"""The cascade controller of the paper's section 5, with its printing errors put right (docs/explanation/servo.md)."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ def observe(law: type[Law] | None, p: SimpleNamespace, K: Value, v: Value, s: Va
 def adapt(
     law: type[Law], p: SimpleNamespace, a: SimpleNamespace, K: Value, v: Value, s: Value, x: dict[str, Value]
 ) -> Observed:
-    """The observer whose parameters are adapted (docs/servo.md): the law is linear in z, ``a`` holds the gains.
+    """The observer whose parameters are adapted (docs/explanation/servo.md): the law is linear in z, ``a`` holds the gains.
 
     a_g multiplies what is linear in z, so it scales 1/g; eta is the sensitivity of z_hat to it, which makes a_g enter
     the error of F_hat linearly, up to terms of second order.

@@ -54,7 +54,7 @@ def fit(
         method: "static" or "dynamic"; by default static for a law without bristles, else dynamic.
         constants: constants of the law that are given (k_v, z_ba, or any other), and terms.
         free: constants of the law's own to fit too (k_v).
-        terms: what the force holds beside friction, mass and offset (docs/fit.md).
+        terms: what the force holds beside friction, mass and offset (docs/reference/fit-files.md).
         forms: whether a static fit may add forms that the law lacks; False fits the law alone.
         filter: "published" is the inverse-dynamics procedure as published, the law alone (static).
         weight: whether a rotary joint's weight is in the model (static).

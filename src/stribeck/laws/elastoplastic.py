@@ -83,7 +83,7 @@ class ElastoPlasticMajorant(_ElastoPlastic):
     """The smooth elasto-plastic law: bounded, passive when LuGre is, free of drift below sigma_0 z_ba."""
 
     name = "elastoplastic_majorant"
-    source = "Stribeck, docs/theory.md"
+    source = "Stribeck, docs/explanation/theory.md"
     claims = Claims(unique=True, bounded=True, smooth=smooth_curve, passive=passive_as_majorant, drift_free=True)
     k_v = K_V
     smooth_abs = SMOOTH_ABS

@@ -81,7 +81,7 @@ class LuGreMajorant(BristleLaw):
     """LuGre with |v| replaced by a smooth majorant m(v) >= |v|: bounded, passive when LuGre is, closest to LuGre."""
 
     name = "lugre_majorant"
-    source = "Stribeck, docs/theory.md"
+    source = "Stribeck, docs/explanation/theory.md"
     claims = Claims(unique=True, bounded=True, smooth=smooth_curve, passive=passive_as_majorant, drift_free=False)
     k_v = K_V
     smooth_abs = SMOOTH_ABS

@@ -64,7 +64,7 @@ def S_2(p: SimpleNamespace, v: Value) -> Value:
 
 @term("m")
 def m(p: SimpleNamespace, v: Value) -> Value:
-    """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + m(0). docs/theory.md has the proofs."""
+    """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + m(0). docs/explanation/theory.md has the proofs."""
     if p.smooth_abs == "sqrt":
         return sqrt(v**2 + (1 / p.k_v) ** 2)
     if p.smooth_abs == "compact":

@@ -1,4 +1,4 @@
-"""Will this axis hunt, how well does it track, and what may be done against its friction: docs/design.md."""
+"""Will this axis hunt, how well does it track, and what may be done against its friction: docs/explanation/design.md."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ def doubts(scenario: Scenario, controller: CascadeSettings) -> tuple[str, ...]:
     if controller.sampling is not None:
         found.append("the controller is sampled")
     if controller.adaptation is not None:
-        found.append("adapted parameters: V has further terms (docs/servo.md)")
+        found.append("adapted parameters: V has further terms (docs/explanation/servo.md)")
     if scenario.drive_values.get("supply_droop"):
         found.append("the supply droops")
     return (*found, "a valve at its limit, and p_1 and p_2 one by one")

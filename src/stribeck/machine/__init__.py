@@ -1,1 +1,1 @@
-"""Machines: bodies, and elements between them, as one system of equations (docs/machines.md)."""
+"""Machines: bodies, and elements between them, as one system of equations (docs/reference/machines.md)."""

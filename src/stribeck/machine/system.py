@@ -1,4 +1,4 @@
-"""A machine as one system of equations: M dv/dt = drives - sum of b f over the elements (docs/machines.md).
+"""A machine as one system of equations: M dv/dt = drives - sum of b f over the elements (docs/reference/machines.md).
 
 A law on a plant under a drive (``schema = 1``) is the smallest machine: one body, one contact and one drive, none of
 which needs a name.

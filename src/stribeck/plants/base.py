@@ -17,7 +17,7 @@ class Plant:
     """A plant's equations: from what the drive gives and the friction force F to the motion.
 
     In the equations ``p`` holds the constants, ``u`` is what the drive gives (:attr:`takes`), and ``x`` the plant's own
-    states in the order of ``states``, beside y and v. docs/adding-an-element.md shows a whole one.
+    states in the order of ``states``, beside y and v. docs/howto/own-element.md shows a whole one.
     """
 
     kind: ClassVar[str]

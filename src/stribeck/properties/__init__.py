@@ -60,7 +60,7 @@ def check(
         work: how many regions of (v, z) may be looked at; what is not decided by then is null.
 
     Returns:
-        The verdicts: each true with a proof, false with a counterexample, or null with the reason. docs/check.md.
+        The verdicts: each true with a proof, false with a counterexample, or null with the reason. docs/explanation/check.md.
 
     Raises:
         InputError: ``v_max`` is no finite number > 0, ``level`` is no range, the law does not allow such constants, or the

@@ -1,6 +1,6 @@
 """Certificates: proofs as plain data, which a checker that shares no code with the prover can verify.
 
-The format is described in docs/certificates.md.
+The format is described in docs/reference/certificates.md.
 """
 
 from __future__ import annotations

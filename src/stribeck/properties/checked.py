@@ -1,6 +1,6 @@
 """The five properties of a law, each decided once: with its constants, or while these vary in any way within ranges.
 
-Where constants vary, their level (F_c and F_s) above all, one law decides, the worst of all that occur (docs/theory.md,
+Where constants vary, their level (F_c and F_s) above all, one law decides, the worst of all that occur (theory,
 "A level that varies").
 """
 

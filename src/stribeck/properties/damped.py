@@ -1,4 +1,4 @@
-"""Damping that falls with speed, so small that no z and no history of the level can draw energy (docs/theory.md, `v_d`)."""
+"""Damping that falls with speed, so small that no z and no history of the level can draw energy."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 dz/dt = f(z, v). A storage function S(z) exists if and only if L <= S' <= U where z can be driven both ways, with
 L(z) = sup of F v/f over the v with f < 0 (energy given back for a metre of unwinding) and U(z) = inf of F v/f over the
-v with f > 0 (energy needed for a metre of winding up), and F v >= 0 where f = 0. (docs/theory.md, docs/check.md)
+v with f > 0 (energy needed for a metre of winding up), and F v >= 0 where f = 0. (docs/explanation/theory.md)
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """Laws that stand for a contact whose constants vary: at the worst of what they may be, so that a proof about them holds
-for every history (docs/theory.md, "A level that varies")."""
+for every history (docs/explanation/theory.md, "A level that varies")."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class WorstLevel(BristleLaw):
     """g is F_c/sigma_0, the smallest that it may be, at every speed; z is within F_s/sigma_0, the largest."""
 
     name = "worst_level"
-    source = "Stribeck, docs/theory.md, A level that varies"
+    source = "Stribeck, docs/explanation/theory.md, A level that varies"
     claims = Claims(unique=True, bounded=True)
     delta = None
 

@@ -1,4 +1,4 @@
-"""A scenario: which law, on what, driven how, solved and written how. docs/scenario.md describes the file."""
+"""A scenario: which law, on what, driven how, solved and written how. docs/reference/scenario.md describes the file."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Scenario:
         data: the tables as in a scenario file; they may also be given as keywords
             (``Scenario(law={...}, plant={...}, drive={...}, solve={...}, output={...})``).
         folder: where relative paths begin; the working directory unless given.
-        trust: execute laws in files wherever these lie (docs/scenario.md); the data are taken for the caller's own. A
+        trust: execute laws in files wherever these lie (docs/reference/scenario.md); the data are taken for the caller's own. A
             collection of names trusts these laws only, beside those in the folder.
 
     Raises:
@@ -105,7 +105,7 @@ class Scenario:
         """The scenario in a TOML file, with the values at some paths replaced (``{"law.k_v": 1e6}``).
 
         A law in a file (``FILE.py:NAME``) is a program: it is executed when everything else is valid, and only from the
-        scenario's folder or below it, unless ``changes`` name it or ``trust`` is given (docs/scenario.md).
+        scenario's folder or below it, unless ``changes`` name it or ``trust`` is given (docs/reference/scenario.md).
 
         Raises:
             InputError: the file cannot be read, is not TOML, or is no valid scenario; one line for each problem.

@@ -3,7 +3,7 @@
 y and v are right to 100 solve.rtol of their peaks over the motion, F to 10^4 solve.rtol. Nobody knows the peaks before the
 motion is known. So a run begins with tolerances for a motion of the machine's natural scales, and the solver measures: the
 peaks, and what the errors of its steps and of its dense output amount to in F. Where that is too much it runs once more,
-with the tolerances that the measured motion asks for, and with each row at the end of a step. docs/scenario.md has the rule.
+with the tolerances that the measured motion asks for, each row at the end of a step. docs/explanation/solver.md states the rule.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""docs/fit-evidence.md is what its benchmark makes of its counts."""
+"""docs/evidence/static-fits.md is what its benchmark makes of its counts."""
 
 import importlib.util
 import json
@@ -15,4 +15,4 @@ def test_the_page_is_made_by_the_benchmark(monkeypatch):
     monkeypatch.setitem(sys.modules, "estimates", module)
     spec.loader.exec_module(module)
     kept = json.loads((ROOT / "benchmarks" / "results" / "estimates.json").read_text(encoding="utf-8"))
-    assert (ROOT / "docs" / "fit-evidence.md").read_text(encoding="utf-8") == module.page(kept)
+    assert (ROOT / "docs" / "evidence" / "static-fits.md").read_text(encoding="utf-8") == module.page(kept)

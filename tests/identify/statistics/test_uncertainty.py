@@ -124,26 +124,6 @@ def test_the_committed_study_covers_as_it_should():
             assert 0.90 <= each["covers"] <= 0.99, name
 
 
-def test_the_documented_coverage_is_what_the_study_found():
-    laws = json.loads((BENCHMARKS / "results" / "coverage.json").read_text())["laws"]
-    text = (BENCHMARKS.parent / "docs" / "fit-by-simulation.md").read_text()
-    for name in next(iter(laws.values()))["parameters"]:
-        found = [law["parameters"][name] for law in laws.values()]
-        cells = [f"{100 * each['covers']:.1f} % of {each['declared_identifiable']}" for each in found]
-        assert f"| `{name}` | {' | '.join(cells)} |" in text
-
-
-def test_the_table_of_ordinary_sensors_is_what_was_run():
-    cells = json.loads((BENCHMARKS / "results" / "coverage_cells.json").read_text())["cells"]
-    text = (BENCHMARKS.parent / "docs" / "fit-by-simulation.md").read_text()
-    for name, cell in cells.items():
-        found = cell["summary"]
-        assert found["experiments"] == len(cell["cases"])
-        assert (
-            f"| {name} | {found['experiments']} | {found['known']} of {found['of']} | {found['hold'] or 'none'}" in text
-        )
-
-
 def test_synthetic_data_say_that_they_are():
     log = rig.held_at(0.05, 0.5)
     assert all(LABEL in source for source in log.sources.values())

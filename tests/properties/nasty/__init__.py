@@ -3,7 +3,7 @@
 A class states ``truth``, one word for each property: ``passive`` it holds, ``-passive`` it does not, ``?passive`` not
 derived (any verdict will do). ``natural = True`` marks laws of the literature. ``values`` are changes to MILD below.
 
-The properties are those of docs/check.md: Z is ``z_bound`` (F_s/sigma_0 unless the law says otherwise), ``passive``
+The properties are those of docs/explanation/check.md: Z is ``z_bound`` (F_s/sigma_0 unless the law says otherwise), ``passive``
 restricts z to it where ``bounded`` holds and not at all where it does not; ``smooth`` is about dz/dt and F both;
 equations are over the real numbers, and a solution obeys dz/dt = f almost everywhere (v(t) may jump).
 

@@ -43,7 +43,7 @@ def fit_machine(
 
     Args:
         machine: the machine (``schema = 2``) that holds the structure and every number that is not sought.
-        logs: LOGS.toml, or what :func:`read_logs` made of it (docs/fit-actuators.md).
+        logs: LOGS.toml, or what :func:`read_logs` made of it (docs/reference/fit-files.md).
         laws: laws to try, by contact; the one that predicts held-out recordings best is taken.
         unknown: what is sought beside [unknown] of the logs, and instead of the same path there: by path low and high, or
             a table as in LOGS.toml.

@@ -32,7 +32,7 @@ _INPUTS = "inputs"  # a coordinate that cannot be sought
 _TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
 _TOGETHER = 8  # fixed numbers that are sought together
 _FEWER = 0.9  # of what one number more leaves: several must leave less
-_LIKE = 1.3  # times the least that is left: reasons that explain as much (docs/fit-actuators.md counts both)
+_LIKE = 1.3  # times the least that is left: reasons that explain as much (docs/reference/fit-files.md counts both)
 _FAR_LESS = 0.6  # of what is left now
 _STILL = 1.5  # times the noise: a reason that leaves more does not explain all
 

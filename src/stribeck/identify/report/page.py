@@ -97,9 +97,7 @@ def _candidates(fit: Fit) -> list[Chapter]:
         [c["name"], ", ".join(c["forms"]) or "-", percent(c["relative_force_error"], 3), str(c["numbers"])]
         for c in fit.candidates
     ]
-    text = [
-        "The model of the least BIC is reported. Forms are what the law lacks, chosen from one table (docs/fit.md)."
-    ]
+    text = ["The model of the least BIC is reported. Forms are what the law lacks, chosen from one table."]
     return [
         Chapter(
             "candidates",
@@ -168,7 +166,7 @@ def _properties(fit: Fit) -> list[Chapter]:
         for name, v in check(law).properties.items()
     ]
     text = [
-        "What 'stribeck check' proves or refutes for the law with the fitted values (docs/check.md): yes is proved, for no "
+        "What 'stribeck check' proves or refutes for the law with the fitted values: yes is proved, for no "
         "there is a counterexample. The values are taken as exact: their intervals do not count here."
     ]
     return [Chapter("properties", "Properties of the result", text, [Table(["property", "holds", "how"], rows, True)])]

@@ -1,0 +1,257 @@
+"""The directive ``evidence``: a table from benchmarks/results/NAME.json, with its date and the commit that stored it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+RESULTS = (Path(__file__).resolve().parents[2] / "benchmarks" / "results").resolve()
+Rows = tuple[list[str], list[list[object]]]
+
+
+def number(x: object) -> str:
+    """At most three digits; text as it stands."""
+    if x is None:
+        return "-"
+    if isinstance(x, float):
+        return f"{x:.0f}" if 1000 <= abs(x) < 1e5 else f"{x:.3g}"
+    return str(x)
+
+
+def share(x: float) -> str:
+    """A share in percent."""
+    return f"{100 * x:.1f} %"
+
+
+def listed(x: list[float]) -> str:
+    """Numbers side by side."""
+    return ", ".join(number(float(each)) for each in x)
+
+
+def single(d: Any) -> Rows:
+    """The table of single.json."""
+    rows = [r for r in d["solvers"] if r.get("milliseconds")]
+    return ["solver", "ms", "over Stribeck"], [
+        [r["solver"], r["milliseconds"]["median"], r["ratio"]["median"]] for r in rows
+    ]
+
+
+def ensemble(d: Any) -> Rows:
+    """The table of ensemble.json."""
+    return ["solver", "what", "ms a lane (processor)", "ms a lane (wall)", "error"], [
+        [r["solver"], r["what"], r["cpu_milliseconds"]["median"], r["wall_milliseconds"]["median"], r["error"]]
+        for r in d["solvers"]
+        if r.get("cpu_milliseconds")
+    ]
+
+
+def machines(d: Any) -> Rows:
+    """The table of machines.json."""
+    rows = [r for r in d["two_masses"] if r.get("seconds")]
+    return ["solver", "ms", "over Stribeck"], [
+        [r["solver"], 1e3 * r["seconds"]["median"], r["against_stribeck"]] for r in rows
+    ]
+
+
+def chains(d: Any) -> Rows:
+    """The chains of machines.json."""
+    return ["bodies", "solver", "ms", "over Stribeck"], [
+        [chain["bodies"], r["solver"], 1e3 * r["seconds"]["median"], r["against_stribeck"]]
+        for chain in d["chains"]
+        for r in chain["solvers"]
+        if r.get("seconds")
+    ]
+
+
+def startup(d: Any) -> Rows:
+    """The table of startup.json."""
+    return ["process", "s", "MB at most"], [
+        [r["case"], r["seconds"]["median"], r["peak_megabytes"]] for r in d["cases"]
+    ]
+
+
+def backends(d: Any) -> Rows:
+    """The table of backends.json."""
+    return ["example", "WebAssembly over C, time", "first command, C (s)", "first command, WebAssembly (s)"], [
+        [r["example"], r["ratio"]["median"], r["process"]["c"]["first"], r["process"]["wasm"]["first"]]
+        for r in d["examples"]
+    ]
+
+
+def sampled(d: Any) -> Rows:
+    """The table of sampled.json."""
+    return ["machine", "encoder", "steps", "time over continuous control"], [
+        [r["machine"], r["encoder"], r["steps"], r["ratio"]["median"]] for r in d["rows"]
+    ]
+
+
+def default_tolerance(d: Any) -> Rows:
+    """The four numbers of a column are its quantiles of the scenarios' largest errors; the last two are shown."""
+    return ["rtol", "y, 99 %", "y, largest", "v, 99 %", "v, largest", "F, 99 %", "F, largest", "steps, median"], [
+        [r["rtol"], *(r[c][i] for c in "yvF" for i in (-2, -1)), r["steps"]] for r in d["table"]
+    ]
+
+
+def majorants(d: Any) -> Rows:
+    """The table of majorants.json."""
+    laws = list(next(iter(d["results"].values())))
+    return ["law", *(f"{case}: time, deviation" for case in d["results"])], [
+        [law, *(f"{r[law]['cpu_over_lugre']:.2f}, {r[law]['deviation_of_peak']:.1e}" for r in d["results"].values())]
+        for law in laws
+    ]
+
+
+def discretisation(d: Any) -> Rows:
+    """The table of discretisation.json."""
+    return ["law", "way", "step (ms)", "error of y (mm)", "energy lost (share)", "drift (mm)"], [
+        [
+            r["law"], r["way"], 1e3 * r["step"], 1e3 * r["stick_slip_max_error"], float(r["energy_lost"]),
+            1e3 * r["drift"],
+        ]
+        for r in d["rows"]
+    ]  # fmt: skip
+
+
+def in_mujoco(d: Any) -> Rows:
+    """The table of in_mujoco.json."""
+    return [
+        "way, integrator", "step (ms)", "stick-slip error (mm)", "break-away error (N)", "drift error (um)", "us a step",
+    ], [
+        [
+            f"{r['way']}, {r['integrator']}", 1e3 * r["step"], 1e3 * r["stick_slip_max_error"], r["break_away_error"],
+            1e6 * r["drift_error"], r["microseconds_a_step"],
+        ]
+        for r in d["rows"]
+    ]  # fmt: skip
+
+
+def arm_instructions(d: Any) -> Rows:
+    """One row a law; in brackets the most, where it is more than the mean."""
+    rows: dict[str, dict[str, object]] = {}
+    for r in d["rows"]:
+        text = f"{r['mean']} ({r['most']})" if r["most"] > r["mean"] else r["mean"]
+        rows.setdefault(r["law"], {})[r["target"]] = text
+    laws = {n: row for n, row in rows.items() if " " not in n}
+    return ["law", *next(iter(laws.values()))], [[f"`{n}`", *row.values()] for n, row in laws.items()]
+
+
+def controller_instructions(d: Any) -> Rows:
+    """The table of controller_instructions.json."""
+    return ["controller", "target", "mean", "at most"], [
+        [r["controller"], r["target"], r["mean"], r["most"]] for r in d["rows"]
+    ]
+
+
+def learning(d: Any) -> Rows:
+    """The table of learning.json."""
+    return ["engine", "held (s)", "creep (m/s)", "break-away (N)", "energy (J)", "steps a processor second"], [
+        [
+            r["engine"], r["held_s"], listed(r["creep"]), listed(r["break_away"]), listed(r["energy"]), r["steps"],
+        ]
+        for r in d["rows"]
+    ]  # fmt: skip
+
+
+def coverage(d: Any) -> Rows:
+    """The table of coverage.json."""
+    laws = d["laws"]
+    return ["parameter", *(f"`{n}`" for n in laws)], [
+        [
+            f"`{p}`",
+            *(
+                f"{share(law['parameters'][p]['covers'])} of {law['parameters'][p]['declared_identifiable']}"
+                for law in laws.values()
+            ),
+        ]
+        for p in next(iter(laws.values()))["parameters"]
+    ]
+
+
+def coverage_cells(d: Any) -> Rows:
+    """The table of coverage_cells.json."""
+    found = {n: cell["summary"] for n, cell in d["cells"].items()}
+    return ["recorded and fitted", "experiments", "reported as identified", "intervals that hold the truth"], [
+        [n, s["experiments"], f"{s['known']} of {s['of']}", f"{s['hold']}, {share(s['hold'] / max(s['known'], 1))}"]
+        for n, s in found.items()
+    ]
+
+
+def design_attack(d: Any) -> Rows:
+    """The table of design_attack.json."""
+    return ["boundary of", "value", "checked at", "reported", "SciPy found", "agrees"], [
+        [r["path"], r["value"], r["at"], r["said"], r["found"], "yes" if r["agrees"] else "no"] for r in d["boundaries"]
+    ]
+
+
+def verdicts(d: Any) -> Rows:
+    """The table of verdicts.json."""
+    words = ("laws", "verdicts", "undecided", "wrong", "crashes")
+    return list(words), [[d["all"][word] for word in words]]
+
+
+def explorer(d: Any) -> Rows:
+    """The table of explorer.json."""
+    return ["screen", "charts", "simulation (ms)"], [
+        [n, r["charts"], r["solved_ms"]["median"]] for n, r in d["cases"].items()
+    ]
+
+
+TABLES: dict[str, Callable[[Any], Rows]] = {
+    "single": single, "ensemble": ensemble, "machines": machines, "chains": chains, "startup": startup,
+    "backends": backends, "sampled": sampled, "default_tolerance": default_tolerance, "majorants": majorants,
+    "discretisation": discretisation, "in_mujoco": in_mujoco, "arm_instructions": arm_instructions,
+    "controller_instructions": controller_instructions, "learning": learning, "coverage": coverage,
+    "coverage_cells": coverage_cells, "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer,
+}  # fmt: skip
+FILES = {"chains": "machines"}  # tables whose file has another name
+
+
+def stored(file: Path) -> str:
+    """When the file was committed and in which commit; empty outside a checkout."""
+    command = ["git", "-C", str(file.parent), "log", "-1", "--format=commit %h of %cs", "--", file.name]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
+    except OSError:
+        return ""
+
+
+def markdown(name: str) -> str:
+    """The table as Markdown, and the line about its origin."""
+    file = RESULTS / f"{FILES.get(name, name)}.json"
+    data = json.loads(file.read_text(encoding="utf-8"))
+    head, rows = TABLES[name](data)
+    lines = [head, ["---"] * len(head), *rows]
+    machine = data.get("machine", {})
+    about = [
+        f"`benchmarks/results/{file.name}`",
+        f"measured {machine['date'][:10]}" if "date" in machine else "",
+        f"{machine['processor']}, {machine['cores']} cores" if "processor" in machine else "",
+        stored(file),
+    ]
+    table = "\n".join("| " + " | ".join(number(x).replace("|", "\\|") for x in line) + " |" for line in lines)
+    return f"{table}\n\n*{'; '.join(x for x in about if x)}.*\n"
+
+
+class Evidence(SphinxDirective):
+    """``{evidence} NAME``: the table of that result."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """The table and its origin."""
+        name = self.arguments[0]
+        self.env.note_dependency(str(RESULTS / f"{FILES.get(name, name)}.json"))
+        return self.parse_text_to_nodes(markdown(name))
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register the directive."""
+    app.add_directive("evidence", Evidence)
+    return {"parallel_read_safe": True}

@@ -1,0 +1,322 @@
+"""Draws the figures of the guides into this folder: python docs/pictures/guides.py [FOLDER]."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.patches import FancyBboxPatch
+
+import stribeck
+from stribeck.cli import _status
+from stribeck.laws import find
+
+plt.rcParams.update(
+    {"svg.hashsalt": "stribeck", "svg.fonttype": "none", "axes.spines.top": False, "axes.spines.right": False}
+)
+BLUE, RED, GREY = "#3572b0", "#c4412f", "#999999"
+PAPER = "canudas1995"  # the parameters of the paper's Table 1
+
+
+def saved(figure: plt.Figure, file: Path) -> None:
+    """Write a figure without a date, so that the same numbers give the same file."""
+    figure.savefig(file, metadata={"Date": None})
+    plt.close(figure)
+
+
+def example(name: str, folder: Path, **changes: object) -> stribeck.Scenario:
+    """A built-in example, written to a folder and read back with some values replaced."""
+    if not (folder / f"{name}.toml").exists():
+        _status(["new", name, "--out", str(folder / f"{name}.toml")])
+    return stribeck.load(folder / f"{name}.toml", {path.replace("__", "."): x for path, x in changes.items()})
+
+
+def draw_hunts(file: Path) -> None:
+    """The axis of 'stribeck new axis-hunts', with its integral gain and with a fiftieth of it."""
+    figure, plot = plt.subplots(figsize=(6.4, 2.6), layout="constrained")
+    with tempfile.TemporaryDirectory() as folder:
+        for gain, words, color in ((2e5, "K_i = 200 kN/(m s): hunts", RED), (4e3, "K_i = 4 kN/(m s): quiet", BLUE)):
+            solution = stribeck.simulate(example("axis_hunts", Path(folder), controllers__axis__K_i=gain))
+            shown = solution.t < 6
+            plot.plot(solution.t[shown][::5], 1e3 * solution["slide.y"][shown][::5], color=color, label=words, lw=1)
+    plot.axhline(10, color=GREY, lw=0.8, ls="--")
+    plot.set(xlabel="time (s)", ylabel="position (mm)", ylim=(8, 12))
+    plot.legend(frameon=False, loc="upper right")
+    saved(figure, file)
+
+
+def draw_joint(file: Path) -> None:
+    """The held-out recording of 'stribeck new joint-from-log' beside the fitted machine's motion."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        _status(["new", "joint-from-log", "--out", str(folder / "joint.toml")])
+        logs, record = folder / "joint.logs.toml", folder / "joint_from_log_2.csv"
+        fit = ["fit", str(folder / "joint.toml"), "--logs", str(logs), "--starts", "4", "--out", str(folder / "fit")]
+        assert _status(fit) == 0
+        measured = np.genfromtxt(record, delimiter=",", names=True)
+        changes = {
+            "loads.motor.signal.path": str(record),
+            "bodies.joint.initial.y": float(measured["angle"][0]),
+            "solve.t_end": float(measured["t"][-1]),
+        }
+        solution = stribeck.simulate(stribeck.load(folder / "fit" / "machine.toml", changes))
+    figure, (above, below) = plt.subplots(2, figsize=(6.4, 3.4), sharex=True, layout="constrained")
+    above.plot(measured["t"][::4], measured["torque"][::4], color=GREY, lw=1)
+    above.set_ylabel("torque (N m)")
+    below.plot(measured["t"][::8], measured["angle"][::8], ".", ms=2.5, color=GREY, label="held-out recording")
+    below.plot(solution.t, solution["joint.y"], color=BLUE, lw=1, label="fitted machine")
+    below.set(xlabel="time (s)", ylabel="angle (rad)")
+    below.legend(frameon=False, loc="upper right")
+    saved(figure, file)
+
+
+def draw_kv(file: Path) -> None:
+    """How fast a body creeps under 0.95 F_s, against k_v, for two smooth laws."""
+    figure, plot = plt.subplots(figsize=(6.4, 2.6), layout="constrained")
+    steepness = np.geomspace(1e5, 1e8, 13)
+    for name, color in (("lugre_sobczyk", RED), ("lugre_majorant", BLUE)):
+        creep = []
+        for k_v in steepness:
+            law = stribeck.law(name, PAPER, k_v=float(k_v))
+            slow, fast = 0.0, 1e-3  # the steady force rises from 0 to F_s between them
+            for _ in range(60):
+                middle = (slow + fast) / 2
+                slow, fast = (middle, fast) if law.steady_force(middle) < 0.95 * 1.5 else (slow, middle)
+            creep.append(1e6 * slow)
+        plot.loglog(steepness, creep, "o-", ms=3, color=color, label=name)
+    plot.axhline(1, color=GREY, lw=0.8, ls="--")
+    plot.set(xlabel="k_v (s/m)", ylabel="creep under 0.95 F_s (\N{MICRO SIGN}m/s)")
+    plot.legend(frameon=False)
+    saved(figure, file)
+
+
+def draw_creep(file: Path) -> None:
+    """A joint that holds a load: the torque of regularized friction lets it sink, bristles do not."""
+    figure, plot = plt.subplots(figsize=(6.4, 2.4), layout="constrained")
+    for law, words, color in (
+        ({"name": "stribeck_tanh", "k_v": 100.0, "parameters": PAPER}, "tanh(100 v), as engines regularize", RED),
+        ({"name": "elastoplastic_majorant", "k_v": 1e7, "z_ba": 9.5e-6, "parameters": PAPER}, "bristles", BLUE),
+    ):
+        solution = stribeck.simulate(
+            stribeck.Scenario(
+                law=law, plant={"mass": 1.0},
+                drive={"kind": "force", "signal": {"kind": "step", "time": 0.0, "value": 0.9}},
+                solve={"t_end": 5.0}, output={"step": 0.05},
+            )
+        )  # fmt: skip
+        plot.plot(solution.t, 1e3 * solution["y"], color=color, label=words)
+    plot.set(xlabel="time (s)", ylabel="position (mm)")
+    plot.legend(frameon=False)
+    saved(figure, file)
+
+
+def draw_blocks(file: Path) -> None:
+    """The block of an FMU of a law within a model of a mass."""
+    figure, plot = plt.subplots(figsize=(6.4, 1.9), layout="constrained")
+    plot.set(xlim=(0, 10), ylim=(0.2, 3.2))
+    plot.axis("off")
+    for x, width, words in ((2.4, 1.6, "1/m \N{INTEGRAL}"), (6.6, 2.0, "FMU\nfriction.fmu")):
+        plot.add_patch(FancyBboxPatch((x, 1.6), width, 1.1, "round,pad=0.08", fc="white", ec=BLUE, lw=1.5))
+        plot.text(x + width / 2, 2.15, words, ha="center", va="center")
+    arrow = {"arrowstyle": "-|>", "color": "black", "lw": 1.2}
+    for start, end, words in (
+        ((0.2, 2.15), (2.3, 2.15), "u \N{MINUS SIGN} F (N)"),
+        ((4.1, 2.15), (6.5, 2.15), "v (m/s)"),
+        ((8.7, 2.15), (9.9, 2.15), "F (N)"),
+    ):
+        plot.annotate("", end, start, arrowprops=arrow)
+        plot.text((start[0] + end[0]) / 2, 2.35, words, ha="center")
+    plot.plot([9.3, 9.3, 1.0], [2.15, 0.7, 0.7], color="black", lw=1.2)
+    plot.annotate("", (1.0, 2.1), (1.0, 0.7), arrowprops=arrow)
+    saved(figure, file)
+
+
+def draw_map(file: Path) -> None:
+    """Slips in 40 s of a pulled slider: 40 x 40 simulations of one batch."""
+    with tempfile.TemporaryDirectory() as folder:
+        scenario = example("stick_slip", Path(folder), law__name="lugre_majorant")
+        F_s, stiffness = np.meshgrid(np.linspace(1.02, 2.0, 40), np.linspace(0.5, 6.0, 40))
+        varied = {"law.parameters.F_s": F_s.ravel(), "drive.stiffness": stiffness.ravel()}
+        ensemble = stribeck.simulate(scenario, varied)
+    figure, plot = plt.subplots(figsize=(6.4, 3.0), layout="constrained")
+    image = plot.pcolormesh(F_s, stiffness, ensemble.slips.reshape(F_s.shape), cmap="Blues", rasterized=True)
+    figure.colorbar(image, label="slips in 40 s")
+    plot.set(xlabel="F_s (N)", ylabel="stiffness of the spring (N/m)")
+    saved(figure, file)
+
+
+OWN_LAW = """
+from stribeck.constants import Constant
+from stribeck.expressions.ops import sqrt
+from stribeck.laws import BristleLaw, Claims
+from stribeck.laws.terms import g
+
+
+class RootLuGre(BristleLaw):
+    name, source = "root_lugre", "the guide"
+    claims = Claims(unique=True, bounded=True, smooth=True, passive=False, drift_free=False)
+    k_v = Constant("s/m", "steepness of the smooth |v|", above=0, example=1e6)
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - sqrt(v**2 + 1 / p.k_v**2) / g(p, v) * z
+"""
+
+
+def draw_own_law(file: Path) -> None:
+    """Hysteresis of the guide's own law beside LuGre's, under a small sine of the speed."""
+    figure, plot = plt.subplots(figsize=(6.4, 2.8), layout="constrained")
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "mylaw.py").write_text(OWN_LAW, encoding="utf-8")
+        for name, constants, color in (("lugre", {}, GREY), (f"{folder}/mylaw.py:RootLuGre", {"k_v": 1e4}, BLUE)):
+            law = find(name)({**stribeck.library(PAPER).sets[PAPER].values, **constants})
+            scenario = stribeck.Scenario(
+                law=law, drive={"kind": "velocity", "signal": {"kind": "sine", "amplitude": 1e-3, "frequency": 2.0}},
+                solve={"t_end": 1.5}, output={"step": 1e-3},
+            )  # fmt: skip
+            solution = stribeck.simulate(scenario)
+            shown = solution.t > 0.5
+            plot.plot(1e3 * solution["v"][shown], solution["F"][shown], color=color, label=law.name)
+    plot.set(xlabel="velocity (mm/s)", ylabel="friction (N)")
+    plot.legend(frameon=False)
+    saved(figure, file)
+
+
+def draw_plan(file: Path) -> None:
+    """The motions of 'stribeck fit --plan stroke=0.05,speed=0.1,force=50'."""
+    from stribeck.rig.plan import Limits, programme
+
+    tests = programme(Limits(stroke=0.05, speed=0.1, force=50.0))
+    figure, plots = plt.subplots(1, 3, figsize=(6.4, 2.2), layout="constrained")
+    chosen = {each.kind: each for each in reversed(tests) if each.control == "motion"}
+    for plot, (kind, test) in zip(plots, chosen.items(), strict=False):
+        v = test.velocity(1e-3)
+        plot.plot(1e-3 * np.arange(len(v)), 1e3 * v, color=BLUE, lw=1)
+        plot.set(xlabel="time (s)", title=kind)
+    plots[0].set_ylabel("velocity (mm/s)")
+    saved(figure, file)
+
+
+def draw_intervals(file: Path) -> None:
+    """A fit of a synthetic log: 95 % interval, model range and truth of each parameter."""
+    truth = stribeck.law("stribeck_tanh", parameters=PAPER, k_v=1e4)
+    rng = np.random.default_rng(3)
+    t = np.arange(0.0, 20.0, 0.002)
+    v = 0.05 * np.sin(2 * np.pi * 0.1 * t) * np.sin(2 * np.pi * 0.37 * t)
+    force = truth.steady_force(v) + 0.05 * rng.standard_normal(len(t))
+    fit = stribeck.fit({"t": t, "v": v, "F": force}, "stribeck_tanh", time="t", velocity="v", force="F")
+    shown = [(n, fit[n]) for n in ("F_c", "F_s", "sigma_2", "v_s") if n in fit.parameters]
+    figure, plot = plt.subplots(figsize=(6.4, 2.2), layout="constrained")
+    for row, (name, each) in enumerate(reversed(shown)):
+        true = truth.values[name]
+        if each.range is not None:
+            plot.plot(np.array(each.range) / true, [row, row], color="#a9c4e4", lw=8, solid_capstyle="butt")
+        if each.interval is not None:
+            plot.plot(np.array(each.interval) / true, [row, row], color=BLUE, lw=4, solid_capstyle="butt")
+    plot.axvline(1, color=RED, lw=1)
+    plot.set(yticks=range(len(shown)), yticklabels=[n for n, _ in reversed(shown)], xlabel="value over the truth")
+    saved(figure, file)
+
+
+# What each law needs beside the parameters of the paper; of makkar, a curve with the same F_c, F_s and sigma_2.
+CONSTANTS: dict[str, dict[str, float]] = {
+    "lugre": {}, "dahl": {}, "lugre_arctan": {"k_v": 1e6}, "lugre_sobczyk": {"k_v": 1e6}, "lugre_majorant": {"k_v": 1e6},
+    "elastoplastic": {"z_ba": 7e-6}, "elastoplastic_sobczyk": {"z_ba": 7e-6, "k_v": 1e6},
+    "elastoplastic_majorant": {"z_ba": 7e-6, "k_v": 1e6}, "coulomb_viscous": {"k_v": 1e5}, "stribeck": {"k_v": 1e5},
+    "stribeck_tanh": {"k_v": 1e5},
+    "makkar": {"g1": 0.5, "g2": 1e5, "g3": 700.0, "g4": 1.0, "g5": 1e5, "g6": 0.4},
+}  # fmt: skip
+EXPERIMENTS = (  # the example, its title, what is drawn over what, their units and factors
+    ("presliding", "presliding", ("y", "\N{MICRO SIGN}m", 1e6), ("u", "N", 1)),
+    ("break_away", "break-away", ("t", "s", 1), ("F", "N", 1)),
+    ("stick_slip", "stick-slip", ("t", "s", 1), ("y", "m", 1)),
+    ("hysteresis", "hysteresis", ("v", "mm/s", 1e3), ("F", "N", 1)),
+    ("limit_cycle", "hunting", ("t", "s", 1), ("y", "m", 1)),
+)
+
+
+def draw_law(name: str, file: Path) -> None:
+    """What a law does in five experiments: the built-in examples, with this law."""
+    figure, plots = plt.subplots(1, 5, figsize=(11, 2.2), layout="constrained")
+    with tempfile.TemporaryDirectory() as folder:
+        for plot, (example_name, title, horizontal, vertical) in zip(plots, EXPERIMENTS, strict=True):
+            changes = {"law.name": name, **{f"law.{n}": x for n, x in CONSTANTS[name].items()}}
+            base = example(example_name, Path(folder))
+            solution = stribeck.simulate(stribeck.load(base.folder / f"{example_name}.toml", changes))
+            keep = slice(None, None, max(1, len(solution.t) // 600))
+            axes = [(solution.t if n == "t" else solution[n])[keep] * factor for n, _, factor in (horizontal, vertical)]
+            plot.plot(*axes, color=BLUE, lw=1)
+            plot.set_title(title, fontsize=9)
+            plot.set_xlabel(f"{horizontal[0]} ({horizontal[1]})", fontsize=8)
+            plot.set_ylabel(f"{vertical[0]} ({vertical[1]})", fontsize=8)
+            plot.tick_params(labelsize=7)
+    saved(figure, file)
+
+
+def draw_machine(file: Path) -> None:
+    """The drawing of 'stribeck run machine.toml --show'."""
+    with tempfile.TemporaryDirectory() as folder:
+        example("machine", Path(folder))
+        assert _status(["run", f"{folder}/machine.toml", "--show", "--out", f"{folder}/drawn"]) == 0
+        file.write_bytes((Path(folder) / "drawn" / "machine.svg").read_bytes())
+
+
+def draw_fits_flow(file: Path) -> None:
+    """The way from a log to an estimate."""
+    boxes = (
+        ("log", "read, check,\nresample"), ("signals", "filter,\ndifferentiate"), ("model", "law, terms, forms;\nor simulation"),
+        ("search", "least squares,\nmany starts"), ("judge", "profiles, residuals,\ncross-validation"),
+        ("estimate", "interval, range,\nstate, experiment"),
+    )  # fmt: skip
+    figure, plot = plt.subplots(figsize=(6.8, 2.9), layout="constrained")
+    plot.set(xlim=(0, 10.2), ylim=(0, 4.4))
+    plot.axis("off")
+    for i, (name, words) in enumerate(boxes):
+        x, y = 0.2 + 3.4 * (i % 3), 2.7 - 2.4 * (i // 3)
+        plot.add_patch(FancyBboxPatch((x, y), 2.6, 1.4, "round,pad=0.05", fc="white", ec=BLUE, lw=1.5))
+        plot.text(x + 1.3, y + 1.1, name, ha="center", va="center", weight="bold", fontsize=9)
+        plot.text(x + 1.3, y + 0.5, words, ha="center", va="center", fontsize=8)
+    arrow = {"arrowstyle": "-|>", "color": "black", "lw": 1.2}
+    for y in (3.4, 1.0):
+        for x in (2.85, 6.25):
+            plot.annotate("", (x + 0.7, y), (x, y), arrowprops=arrow)
+    plot.annotate("", (1.5, 1.8), (8.3, 2.6), arrowprops=arrow)
+    saved(figure, file)
+
+
+def _law_drawer(name: str) -> Callable[[Path], None]:
+    return lambda file: draw_law(name, file)
+
+
+PICTURES = {
+    **{f"laws/{name}.svg": _law_drawer(name) for name in CONSTANTS},
+    "machine.svg": draw_machine,
+    "fits_flow.svg": draw_fits_flow,
+    "hunts.svg": draw_hunts,
+    "joint.svg": draw_joint,
+    "kv.svg": draw_kv,
+    "creep.svg": draw_creep,
+    "fmu.svg": draw_blocks,
+    "map.svg": draw_map,
+    "own_law.svg": draw_own_law,
+    "plan.svg": draw_plan,
+    "intervals.svg": draw_intervals,
+}
+
+
+def main(folder: Path) -> None:
+    """Draw all of them into a folder."""
+    (folder / "laws").mkdir(exist_ok=True)
+    for name, draw in PICTURES.items():
+        draw(folder / name)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)
