@@ -5,6 +5,9 @@ import statistics
 from pathlib import Path
 
 import pytest
+import typer
+
+from stribeck.cli.app import app
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -59,6 +62,15 @@ def test_a_long_sentence_is_counted():
 def test_a_page_uses_the_field_s_words(page):
     text = " ".join(prose(page).lower().split())
     assert not [words for words in AVOIDED if re.search(rf"\b{words}\b", text)]
+
+
+def test_help_uses_the_field_s_words():
+    texts = {}
+    for name, command in typer.main.get_command(app).commands.items():
+        texts[name] = " ".join(
+            [command.help or "", *(p.help or "" for p in command.params if hasattr(p, "help"))]
+        ).lower()
+    assert not {n: w for n, text in texts.items() for w in AVOIDED if re.search(rf"\b{w}\b", text)}
 
 
 def test_the_site_is_short():

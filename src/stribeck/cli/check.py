@@ -33,13 +33,13 @@ Creep = Annotated[
     float | None,
     typer.Option(
         metavar="M/S", rich_help_panel=STEEPNESS,
-        help="Find the smallest k_v with which a body under a held load creeps at most so fast, m/s.",
+        help="Find the smallest k_v whose creep under a held load is at most this (m/s).",
     ),
 ]  # fmt: skip
 Share = Annotated[
     float | None,
     typer.Option(
-        metavar="X", rich_help_panel=STEEPNESS, help="That load, and the one of presliding, as a share of F_s; 0.95 unless given."
+        metavar="X", rich_help_panel=STEEPNESS, help="Load of --creep and --presliding-error over F_s; 0.95 unless given."
     ),
 ]  # fmt: skip
 SteadyError = Annotated[
@@ -51,7 +51,7 @@ SteadyError = Annotated[
 Speed = Annotated[
     float | None,
     typer.Option(
-        metavar="M/S", rich_help_panel=STEEPNESS, help="Speed at which --steady-error is evaluated, m/s."
+        metavar="M/S", rich_help_panel=STEEPNESS, help="Speed at which --steady-error is evaluated (m/s)."
     ),
 ]  # fmt: skip
 PreslidingError = Annotated[
@@ -63,30 +63,30 @@ PreslidingError = Annotated[
 ]  # fmt: skip
 ForceRate = Annotated[
     float | None,
-    typer.Option(metavar="N/S", rich_help_panel=STEEPNESS, help="Rate of the force in presliding, N/s."),
+    typer.Option(metavar="N/S", rich_help_panel=STEEPNESS, help="Rate of the force of --presliding-error (N/s)."),
 ]
 PositionError = Annotated[
     float | None,
     typer.Option(
-        metavar="M", rich_help_panel=STEEPNESS, help="Find k_v for this error of the position in --scenario, m."
+        metavar="M", rich_help_panel=STEEPNESS, help="Find k_v for this error of the position in --scenario (m)."
     ),
 ]
 OfPosition = Annotated[
     Path | None,
     typer.Option(
         "--scenario", metavar="FILE", rich_help_panel=STEEPNESS,
-        help="Scenario of --position-error; the law has its constants, unless --parameters are given.",
+        help="Scenario of --position-error; its constants are used unless --parameters is given.",
     ),
 ]  # fmt: skip
 SampleTime = Annotated[
     float | None,
     typer.Option(
-        metavar="S", rich_help_panel=STEEPNESS, help="Find k_v with which explicit Euler is stable at this step, s."
+        metavar="S", rich_help_panel=STEEPNESS, help="Find k_v with which explicit Euler is stable at this step (s)."
     ),
 ]
 Mass = Annotated[
     float | None,
-    typer.Option(metavar="KG", rich_help_panel=STEEPNESS, help="Mass of the body in these questions, kg."),
+    typer.Option(metavar="KG", rich_help_panel=STEEPNESS, help="Mass of the body for --presliding-error (kg)."),
 ]
 
 
@@ -94,34 +94,34 @@ Mass = Annotated[
 def check(
     what: Annotated[
         str,
-        typer.Argument(metavar="LAW|FILE.toml", help="A law (FILE.py:NAME too), or a machine: each of its contacts."),
+        typer.Argument(metavar="LAW|FILE.toml", help="Law, FILE.py:NAME, or a machine file, whose contacts are all checked."),
     ],
     parameters: Annotated[
-        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="The machine's parameters.")
+        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="Built-in parameter set or TOML file.")
     ] = None,
     set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Another constant, such as k_v=1e7.")
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a constant, such as k_v=1e7; may be repeated.")
     ] = None,
     v_max: Annotated[
-        float | None, typer.Option("--v-max", metavar="V", help="Passivity is asked for |v| <= V, m/s.")
+        float | None, typer.Option("--v-max", metavar="V", help="Check passivity for |v| <= V (m/s); every speed unless given.")
     ] = None,
     level: Annotated[
         str | None,
-        typer.Option(metavar="LOW:HIGH", help="F_c and F_s vary in any way between LOW and HIGH times theirs."),
+        typer.Option(metavar="LOW:HIGH", help="Let F_c and F_s vary in any way between LOW and HIGH times their values."),
     ] = None,
     force: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=MAX", help="Of a machine: the force of this link stays within +-MAX."),
+        typer.Option(metavar="NAME=MAX", help="Bound of a link's force in a machine (N or N m); unbounded unless given."),
     ] = None,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
+        bool, typer.Option("--verify", help="Check each proof by an independent program, and replay each counterexample.")
     ] = False,
     certificate: Annotated[
-        Path | None, typer.Option(metavar="FILE", parser=place, help="Write the proofs here, for others to check.")
+        Path | None, typer.Option(metavar="FILE", parser=place, help="Write the proofs to this JSON file.")
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", parser=place, help="Folder for a page, and for counterexamples as scenarios to run."),
+        typer.Option(metavar="DIR", parser=place, help="Folder for the report and for counterexamples as scenarios."),
     ] = None,
     creep: Creep = None,
     share: Share = None,
@@ -137,7 +137,7 @@ def check(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
-    """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
+    """Decide five properties of a law or machine: a proof, or a counterexample that 'run' replays."""
     from stribeck.constants import require_positive
 
     if v_max is not None:

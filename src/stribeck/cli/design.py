@@ -24,15 +24,19 @@ def design(
     scenario: ScenarioFile,
     vary: Annotated[
         list[str] | None,
-        typer.Option("--vary", metavar="PATH=LOW:HIGH", help="Find where the verdict changes; may be repeated."),
+        typer.Option(
+            "--vary", metavar="PATH=LOW:HIGH", help="Find the values at which the verdict changes; may be repeated."
+        ),
     ] = None,
-    compensate: Annotated[bool, typer.Option("--compensate", help="Compare remedies against friction.")] = False,
+    compensate: Annotated[
+        bool, typer.Option("--compensate", help="Compare remedies: feedforward, observer, inner loop, dither.")
+    ] = False,
     uncertainty: Annotated[
         Path | None,
         typer.Option(
             "--uncertainty",
             metavar="parameters.toml",
-            help="Intervals of the friction for --compensate, of a fit; else 10 % both ways.",
+            help="Friction intervals for --compensate, from a fit; 10 % both ways unless given.",
         ),
     ] = None,
     controller: ControllerName = None,
@@ -46,20 +50,18 @@ def design(
             "--v-max",
             metavar="V",
             rich_help_panel="Advanced",
-            help="Speeds for a servo's proof, m/s; else twice those met.",
+            help="Largest speed of a servo's proof (m/s); twice the largest simulated speed unless given.",
         ),
     ] = None,
     seed: Annotated[
         int,
-        typer.Option(
-            "--seed", metavar="N", rich_help_panel="Advanced", help="Seed of the random samples of the friction."
-        ),
+        typer.Option("--seed", metavar="N", rich_help_panel="Advanced", help="Seed of the random friction samples."),
     ] = 0,
     _undetermined: Undetermined = False,
 ) -> int:
-    """Will this axis hunt? By how much, from which gain on, and which compensation helps.
+    """Report whether an axis hunts: by how much, from which gain on, and which remedy helps.
 
-    Of a pneumatic servo: whether its Lyapunov function decreases with its gains.
+    For a pneumatic servo: report whether its Lyapunov function decreases.
     """
     from stribeck.cli import show
     from stribeck.loops import design as judge

@@ -16,14 +16,12 @@ from stribeck.errors import InputError
 @app.command("import", epilog="Example: stribeck import bam m4.json --out servo.toml")
 def import_(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="bam (m1 to m6, a JSON file) or mujoco (an XML model).")],
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="The file; a machine (.toml) is turned back into the other's.")
-    ],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read; a machine (.toml) is converted back.")],
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="Where to write it; else it is printed.")
+        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="File to write; printed unless given.")
     ] = None,
 ) -> int:
-    """A machine from another program's file, and back."""
+    """Convert a machine from another program's file, or back."""
     import tomli_w
 
     from stribeck import exchange

@@ -18,25 +18,26 @@ def explore(
     what: Annotated[
         str | None,
         typer.Argument(
-            metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."
+            metavar="[SCENARIO.toml | LAW]", help="Scenario file, or a law for the built-in stick-slip run."
         ),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE.html", parser=place, help="The page; NAME.html unless given.")
+        Path | None,
+        typer.Option("--out", metavar="FILE.html", parser=place, help="Page to write; NAME.html unless given."),
     ] = None,
     law: Annotated[
         list[str] | None,
-        typer.Option("--law", metavar="NAME", help="Offer this law beside the scenario's own; every law unless given."),
+        typer.Option("--law", metavar="NAME", help="Law to offer beside the scenario's own; every law unless given."),
     ] = None,
     report: Annotated[
-        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's or fit's folder.")
+        Path | None, typer.Option("--report", metavar="DIR", help="Folder of a run or fit that gets the page.")
     ] = None,
     set_: Set = None,
     trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
-    """Write a page that simulates the scenario in a browser while its numbers are turned; it needs no network."""
+    """Write a page that simulates the scenario in a browser while you turn its numbers."""
     from stribeck.explore import explore as write
     from stribeck.explore.beside import Report
     from stribeck.explore.report import of_folder

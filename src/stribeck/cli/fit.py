@@ -37,48 +37,68 @@ _READ = 0.05  # of the work
 _NOTES = 5  # on the screen; the page and --json have all
 _LAWS = 3  # in the headline
 Laws = Annotated[
-    list[str] | None, typer.Option("--law", metavar="NAME", help="A law; of several, or without it, one is picked.")
+    list[str] | None,
+    typer.Option("--law", metavar="NAME", help="Law to fit; of several, or without it, the best is chosen."),
 ]
 Mass = Annotated[
-    float | None, typer.Option("--mass", rich_help_panel=ADVANCED, metavar="M", help="kg; fitted unless given.")
+    float | None,
+    typer.Option("--mass", rich_help_panel=ADVANCED, metavar="M", help="Mass (kg, or kg m^2); fitted unless given."),
 ]
 Method = Annotated[
     str | None,
-    typer.Option("--method", rich_help_panel=ADVANCED, metavar="METHOD", help="static or dynamic."),
+    typer.Option(
+        "--method",
+        rich_help_panel=ADVANCED,
+        metavar="METHOD",
+        help="static or dynamic (by simulation); dynamic for laws with bristles unless given.",
+    ),
 ]
 Given = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", rich_help_panel=ADVANCED, metavar="KEY=VALUE", help="A constant that is given, such as k_v=1e6."
+        "--set",
+        rich_help_panel=ADVANCED,
+        metavar="KEY=VALUE",
+        help="Give a constant instead of fitting it, such as k_v=1e6; may be repeated.",
     ),
 ]
 Free = Annotated[
     list[str] | None,
-    typer.Option("--free", rich_help_panel=ADVANCED, metavar="KEY", help="Fit a constant of the law's own too."),
+    typer.Option(
+        "--free",
+        rich_help_panel=ADVANCED,
+        metavar="KEY",
+        help="Fit a constant that has a default, such as k_v; may be repeated.",
+    ),
 ]
 Terms = Annotated[
     list[str] | None,
     typer.Option(
         "--term",
         metavar="TERM",
-        help="What the force holds beside mass and offset, or delay (docs/reference/fit-files.md).",
+        help="Further term of the force, such as stiffness, or delay; may be repeated.",
     ),
 ]
 Cutoff = Annotated[
     float | None,
     typer.Option(
-        "--cutoff", rich_help_panel=ADVANCED, metavar="HZ", help="Of the motion's filter; else from the data; 0: none."
+        "--cutoff",
+        rich_help_panel=ADVANCED,
+        metavar="HZ",
+        help="Cut-off frequency of the motion's filter (Hz); chosen from the data unless given; 0: no filter.",
     ),
 ]
-Starts = Annotated[int, typer.Option("--starts", rich_help_panel=ADVANCED, min=1, help="Of the simulation-error fit.")]
-Seed = Annotated[int, typer.Option("--seed", rich_help_panel=ADVANCED, min=0, help="Of these starts.")]
+Starts = Annotated[
+    int, typer.Option("--starts", rich_help_panel=ADVANCED, min=1, help="Number of starts of a fit by simulation.")
+]
+Seed = Annotated[int, typer.Option("--seed", rich_help_panel=ADVANCED, min=0, help="Seed of the starts.")]
 Output = Annotated[
     str,
     typer.Option(
         "--output",
         rich_help_panel=ADVANCED,
         metavar="WHAT",
-        help="What a simulation is to meet: force, velocity, position.",
+        help="Measured signal that a simulation must match: force, velocity or position.",
     ),
 ]
 Drive = Annotated[
@@ -87,12 +107,12 @@ Drive = Annotated[
         "--drive",
         rich_help_panel=ADVANCED,
         metavar="KIND[:KEY=VALUE,...]",
-        help="What moves the body then: force, pid, spring.",
+        help="What drives the body with --output velocity or position: force, pid or spring.",
     ),
 ]
 Logs = Annotated[
     Path | None,
-    typer.Option("--logs", metavar="LOGS.toml", help="DATA is a machine, and these are its recordings."),
+    typer.Option("--logs", metavar="LOGS.toml", help="Recordings and unknowns of the machine DATA."),
 ]
 Sought = Annotated[
     list[str] | None,
@@ -100,13 +120,16 @@ Sought = Annotated[
         "--unknown",
         rich_help_panel=ADVANCED,
         metavar="PATH=LOW:HIGH",
-        help="What is sought beside [unknown] of LOGS.toml (--logs).",
+        help="Further unknown beside [unknown] of LOGS.toml; may be repeated.",
     ),
 ]
 Transfer = Annotated[
     Path | None,
     typer.Option(
-        "--transfer", rich_help_panel=ADVANCED, metavar="LOGS.toml", help="Recordings of another unit or day (--logs)."
+        "--transfer",
+        rich_help_panel=ADVANCED,
+        metavar="LOGS.toml",
+        help="Recordings of another unit or day; numbers that moved are listed.",
     ),
 ]
 
@@ -115,7 +138,7 @@ Plan = Annotated[
     typer.Option(
         "--plan",
         metavar="stroke=M,speed=M/S,force=N[,deflection=M]",
-        help="Print what to measure on a rig with these limits. deflection: way to break-away, F_c/sigma_0, if known.",
+        help="Print what to measure within these limits of the rig. deflection: F_c/sigma_0, if known.",
     ),
 ]
 Simulate = Annotated[
@@ -123,7 +146,7 @@ Simulate = Annotated[
     typer.Option(
         "--simulate",
         rich_help_panel=ADVANCED,
-        help="With --plan and --out: write a synthetic log of it too (of --law, --set, --seed).",
+        help="With --plan and --out: also write a synthetic log (of --law, --set, --seed).",
     ),
 ]
 
@@ -131,23 +154,23 @@ Simulate = Annotated[
 NoForms = Annotated[
     bool,
     typer.Option(
-        "--no-forms", rich_help_panel=ADVANCED, help="The law alone, without forms that it may lack (static)."
+        "--no-forms", rich_help_panel=ADVANCED, help="Fit the law alone, without forms for missing effects (static)."
     ),
 ]
 NoWeight = Annotated[
-    bool, typer.Option("--no-weight", rich_help_panel=ADVANCED, help="A rotary joint that carries no weight (static).")
+    bool, typer.Option("--no-weight", rich_help_panel=ADVANCED, help="Leave out the weight of a rotary joint (static).")
 ]
 Filter = Annotated[
     str | None,
     typer.Option(
         "--filter", metavar="published", rich_help_panel=ADVANCED,
-        help="The inverse-dynamics procedure as published: Butterworth, decimation, the law alone (static).",
+        help="Use the published inverse-dynamics procedure: Butterworth filter, decimation, the law alone (static).",
     ),
 ]  # fmt: skip
 Speeds = Annotated[
     list[float] | None,
     typer.Option(
-        "--speed", metavar="M/S", rich_help_panel=ADVANCED, help="Estimate friction at this speed too (static)."
+        "--speed", metavar="M/S", rich_help_panel=ADVANCED, help="Also estimate the friction at this speed (static)."
     ),
 ]
 
@@ -190,7 +213,7 @@ def fit(
     out: Out = None,
     json: Json = False,
 ) -> int:
-    """Parameters of a law from a measured log, or of a machine from its recordings (--logs), with a 95 % interval, a model
+    """Fit a law to a measured log, or a machine to its recordings (--logs), with a 95 % interval, a model
     range and a state for each."""
     if plan is not None:
         from stribeck.cli import plan as planning

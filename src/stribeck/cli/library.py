@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 def library(
     name: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[NAME]...", help="A law, a parameter set or a machine; FILE.py:NAME is a law too."),
+        typer.Argument(metavar="[NAME]...", help="Law, FILE.py:NAME, parameter set or machine."),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE.toml", parser=place, help="Write the named machine, ready to run."),
+        typer.Option("--out", metavar="FILE.toml", parser=place, help="Write the named machine as a scenario file."),
     ] = None,
     json: Json = False,
 ) -> int:
-    """List friction laws, parameter sets and machines with their sources; a NAME shows all that is known of it."""
+    """List friction laws, parameter sets and machines with their sources; a NAME shows its details."""
     from stribeck.cli import show
     from stribeck.laws import library as shelf
 

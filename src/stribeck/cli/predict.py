@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 @app.command(epilog="Example: stribeck predict another.csv --fit fit --out predicted")
 def predict(
     context: typer.Context,
-    data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="A record that the fit has not seen.")],
+    data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="Record that the fit has not used.")],
     fit: Annotated[
-        Path | None, typer.Option("--fit", metavar="DIR", help="The folder that stribeck fit --out wrote.")
+        Path | None, typer.Option("--fit", metavar="DIR", help="Folder that 'stribeck fit --out' wrote.")
     ] = None,
     machine: Annotated[
         Path | None,
-        typer.Option("--machine", metavar="FILE.toml", help="Instead of a fit: simulate this file beside the record."),
+        typer.Option("--machine", metavar="FILE.toml", help="Simulate this machine file instead of a fit."),
     ] = None,
     time: Annotated[
-        str | None, typer.Option("--time", metavar="COL", help="Columns: as in the fit unless given.")
+        str | None, typer.Option("--time", metavar="COL", help="Column of the time; columns are as in the fit unless given.")
     ] = None,
     position: Position = None,
     velocity: Velocity = None,
@@ -42,13 +42,16 @@ def predict(
     unit: Unit = None,
     cutoff: Annotated[
         float | None,
-        typer.Option("--cutoff", metavar="HZ", rich_help_panel=ADVANCED, help="Of the motion's filter."),
+        typer.Option(
+            "--cutoff", metavar="HZ", rich_help_panel=ADVANCED,
+            help="Cut-off frequency of the motion's filter (Hz); as in the fit unless given.",
+        ),
     ] = None,
     command: Annotated[
         str | None,
         typer.Option(
             "--command", metavar="COL", rich_help_panel=ADVANCED,
-            help="With --machine: column of what drove the rig; it replaces the file's signal.",
+            help="With --machine: column that drove the rig; replaces the file's signal.",
         ),
     ] = None,
     set_: Annotated[
@@ -62,7 +65,7 @@ def predict(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
-    """Predict another record, by a fitted model or a machine file: error, overlay and page."""
+    """Predict another record by a fit or a machine file: error, overlay and report."""
     _refuse_mixed(given_options(context), fit, machine)
     columns = {
         "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 Data = Annotated[
     list[Path] | None,
-    typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs."),
+    typer.Argument(
+        metavar="DATA...",
+        help="Log: CSV, Parquet, MAT or NPZ; several files are several runs. With --logs a machine file.",
+    ),
 ]
 Time = Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")]
 Position = Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")]
@@ -29,9 +32,17 @@ Force = Annotated[
     str | None, typer.Option("--force", metavar="COL", help="Column of the driving force, torque or current.")
 ]
 GainOrName = Annotated[
-    str | None, typer.Option("--force-gain", metavar="X", help="Force per unit of that column; or a constant's name.")
+    str | None,
+    typer.Option(
+        "--force-gain",
+        metavar="X",
+        help="Force per unit of the force column, such as N/A; or a constant of the file; 1 unless given.",
+    ),
 ]
-Gain = Annotated[str | None, typer.Option("--force-gain", metavar="X", help="Factor from that column to N or N m.")]
+Gain = Annotated[
+    str | None,
+    typer.Option("--force-gain", metavar="X", help="Force per unit of the force column; as in the fit unless given."),
+]
 Load = Annotated[
     str | None, typer.Option("--load", metavar="COL", rich_help_panel=ADVANCED, help="Column of the normal load.")
 ]
@@ -41,13 +52,16 @@ Pressure = Annotated[
 Command = Annotated[
     str | None,
     typer.Option(
-        "--command", metavar="COL", rich_help_panel=ADVANCED, help="Column of what a drive is told (--drive)."
+        "--command", metavar="COL", rich_help_panel=ADVANCED, help="Column of the drive's command (for --drive)."
     ),
 ]
 Run = Annotated[
-    str | None, typer.Option("--run", metavar="COL", rich_help_panel=ADVANCED, help="Column of a run number.")
+    str | None, typer.Option("--run", metavar="COL", rich_help_panel=ADVANCED, help="Column of the run number.")
 ]
-Unit = Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="A column's unit; may be repeated.")]
+Unit = Annotated[
+    list[str] | None,
+    typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given; may be repeated."),
+]
 UnitOrSI = Annotated[
     list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given.")
 ]

@@ -28,7 +28,7 @@ def run(
         typer.Option(
             "--law",
             metavar="NAME[:KEY=VALUE,...]",
-            help="Use this law instead of the file's. Given again: the laws are compared with the first.",
+            help="Use this law instead of the file's; given again, the laws are compared with the first.",
         ),
     ] = None,
     contact: Annotated[
@@ -39,12 +39,10 @@ def run(
     ] = None,
     out: Out = None,
     set_: Set = None,
-    draw: Annotated[
-        bool, typer.Option("--show", help="Draw the machine instead: bodies, what acts on them, numbers.")
-    ] = False,
+    draw: Annotated[bool, typer.Option("--show", help="Draw the machine instead of running it.")] = False,
     keep_c: Annotated[
         Path | None,
-        typer.Option("--keep-c", metavar="FILE", parser=place, help="Write the generated C here, to read or debug."),
+        typer.Option("--keep-c", metavar="FILE", parser=place, help="Write the generated C to this file."),
     ] = None,
     trust: Trust = False,
     json: Json = False,

@@ -39,7 +39,7 @@ class PlainCommand(TyperCommand):
 
 
 ScenarioFile = Annotated[
-    Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario file; 'stribeck new' writes one.")
+    Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario or machine file; 'stribeck new' writes one.")
 ]
 
 
@@ -57,7 +57,7 @@ def place(text: str) -> Path:
 
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", parser=place, help="Folder for the files; made if need be."),
+    typer.Option("--out", metavar="DIR", parser=place, help="Folder for the results; created if missing."),
 ]
 Set = Annotated[
     list[str] | None,
@@ -68,12 +68,13 @@ Trust = Annotated[
     typer.Option(
         "--trust",
         rich_help_panel=ADVANCED,
-        help="Let the scenario run laws (FILE.py:NAME) that lie outside its folder.",
+        help="Allow the scenario to run laws (FILE.py:NAME) from outside its folder.",
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as one JSON object.")]
 ControllerName = Annotated[
-    str | None, typer.Option("--controller", metavar="NAME", help="Which controller of a machine that has several.")
+    str | None,
+    typer.Option("--controller", metavar="NAME", help="Name of the controller; needed if the machine has several."),
 ]
 
 
@@ -94,7 +95,7 @@ Undetermined = Annotated[
     bool,
     typer.Option(
         "--allow-undetermined", callback=_allow, rich_help_panel=ADVANCED,
-        help="Use the best values of a fit's parameters.toml that its data do not determine.",
+        help="Accept values of a fit that its data do not determine.",
     ),
 ]  # fmt: skip
 

@@ -19,28 +19,31 @@ def sweep(
     out: Annotated[
         str,
         typer.Option(
-            "--out", metavar="DIR", parser=written_to, help="Folder for the parts; or a URL that fsspec knows."
+            "--out", metavar="DIR", parser=written_to, help="Folder for the results, or a URL that fsspec knows."
         ),
     ],
     vary: Annotated[
         list[str] | None,
-        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="A range of a number; may be repeated."),
+        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="Range of a number; may be repeated."),
     ] = None,
     samples: Annotated[
-        int | None, typer.Option("--samples", metavar="N", help="N random points of the ranges, not their grid.")
+        int | None,
+        typer.Option("--samples", metavar="N", help="Draw N random points of the ranges instead of their grid."),
     ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the random points.", min=0)] = 0,
-    summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    summary: Annotated[
+        bool, typer.Option("--summary", help="Write one row for each simulation instead of its trajectory.")
+    ] = False,
     cluster: Annotated[
         str | None,
-        typer.Option("--cluster", metavar="HOST:PORT", help="A Dask scheduler, whose workers make the parts."),
+        typer.Option("--cluster", metavar="HOST:PORT", help="Dask scheduler whose workers run the simulations."),
     ] = None,
     threads: Annotated[
         int | None,
         typer.Option(
             "--threads",
             metavar="N",
-            help="Threads; all of the machine's unless given.",
+            help="Number of threads; all cores unless given.",
             min=1,
             rich_help_panel="Advanced",
         ),
@@ -50,7 +53,7 @@ def sweep(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
-    """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
+    """Simulate a scenario over ranges of its numbers; the same command continues after an interruption."""
     import sys
     from time import perf_counter
 

@@ -24,7 +24,7 @@ ExportOut = Annotated[
         "--out",
         metavar="PATH",
         parser=place,
-        help="Where to: a folder for c, mujoco and mujoco_plugin, else a file.",
+        help="Folder for c, mujoco and mujoco_plugin; a file for other targets.",
     ),
 ]
 
@@ -33,7 +33,7 @@ ExportPart = Annotated[
     typer.Option(
         "--part",
         metavar="PART",
-        help="law, body, observer, controller, compensator or machine (of a machine unless given).",
+        help="law, body, observer, controller, compensator or machine; law unless given, of a machine file machine.",
     ),
 ]
 
@@ -43,12 +43,12 @@ ExportScenario = Annotated[
         "--scenario",
         metavar="FILE",
         rich_help_panel=ADVANCED,
-        help="A scenario: mass, controller, and law unless given.",
+        help="Scenario that gives mass, controller, and the law unless LAW is given.",
     ),
 ]
 
 ExportContact = Annotated[
-    str | None, typer.Option("--contact", metavar="NAME", help="The contact of a machine whose law it is.")
+    str | None, typer.Option("--contact", metavar="NAME", help="Contact of the machine whose friction is exported.")
 ]
 
 ExportStep = Annotated[
@@ -57,7 +57,7 @@ ExportStep = Annotated[
         "--step",
         metavar="S",
         rich_help_panel=ADVANCED,
-        help="The time step that the tool will take: what is lost is said.",
+        help="Time step of the target (s); the loss of accuracy is reported.",
     ),
 ]
 
@@ -70,15 +70,17 @@ def export(
         str | None,
         typer.Argument(
             metavar="LAW",
-            help="The law, the scenario's unless given; FILE.py:NAME is one too. Or a scenario: MACHINE.toml.",
+            help="Law, FILE.py:NAME, or a machine file; the scenario's law unless given.",
         ),
     ] = None,
     parameters: Annotated[
-        str | None, typer.Option("--parameters", metavar="SET", help="A built-in set of parameters, or a TOML file.")
+        str | None, typer.Option("--parameters", metavar="SET", help="Built-in parameter set or TOML file.")
     ] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (machine: links.gear.gap=0)."),
+        typer.Option(
+            "--set", metavar="KEY=VALUE", help="Set a constant, such as k_v=1e7 (of a machine: links.gear.gap=0)."
+        ),
     ] = None,
     part: ExportPart = None,
     scenario: ExportScenario = None,
@@ -86,23 +88,23 @@ def export(
     controller: ControllerName = None,
     step: ExportStep = None,
     self_test: Annotated[
-        bool, typer.Option("--self-test", rich_help_panel=ADVANCED, help="With a program that checks the C.")
+        bool, typer.Option("--self-test", rich_help_panel=ADVANCED, help="Add a program that tests the C.")
     ] = False,
-    fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
+    fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="FMI version of an FMU: 3 or 2.")] = 3,
     platforms: Annotated[
         str,
         typer.Option(
             "--platforms",
             metavar="here|all",
             rich_help_panel=ADVANCED,
-            help="Of an FMU's binaries; all: Windows and macOS too, which takes minutes at first.",
+            help="Binaries of an FMU: here, or all for Windows and macOS too (takes minutes at first).",
         ),
     ] = "here",
     trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
-    """Write a law or a compensator for another tool: C, FMU, MuJoCo and its kin, a table."""
+    """Write a law, a controller or a machine for another tool: C, FMU, MuJoCo, Isaac Lab, Newton, a table."""
     from stribeck.cli import export as command
 
     return command.export(

@@ -13,14 +13,15 @@ from stribeck.cli.shared import app, place
 @app.command(epilog="Example: stribeck new my_rig")
 def new(
     name: Annotated[
-        str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")
+        str, typer.Argument(metavar="[NAME]", help="Name of the file, or of a built-in example.")
     ] = "my_rig",
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="Where to; NAME.toml unless given.")
+        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="File to write; NAME.toml unless given.")
     ] = None,
     examples: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
     schema: Annotated[
-        bool, typer.Option("--schema", help="Write the JSON Schema with which editors complete and check such files.")
+        bool,
+        typer.Option("--schema", help="Write the JSON Schema, with which editors complete and check scenario files."),
     ] = False,
 ) -> int:
     """Write a commented scenario file to start from."""
