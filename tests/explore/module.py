@@ -17,10 +17,7 @@ class Module:
         self.imports = [each.name for each in module.imports]
         self.exports = wasmtime.Instance(self.store, module, []).exports(self.store)
         self.memory, self.law, self.layout = self.exports["memory"], law, layout
-        self.top = self.exports["__heap_base"].value(self.store)
-        shape = law["shape"]
-        places = [self.room(max(size, 8)) for size in shape["rooms"]]
-        numbers = np.array([*shape["sizes"], *places, *shape["tables"][0], *shape["tables"][1]], np.int32)
+        self.top, numbers = law["shape"]["end"], np.array(law["shape"]["numbers"], np.int32)
         self.memory.write(self.store, numbers.tobytes(), self.exports["shape"].value(self.store))
 
     def call(self, name, *arguments):
@@ -90,7 +87,7 @@ class Module:
         for i in range(count):
             while n + 1 < len(start) and start[n + 1] <= i * step * (1 + 1e-12):
                 n += 1
-            piece = piece_rows + 8 * n * self.law["shape"]["sizes"][1]
+            piece = piece_rows + 8 * n * self.law["shape"]["numbers"][1]
             self.call("system_columns", p, piece, i * step, out + 8 * i * width, values + 8 * i * len(names))
         cells = self.read(values, count * len(names)).reshape(count, len(names))
         return {name: cells[:, i] for i, name in enumerate(names)}

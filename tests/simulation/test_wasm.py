@@ -2,12 +2,15 @@
 
 import hashlib
 import importlib.util
+import platform
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+import wasmtime
 
 from stribeck import Scenario, examples, simulate
 from stribeck.errors import BuildError, InputError
@@ -15,6 +18,7 @@ from stribeck.simulation import backend, engine, wasm
 from tests.simulation.rig import LAWS, law_table, needs_compiler, pid, rig, solved, spring
 
 ROOT = Path(__file__).parent.parent.parent
+PLAIN = f"{platform.machine()}-unknown-linux-gnu"  # named, it is taken for the oldest of its kind
 POINTS = {"kind": "points", "t": [0.0, 0.2, 0.2, 0.5], "value": [0.0, 1.0, -0.5, 1.4]}
 DRIVES = {"force": ("force", 1.3), "spring": (spring("canudas1995", 0.1), 0.2), "pid": (pid("canudas1995", 0.2), 0.5),
           "velocity": ("velocity", 3e-3)}  # fmt: skip
@@ -88,16 +92,41 @@ def digest(scenario):
 
 
 GOLDEN = {
-    "stick_slip": "8d8a8a94c17d4053",
-    "limit_cycle": "5f8c1071a291d2d9",
-    "arm": "0fc3a32b90430c84",
+    "arm": "d02d0de6bec5344e",
+    "axis_hunts": "a430c7fae32bd2ae",
+    "belt": "94409b2fbed392af",
+    "break_away": "6afff9df9af22746",
+    "gear": "91ec2a7e1a99a126",
+    "hysteresis": "b3080ca3dffa8164",
+    "joint_from_log": "95ae5a08e7e29dc9",
+    "limit_cycle": "dae6c2ca2d6a59af",
+    "machine": "534411be7fa523f8",
+    "measured": "81c9e26423e8593d",
+    "presliding": "e17af5bddbf9fb06",
+    "servo": "d5bcaef162f7f16b",
+    "sine_force": "f9bbf146cbcff8b9",
+    "stick_slip": "d5f18893e475499c",
 }
 
 
-@pytest.mark.parametrize("name", GOLDEN)
+@pytest.mark.parametrize("name", examples.names())
 def test_the_bits_are_the_same_on_every_machine(name):
     """A change of the solver or of the order of operations changes them: then they are written down anew."""
     assert digest(Scenario.load(examples.path(name))) == GOLDEN[name]
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="needs a longer number to compare with")
+def test_exp_is_within_two_units_in_the_last_place():
+    """The runtime's own: no library of WebAssembly has a fast one."""
+    store = wasmtime.Store()
+    module = wasm.system_module(Scenario.load(examples.path("stick_slip")).system).module
+    called = wasmtime.Instance(store, wasmtime.Module(store.engine, module), []).exports(store)["call_exp"]
+    random = np.random.default_rng(2)
+    x = np.concatenate([random.uniform(-700, 700, 1000), random.uniform(-1, 1, 1000), [0.0, -0.0, 1e-300, 700, -700]])
+    found, exact = np.array([called(store, float(y)) for y in x]), np.exp(x.astype(np.longdouble))
+    assert np.max(np.abs((found - exact) / np.spacing(exact.astype(float)))) < 2
+    edges = [called(store, y) for y in (np.inf, -np.inf, 800.0, -800.0, np.nan)]
+    np.testing.assert_array_equal(edges, [np.inf, 0.0, np.inf, 0.0, np.nan])
 
 
 def test_the_runtime_is_what_its_source_gives(tmp_path):
@@ -158,18 +187,21 @@ def test_threads_solve_beside_each_other(by_wasm):
     }
 
 
+@pytest.mark.parametrize(
+    "target", ["pulley64", pytest.param(PLAIN, marks=pytest.mark.skipif(sys.platform != "linux", reason="Linux's"))]
+)
 @pytest.mark.parametrize("name", ["stick_slip", "arm"])
-def test_the_bits_of_another_engine(name):
-    """Wasmtime's interpreter (Pulley), in a process of its own: no instruction of this processor takes part."""
+def test_the_bits_of_another_engine(name, target):
+    """Wasmtime's interpreter (Pulley), where no instruction of this processor takes part; and code for this processor's
+    oldest kin, without AVX. In a process of its own."""
     code = f"""
-import hashlib, numpy as np, wasmtime
+import hashlib, wasmtime
+from ctypes import c_void_p, cast
 from stribeck import Scenario, examples
 from stribeck.simulation import engine, wasm
-config = wasmtime.Config(); config.target = "pulley64"
-library = engine._library()
-engine._engine.cache_clear()
+config = wasmtime.Config(); config.target = {target!r}
 other = wasmtime.Engine(config)
-engine._engine = lambda: __import__("ctypes").cast(other.ptr(), __import__("ctypes").c_void_p).value
+engine._engine = lambda: cast(other.ptr(), c_void_p).value
 scenario = Scenario.load(examples.path({name!r}), {{"solve.t_end": 0.2}})
 system = wasm.system_module(scenario.system)
 print(hashlib.sha256(wasm.solve(engine.Compiled.of(system.module), system, scenario).states.tobytes()).hexdigest()[:16])
@@ -177,3 +209,37 @@ print(hashlib.sha256(wasm.solve(engine.Compiled.of(system.module), system, scena
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     assert result.stdout.strip() == digest(Scenario.load(examples.path(name), {"solve.t_end": 0.2}))
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
+@pytest.mark.parametrize("name", examples.names())
+def test_the_bits_of_a_browser_s_engine(name, tmp_path, monkeypatch):
+    """V8, by node: the module as it is, and memory as it is before the solver is called."""
+    before, call = [], engine.Instance.call
+
+    def kept(self, what, run):
+        before.append((self.memory(0).copy(), run))
+        return call(self, what, run)
+
+    scenario = Scenario.load(examples.path(name), {"solve.t_end": 0.2})
+    system = wasm.system_module(scenario.system)
+    monkeypatch.setattr(engine.Instance, "call", kept)
+    result = wasm.solve(wasm.compiled(system.module)[0], system, scenario)
+    memory, run = before[-1]
+    (tmp_path / "module.wasm").write_bytes(system.module)
+    memory.tofile(tmp_path / "memory")
+    out, count = wasm.run_struct().from_buffer(memory, run).out, result.states.nbytes
+    script = """
+        const [folder, run, out, count] = process.argv.slice(1), { readFileSync, writeFileSync } = require("fs");
+        const api = new WebAssembly.Instance(new WebAssembly.Module(readFileSync(folder + "/module.wasm"))).exports;
+        const memory = readFileSync(folder + "/memory");
+        api.memory.grow((memory.length - api.memory.buffer.byteLength) / 65536);
+        new Uint8Array(api.memory.buffer).set(memory);
+        const status = api.stribeck_advance(+run);
+        writeFileSync(folder + "/out", new Uint8Array(api.memory.buffer, +out, +count));
+        process.exit(status);
+    """
+    words = [str(tmp_path), str(run), str(out), str(count)]
+    subprocess.run(["node", "-e", script, *words], check=True)
+    assert (tmp_path / "out").read_bytes() == result.states.tobytes()

@@ -15,7 +15,6 @@ from functools import cache
 from stribeck.codegen.elimination import eliminate
 from stribeck.codegen.source import SystemCode, runtime_text
 from stribeck.codegen.webassembly import (
-    ADD_I32,
     AGAIN,
     END,
     EQUAL_I32,
@@ -65,6 +64,7 @@ STAGES = 8
 # From so many states on, the rates are a function that each stage calls, and the sums over stages are found for two
 # states at once: eight copies of the rates are more than Cranelift allots registers to well. Below, pairs cost 1 to 8 %.
 LARGE = 5
+LINE = 64  # bytes: arrays begin on lines of their own
 MOST_WATCHED = 64  # the room of runtime/any.c's struct Shape
 
 
@@ -197,7 +197,7 @@ class _Single:
             for j, (a, k) in enumerate(zip(row, self.stages, strict=True))
         )
 
-    def keep(self, pointer: int, offset: int, k: Sequence[int]) -> bytes:
+    def keep(self, pointer: int | None, offset: int, k: Sequence[int]) -> bytes:
         """A stage's result into a local for later stages, and into memory for the runtime."""
         self.stages.append(self.f.local())
         return store(pointer, offset + 8 * self.i, self.together(k) + tee(self.stages[-1]))
@@ -229,7 +229,7 @@ class _Pair(_Single):
         first, second = extract(0) + put(locals_[self.i]), extract(1) + put(locals_[self.i + 1])
         return tee(self.both) + first + get(self.both) + second
 
-    def keep(self, pointer: int, offset: int, k: Sequence[int]) -> bytes:
+    def keep(self, pointer: int | None, offset: int, k: Sequence[int]) -> bytes:
         self.stages.append(self.f.local(V128))
         return v_store(pointer, offset + 8 * self.i, self.together(k) + tee(self.stages[-1]))
 
@@ -258,16 +258,16 @@ class Emitted:
         system: its equations.
         runtime: the numbers of the runtime's exported functions.
         rates: the number of the system's function ``rates``.
+        begin: the address from which on memory is free.
 
     Attributes:
         functions: by the name of their import.
         calls: the runtime's functions that they call.
-        sizes: the first fields of the runtime's struct Shape: numbers of states, of ...
-        tables: its last fields, which states what is watched depends on and what is curved.
-        room: bytes of the arrays ``coefficients``, ``work`` and ``k``.
+        shape: the runtime's struct Shape: numbers of states, of ...
+        end: the address from which on memory is free for others.
     """
 
-    def __init__(self, system: Equations, runtime: Mapping[str, int], rates: int) -> None:
+    def __init__(self, system: Equations, runtime: Mapping[str, int], rates: int, begin: int) -> None:
         self.system, self.runtime, self.rates = system, runtime, rates
         self.code = s = SystemCode(system, False)
         s.jacobian, s.factors = {}, {}
@@ -277,25 +277,31 @@ class Emitted:
         self.n = n = len(s.names)
         self.calls: set[str] = set()
         self.offset = {
-            "p": {name: 8 * i for i, name in enumerate(s.parameter_text)},
-            "c": {f"coefficient.{name}": 8 * i for i, name in enumerate(s.coefficients)},
             "piece": {f"segment.{name}": 8 * i for i, name in enumerate((*system.piece_fields, *system.held))},
             "x": {name: 8 * i for i, name in enumerate(s.names)},
-            "work": {f"jacobian.{name}": 8 * (2 * n + i) for i, name in enumerate(s.jacobian)},
             "m": {f"memory.{x}": 8 * i for i, x in enumerate(x for memory in s.memory for x in memory)},
             "dx": {f"change.{i}": 8 * i for i in range(n)},
             "e": {f"error.{i}": 8 * i for i in range(n)},
         }
-        derivatives = [*s.rates, *s.by_time, *s.jacobian.values()]
+        fixed = [
+            *s.parameter_text, *(f"coefficient.{name}" for name in s.coefficients), *(f"rate.{i}" for i in range(2 * n)),
+            *(f"jacobian.{name}" for name in s.jacobian),
+        ]  # fmt: skip
+        begin = -(-begin // LINE) * LINE
+        self.at = {name: begin + 8 * i for i, name in enumerate(fixed)}
+        self.k = -(-(begin + 8 * len(fixed)) // LINE) * LINE  # the stages
+        self.end = self.k + 8 * STAGES * n
         self.functions = {
-            "prepare": self._stored("ii", "p c", list(s.coefficients.values()), "c"),
-            "rates": self._stored("iiidii", "p c piece t x dx", s.rates, "dx"),
-            "linearise": self._stored("iiidii", "p c piece t x work", derivatives, "work"),
+            "prepare": self._prepare(),
+            "rates": self._stored("idii", "piece t x dx", s.rates, "dx"),
+            "linearise": self._linearise([*s.rates, *s.by_time, *s.jacobian.values()]),
             "attempt": _Attempt(self, solution).function(),
             "observe": self._observe(observed),
+            "dense": self._dense(),
+            "within": self._within(),
             "may_cross": _MayCross(self).function(),
-            "watch": self._stored("iiidii", "p c piece t x w", s.watched, "w"),
-            "watch_dense": self._stored("iiii", "p c dx dw", self.changes(), "dw"),
+            "watch": self._stored("idii", "piece t x w", s.watched, "w"),
+            "watch_dense": self._stored("ii", "dx dw", self.changes(), "dw"),
             "moved_energy": self._moved_energy(),
             "sample": self._sample(),
             "find_timing": self._find_timing(),
@@ -303,16 +309,10 @@ class Emitted:
         used = symbols(s.watched)
         watched = [i for i, name in enumerate(s.names) if name in used]
         moved = s.names.index("E_in") if s.moved else -1
-        self.sizes = [
+        self.shape = [
             n, len(system.piece_fields), len(system.held), len(system.shown), len(s.watched), len(watched),
-            sum(s.curved), moved, len(s.forces),
+            sum(s.curved), moved, len(s.forces), self.k, *_filled(watched), *_filled([int(x) for x in s.curved]),
         ]  # fmt: skip
-        self.tables = [_filled(watched), _filled([int(x) for x in s.curved])]
-        self.room = {
-            "coefficients": 8 * len(s.coefficients),
-            "work": 8 * (2 * n + len(s.jacobian)),
-            "k": 8 * STAGES * n,
-        }
 
     def added(self, each: Added) -> Function:
         """A further function, for those who call the module."""
@@ -329,7 +329,7 @@ class Emitted:
 
     def where(self, names: str) -> dict[str, bytes]:
         """What pushes each input of a function whose parameters have these names."""
-        code: dict[str, bytes] = {}
+        code = {name: load(None, at) for name, at in self.at.items()}
         for place, name in enumerate(names.split()):
             if name in self.offset:
                 code |= {key: load(place, offset) for key, offset in self.offset[name].items()}
@@ -360,43 +360,84 @@ class Emitted:
         f.code += b"".join(store(target, 8 * i, value) for i, value in enumerate(values))
         return f
 
+    def _prepare(self) -> Function:
+        """Constants and coefficients of a run."""
+        f, names = Function("i"), list(self.code.parameter_text)
+        f.code += b"".join(store(None, self.at[name], load(0, 8 * i)) for i, name in enumerate(names))
+        for name, value in zip(self.code.coefficients, self.values(f, self.where("p"), [*self.code.coefficients.values()]),
+                               strict=True):  # fmt: skip
+            f.code += store(None, self.at[f"coefficient.{name}"], value)
+        return f
+
+    def _linearise(self, derivatives: Sequence[Expr]) -> Function:
+        f, first = Function("idi"), self.at["rate.0"]
+        values = self.values(f, self.where("piece t x"), derivatives)
+        f.code += b"".join(store(None, first + 8 * i, value) for i, value in enumerate(values))
+        return f
+
     def _observe(self, observed: Sequence[tuple[str, Expr]]) -> Function:
         """The friction forces, their errors, and the sizes of the terms of these: each goes to an array of its own."""
-        names = "p c work e force force_error force_terms"
-        f = Function("i" * len(names.split()))
+        names = "e force force_error force_terms"
+        f = Function("iiii")
         values = self.values(f, self.where(names), [node for _, node in observed])
         for (target, _), value in zip(observed, values, strict=True):
             array, _, place = target.rstrip("]").partition("[")
             f.code += store(names.split().index(array), 8 * int(place), value)
         return f
 
+    def _dense(self) -> Function:
+        """The dense output's three coefficients of each state."""
+        f = Function("i")
+        for i in range(self.n):
+            f.code += b"".join(store(0, 8 * (3 * i + m), self.dense_coefficient(i, m)) for m in range(3))
+        return f
+
+    def dense_coefficient(self, i: int, m: int) -> bytes:
+        """dense() of runtime/method.c."""
+        return b"".join(
+            f64(factor) + load(None, self.k + 8 * (stage * self.n + i)) + MUL + (ADD if stage else b"")
+            for stage, factor in enumerate(tables()["DENSE"][m])
+        )
+
+    def _within(self) -> Function:
+        """The states after a share of a step: interpolate() of runtime/method.c."""
+        f = Function("diiii")
+        s, rest = get(0), f.local()
+        f.code += f64(1.0) + s + SUB + put(rest)
+        for i in range(self.n):
+            d0, d1, d2 = (load(3, 8 * (3 * i + m)) for m in range(3))
+            bent = get(rest) + d0 + s + d1 + s + d2 + MUL + ADD + MUL + ADD + MUL
+            value = get(rest) + load(1, 8 * i) + MUL + s + load(2, 8 * i) + bent + ADD + MUL + ADD
+            f.code += store(4, 8 * i, value)
+        return f
+
     def _moved_energy(self) -> Function:
-        f = Function("iiidi", "d")
-        f.code += self.values(f, self.where("p c piece t x"), self.code.moved or [ZERO])[0]
+        f = Function("idi", "d")
+        f.code += self.values(f, self.where("piece t x"), self.code.moved or [ZERO])[0]
         return f
 
     def _sample(self) -> Function:
         """The difference equations of each controller: all new values are known before one is written."""
-        f, begin, m = Function("iiiididii"), 0, 0
+        f, begin, m = Function("iididii"), 0, 0
         for which, memory in enumerate(self.code.memory):
             nodes = self.code.samples[begin : begin + 1 + len(memory)]
             begin += len(nodes)
-            values = self.values(f, self.where("which p c piece t x noise m u"), nodes, strict=True)
+            values = self.values(f, self.where("which piece t x noise m u"), nodes, strict=True)
             f.code += get(0) + integer(which) + EQUAL_I32 + IF
             new = [f.local() for _ in nodes]
             f.code += b"".join(value + put(local) for local, value in zip(new, values, strict=True))
-            f.code += store(8, 0, get(new[0]))
-            f.code += b"".join(store(7, 8 * (m + i), get(local)) for i, local in enumerate(new[1:]))
+            f.code += store(6, 0, get(new[0]))
+            f.code += b"".join(store(5, 8 * (m + i), get(local)) for i, local in enumerate(new[1:]))
             f.code += END
             m += len(memory)
         return f
 
     def _find_timing(self) -> Function:
-        f, every = Function("ii"), self.system.samples()
+        f, every = Function("i"), self.system.samples()
         for k, what in enumerate(("period", "delay")):
             for i, each in enumerate(every):
-                value = load(0, self.offset["p"][f"{each.timing}.{what}"])
-                f.code += store(1, 8 * (k * len(every) + i), value)
+                value = load(None, self.at[f"{each.timing}.{what}"])
+                f.code += store(0, 8 * (k * len(every) + i), value)
         return f
 
 
@@ -408,11 +449,11 @@ class _Attempt:
     """All stages of a step as straight-line code (runtime/stages.c), and the squared error against the tolerances. What
     stages share stays in locals."""
 
-    NAMES = "p c piece t x h work k x_new atol rtol"
+    NAMES = "piece t x h x_new atol rtol"
 
     def __init__(self, emitted: Emitted, solution: Sequence[Expr]) -> None:
         self.emitted, self.s, self.n = emitted, emitted.code, emitted.n
-        self.f = f = Function("iiididiiiid", "d")
+        self.f = f = Function("ididiid", "d")
         self.P = {name: i for i, name in enumerate(self.NAMES.split())}
         self.large = self.n >= LARGE
         self.inv_h, self.shift, self.inv_shift, self.time = (f.local() for _ in range(4))
@@ -422,7 +463,7 @@ class _Attempt:
 
     def function(self) -> Function:
         """The function."""
-        f, n = self.f, self.n
+        f, n, emitted = self.f, self.n, self.emitted
         self._factors()
         self.inputs |= {f"right.{name}": get(self.right[i]) for i, name in enumerate(self.s.names)}
         in_solve = self.emitted.values(f, self.inputs, self.solution)
@@ -433,7 +474,7 @@ class _Attempt:
         for stage in range(STAGES):
             self._stage(stage, sums, in_rates)
             f.code += b"".join(value + put(self.k[i]) for i, value in enumerate(in_solve))
-            f.code += b"".join(each.keep(self.P["k"], 8 * stage * n, self.k) for each in sums)
+            f.code += b"".join(each.keep(None, emitted.k + 8 * stage * n, self.k) for each in sums)
         for i in range(n):
             end = get(self.new[i]) + get(self.k[i]) + ADD + put(self.new[i])
             f.code += end + store(self.P["x_new"], 8 * i, get(self.new[i]))
@@ -454,7 +495,7 @@ class _Attempt:
         f, n, T, P = self.f, self.n, tables(), self.P
         at, new, k, right = self.at, self.new, self.k, self.right
         if stage == 0:
-            f.code += b"".join(load(P["work"], 8 * i) + put(right[i]) for i in range(n))
+            f.code += b"".join(load(None, self.emitted.at[f"rate.{i}"]) + put(right[i]) for i in range(n))
         else:
             if stage > STAGES - 3:
                 f.code += b"".join(get(new[i]) + get(k[i]) + ADD + tee(at[i]) + put(new[i]) for i in range(n))
@@ -472,15 +513,16 @@ class _Attempt:
                 f.code += each.same(get(self.inv_h)) + each.mul + each.add + each.apart(right)
         for i in range(n):
             if T["TIME"][0][stage] and not is_zero(self.s.by_time[i]):
-                change = f64(T["TIME"][0][stage]) + get(P["h"]) + MUL + load(P["work"], 8 * (n + i)) + MUL
+                change = (
+                    f64(T["TIME"][0][stage]) + get(P["h"]) + MUL + load(None, self.emitted.at[f"rate.{n + i}"]) + MUL
+                )
                 f.code += get(right[i]) + change + ADD + put(right[i])
 
     def _called_rates(self, stage: int) -> bytes:
         """The rates by their function: the stage's own place in k and x_new are free until it is solved."""
-        n, P = self.n, self.P
-        place = get(P["k"]) + integer(8 * stage * n) + ADD_I32
-        states = b"".join(store(P["k"], 8 * (stage * n + i), get(self.at[i])) for i in range(n))
-        arguments = b"".join(get(P[x]) for x in ("p", "c", "piece")) + get(self.time) + place + get(P["x_new"])
+        n, P, place = self.n, self.P, self.emitted.k + 8 * stage * self.n
+        states = b"".join(store(None, place + 8 * i, get(self.at[i])) for i in range(n))
+        arguments = get(P["piece"]) + get(self.time) + integer(place) + get(P["x_new"])
         taken = b"".join(load(P["x_new"], 8 * i) + put(self.right[i]) for i in range(n))
         return states + arguments + call(self.emitted.rates) + taken
 
@@ -500,13 +542,13 @@ class _MayCross:
     """Whether something watched may pass its threshold in a step, by the Bernstein coefficients that bound it
     (runtime/events.c). Where it passes is looked for only then."""
 
-    NAMES = "p c piece t x h x_new k thresholds"
+    NAMES = "piece t x h x_new thresholds"
     # The coefficients of the quartic through five values at equal distances: bernstein_of_values of runtime/events.c.
     OF_VALUES = (((-13, 48, -36, 16, -3), 12), ((13, -64, 120, -64, 13), 18), ((-3, 16, -36, 48, -13), 12))
 
     def __init__(self, emitted: Emitted) -> None:
         self.emitted, self.s, self.n = emitted, emitted.code, emitted.n
-        self.f = Function("iiididiii", "i")
+        self.f = Function("ididii", "i")
         self.P = {name: i for i, name in enumerate(self.NAMES.split())}
         self.before = emitted.where(self.NAMES)
 
@@ -546,10 +588,7 @@ class _MayCross:
                 change[m][f"change.{i}"] = f64(0.0)
                 if name in used:
                     local = self.f.local()
-                    for stage, factor in enumerate(tables()["DENSE"][m]):
-                        self.f.code += f64(factor) + load(self.P["k"], 8 * (stage * self.n + i)) + MUL
-                        self.f.code += ADD if stage else b""
-                    self.f.code += put(local)
+                    self.f.code += self.emitted.dense_coefficient(i, m) + put(local)
                     change[m][f"change.{i}"] = get(local)
         return change
 

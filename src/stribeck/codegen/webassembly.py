@@ -79,14 +79,19 @@ def call(index: int) -> bytes:
     return b"\x10" + leb(index)
 
 
-def load(pointer: int, offset: int) -> bytes:
-    """f64.load from a pointer in a local."""
-    return get(pointer) + b"\x2b\x03" + leb(offset)
+def address(pointer: int | None) -> bytes:
+    """A pointer in a local; None: memory's beginning."""
+    return integer(0) if pointer is None else get(pointer)
 
 
-def store(pointer: int, offset: int, value: bytes) -> bytes:
-    """f64.store of a value to a pointer in a local."""
-    return get(pointer) + value + b"\x39\x03" + leb(offset)
+def load(pointer: int | None, offset: int) -> bytes:
+    """f64.load"""
+    return address(pointer) + b"\x2b\x03" + leb(offset)
+
+
+def store(pointer: int | None, offset: int, value: bytes) -> bytes:
+    """f64.store of a value"""
+    return address(pointer) + value + b"\x39\x03" + leb(offset)
 
 
 # f64x2: two numbers in a vector
@@ -98,14 +103,14 @@ def v_number(x: float) -> bytes:
     return b"\xfd\x0c" + 2 * struct.pack("<d", x)
 
 
-def v_load(pointer: int, offset: int) -> bytes:
+def v_load(pointer: int | None, offset: int) -> bytes:
     """v128.load"""
-    return get(pointer) + b"\xfd\x00\x03" + leb(offset)
+    return address(pointer) + b"\xfd\x00\x03" + leb(offset)
 
 
-def v_store(pointer: int, offset: int, value: bytes) -> bytes:
+def v_store(pointer: int | None, offset: int, value: bytes) -> bytes:
     """v128.store"""
-    return get(pointer) + value + b"\xfd\x0b\x03" + leb(offset)
+    return address(pointer) + value + b"\xfd\x0b\x03" + leb(offset)
 
 
 def extract(lane: int) -> bytes:
@@ -174,7 +179,7 @@ class _Reader:
         return self.take(self.leb()).decode()
 
 
-_TYPES, _IMPORTS, _FUNCTIONS, _EXPORTS, _CODE = 1, 2, 3, 7, 10  # numbers of sections
+_TYPES, _IMPORTS, _FUNCTIONS, _GLOBALS, _EXPORTS, _CODE = 1, 2, 3, 6, 7, 10  # numbers of sections
 _TRAPS = b"\x03\x00\x00\x0b"  # the body of a function that no one calls: unreachable
 
 
@@ -209,6 +214,11 @@ class Module:
             sections, _types(by_kind[_TYPES]), _imports(by_kind.get(_IMPORTS, b"\0")),
             _numbers(by_kind[_FUNCTIONS]), _bodies(by_kind[_CODE]), exports,
         )  # fmt: skip
+
+    def constant(self, name: str) -> int:
+        """The value of an exported global of i32."""
+        by_kind = dict(self.sections)
+        return _constants(by_kind[_GLOBALS])[_exports(by_kind[_EXPORTS], 3)[name]]
 
     def joined(
         self, functions: Mapping[str, Function], needed: Iterable[int], added: Mapping[str, Function] | None = None
@@ -292,13 +302,24 @@ def _bodies(section: bytes) -> list[bytes]:
     return bodies
 
 
-def _exports(section: bytes) -> dict[str, int]:
-    r, functions = _Reader(section), dict[str, int]()
+def _exports(section: bytes, wanted: int = 0) -> dict[str, int]:
+    """What is exported of a kind, functions unless given."""
+    r, found = _Reader(section), dict[str, int]()
     for _ in range(r.leb()):
         name, kind, index = r.name(), r.take(1)[0], r.leb()
-        if kind == 0:
-            functions[name] = index
-    return functions
+        if kind == wanted:
+            found[name] = index
+    return found
+
+
+def _constants(section: bytes) -> list[int]:
+    """What the globals, all of them i32, begin with."""
+    r, found = _Reader(section), list[int]()
+    for _ in range(r.leb()):
+        r.take(3)  # its type, whether it changes, i32.const
+        found.append(r.leb())  # addresses: never negative
+        r.take(1)
+    return found
 
 
 # How many numbers follow an instruction's byte; loads and stores have two (alignment, offset).

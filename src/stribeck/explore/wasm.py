@@ -16,8 +16,8 @@ def module(system: Equations, added: Mapping[str, Added]) -> System:
 
 
 def shape(made: System) -> dict[str, object]:
-    """What the runtime must be told of the system before it solves (runtime/any.c): sizes, rooms, tables."""
-    return {"sizes": made.sizes, "rooms": list(made.room.values()), "tables": made.tables}
+    """What the runtime must be told of the system before it solves (runtime/any.c), and where memory is free."""
+    return {"numbers": made.shape, "end": made.end}
 
 
 def layout() -> dict[str, tuple[int, str]]:

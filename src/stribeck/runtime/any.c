@@ -3,10 +3,10 @@
 
 typedef struct {
     int32_t n, piece, held, shown, watches, watched, curved, moved, forces;
-    double *coefficients, *work, *k; /* room: of prepare, of linearise, and for the stages */
+    double *k; /* what attempt gives of each stage */
     int32_t watched_states[64], is_curved[64];
 } Shape;
-EXPORT Shape shape; /* filled by simulation/wasm.py */
+EXPORT Shape shape; /* filled by simulation/wasm.py and the explorer's page */
 #define N shape.n
 #define PIECE shape.piece
 #define HELD shape.held
@@ -25,35 +25,48 @@ EXPORT Shape shape; /* filled by simulation/wasm.py */
 #define MAY_MOVE 1
 #define MAY_OBSERVE 1
 
+/* Constants, coefficients, the linearisation and the stages lie where the system's functions look for them: a pointer less
+   is a register more, and the fifth pointer of a call waits for its way through memory. */
 typedef real Work;
 typedef struct { real none; } Parameters, Coefficients, Segment, Memory; /* their fields: codegen/emitted.py */
 #define OF_SYSTEM(name) __attribute__((import_module("system"), import_name(#name)))
-#define AT const Parameters *p, const Coefficients *c, const Segment *piece, real t, const real *x
-OF_SYSTEM(prepare) void prepare(const Parameters *p, Coefficients *c);
-OF_SYSTEM(rates) void rates(AT, real *dx);
-OF_SYSTEM(linearise) void linearise(AT, real *work);
-OF_SYSTEM(attempt) real attempt_of_system(AT, real h, real *work, real *k, real *x_new, const real *atol, real rtol);
-#define attempt(p, c, piece, t, x, h, work, k, x_new, atol, rtol) \
-    attempt_of_system(p, c, piece, t, x, h, work, &(k)[0][0], x_new, atol, rtol)
-OF_SYSTEM(observe) void observed(const Parameters *p, const Coefficients *c, const real *work, const real *e, real *F,
-                                 real *F_error, real *F_terms);
-OF_SYSTEM(may_cross) int may_cross(AT, real h, const real *x_new, const real *k, const double *thresholds);
-OF_SYSTEM(watch) void watch(AT, real *w);
-OF_SYSTEM(watch_dense) void watch_dense(const Parameters *p, const Coefficients *c, const real *dx, real *dw);
-OF_SYSTEM(moved_energy) real moved_energy(AT);
-OF_SYSTEM(sample) void sample(int which, AT, real noise, Memory *m, real *u);
-OF_SYSTEM(find_timing) void find_timing(const Parameters *p, real *timing);
+#define AT const Segment *piece, real t, const real *x
+OF_SYSTEM(prepare) void prepare_system(const Parameters *p);
+OF_SYSTEM(rates) void rates_of_system(AT, real *dx);
+OF_SYSTEM(linearise) void linearise_system(AT);
+OF_SYSTEM(attempt) real attempt_of_system(AT, real h, real *x_new, const real *atol, real rtol);
+OF_SYSTEM(observe) void observe_system(const real *e, real *F, real *F_error, real *F_terms);
+OF_SYSTEM(dense) void dense_of_system(real *d);
+OF_SYSTEM(within) void within_of_system(real s, const real *x, const real *x_new, const real *d, real *row);
+OF_SYSTEM(may_cross) int may_cross(AT, real h, const real *x_new, const double *thresholds);
+OF_SYSTEM(watch) void watch_system(AT, real *w);
+OF_SYSTEM(watch_dense) void watch_dense_of_system(const real *dx, real *dw);
+OF_SYSTEM(moved_energy) real moved_energy_of_system(AT);
+OF_SYSTEM(sample) void sample_system(int which, AT, real noise, Memory *m, real *u);
+OF_SYSTEM(find_timing) void find_timing_of_system(real *timing);
+#define prepare(p, c) prepare_system(p)
+#define rates(p, c, piece, t, x, dx) rates_of_system(piece, t, x, dx)
+#define linearise(p, c, piece, t, x, work) linearise_system(piece, t, x)
+#define attempt(p, c, piece, t, x, h, work, k, x_new, atol, rtol) attempt_of_system(piece, t, x, h, x_new, atol, rtol)
+#define observed(p, c, work, e, F, F_error, F_terms) observe_system(e, F, F_error, F_terms)
+#define all_dense(k, d) dense_of_system(&(d)[0][0])
+#define within_step(s, x, x_new, d, row) within_of_system(s, x, x_new, &(d)[0][0], row)
+#define watch(p, c, piece, t, x, w) watch_system(piece, t, x, w)
+#define watch_dense(p, c, dx, dw) watch_dense_of_system(dx, dw)
+#define moved_energy(p, c, piece, t, x) moved_energy_of_system(piece, t, x)
+#define sample(which, p, c, piece, t, x, noise, m, u) sample_system(which, piece, t, x, noise, m, u)
+#define find_timing(p, timing) find_timing_of_system(timing)
 
 #define MAY_CROSS(p, c, piece, t, x, h, x_new, k, thresholds) \
-    (WATCHES && may_cross(p, c, piece, t, x, h, x_new, &(k)[0][0], thresholds))
+    (WATCHES && may_cross(piece, t, x, h, x_new, thresholds))
 #define PRESENT(name) \
     double name##_numbers[PIECE + HELD + 1]; \
     present(run, name##_numbers); \
     const Segment *name = (const Segment *)name##_numbers;
 #define WORKPLACE(run) \
     const Parameters *p = (const Parameters *)run->parameters; \
-    Coefficients *c = (Coefficients *)shape.coefficients; \
-    double *work = shape.work, (*k)[N] = (double(*)[N])shape.k;
+    Coefficients *c = 0; \
+    double *work = 0, (*k)[N] = (double(*)[N])shape.k;
 
 /* What the code of a system calls. */
 #define CALLED(name) EXPORT real call_##name(real x) { return name##_of(x); }

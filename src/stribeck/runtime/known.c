@@ -36,3 +36,13 @@ UNUSED static inline void observed(const Parameters *p, const Coefficients *c, c
 {
     observe(p, c, &work->jac, e, F, F_error, F_terms);
 }
+
+/* The dense output's coefficients of every state, and the states after the share s of a step. */
+static inline void all_dense(double k[STAGES][N], double d[N][3])
+{
+    for (int i = 0; i < N; i++) dense(k, i, d[i]);
+}
+static inline void within_step(double s, const double *x, const double *x_new, double d[N][3], double *row)
+{
+    for (int i = 0; i < N; i++) row[i] = interpolate(s, x[i], x_new[i], d[i][0], d[i][1], d[i][2]);
+}

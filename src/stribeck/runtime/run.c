@@ -168,7 +168,7 @@ static void write_rows(Run *run, const Parameters *p, const Coefficients *c, con
                        double h, double t_new, double t_before, double k[STAGES][N], const double *x_new)
 {
     double d[N][3], x[N];
-    for (int i = 0; i < N; i++) dense(k, i, d[i]);
+    all_dense(k, d);
     if (run->largest && (double)run->row * run->step < t_new) {
         double last[N];
         for (int i = 0; i < N; i++) {
@@ -190,7 +190,7 @@ static void write_rows(Run *run, const Parameters *p, const Coefficients *c, con
 #endif
     for (double t; run->row < run->rows && (t = (double)run->row * run->step) <= t_new && t < t_before;) {
         const double s = (t - run->t) / h;
-        for (int i = 0; i < N; i++) x[i] = interpolate(s, run->x[i], x_new[i], d[i][0], d[i][1], d[i][2]);
+        within_step(s, run->x, x_new, d, x);
 #if MAY_SHOW
         take_samples(run, p, c, piece, timing, h, smaller(t * (1 + SAME_TIME), t_before), k, x_new);
 #endif
@@ -315,7 +315,7 @@ static NOINLINE int advance(Run *run)
             write_rows(run, p, c, piece, work, h, t_new, t_before, k, x_new);
         note_events(run, p, c, piece, h, k, x_new);
 #if MAY_HOLD
-        take_samples(run, p, c, piece, timing, h, last ? t_before : t_new * (1 - SAME_TIME), k, x_new);
+        if (HELD) take_samples(run, p, c, piece, timing, h, last ? t_before : t_new * (1 - SAME_TIME), k, x_new);
 #endif
         if (run->largest) {
             for (int i = 0; i < N; i++) keep_larger(run->largest + i, x_new[i]);

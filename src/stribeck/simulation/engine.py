@@ -1,7 +1,7 @@
 """WebAssembly modules compiled and called by Wasmtime's library, through ctypes.
 
-Own declarations of the fifteen functions that are used: the package ``wasmtime`` declares all of them at its import, which
-takes 43 ms. The functions: https://docs.wasmtime.dev/c-api/
+Own declarations of the functions that are used: the package ``wasmtime`` declares some hundreds at its import. The
+functions: https://docs.wasmtime.dev/c-api/
 """
 
 from __future__ import annotations

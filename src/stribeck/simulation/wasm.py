@@ -1,13 +1,14 @@
 """A scenario solved by WebAssembly: the counterpart of native.py where there is no C compiler.
 
 The runtime is built once, with the package (tools/make_runtime.py). A system's functions are emitted from its expressions
-and joined with it, which takes some 20 ms; Wasmtime makes machine code of the module, which is kept in the cache.
+and joined with it. Wasmtime makes machine code of the module, which is kept in the cache.
 """
 
 from __future__ import annotations
 
 import ctypes
 import re
+import threading
 from collections.abc import Callable, Mapping
 from ctypes import c_double, c_int64, c_uint32
 from dataclasses import dataclass, replace
@@ -17,7 +18,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from stribeck.codegen.emitted import Added, Emitted
+from stribeck.codegen.emitted import LINE, Added, Emitted
 from stribeck.codegen.source import runtime_text
 from stribeck.codegen.webassembly import Module
 from stribeck.equations import Equations
@@ -29,19 +30,18 @@ from stribeck.simulation.native import EVENT_ROOM, Solving, solver_input
 from stribeck.simulation.promise import MeasuredMotion, Tolerances, kept, measures
 from stribeck.simulation.result import Result
 
-_LINE = 64  # bytes: arrays begin on lines of their own
+_KEPT = 2**23  # bytes of memory of an instance that a thread keeps: a new one costs 0.2 ms, most of them for its pages
 _RUN_ROOM = 512  # bytes, of the struct Run
 _KINDS: dict[str, type] = {"double": c_double, "int64_t": c_int64}
 
 
 @dataclass(frozen=True)
 class System:
-    """A system's module, and what the runtime must be told of it."""
+    """A system's module, what the runtime must be told of it (runtime/any.c), and where memory is free behind it."""
 
     module: bytes
-    sizes: list[int]
-    tables: list[list[int]]
-    room: dict[str, int]
+    shape: list[int]
+    end: int
 
 
 @lru_cache(maxsize=1)
@@ -58,11 +58,11 @@ def system_module(equations: Equations) -> System:
 def with_functions(equations: Equations, added: Mapping[str, Added]) -> System:
     """The same with further exported functions, by name."""
     base = _runtime()
-    emitted = Emitted(equations, base.exported, base.imports.index("rates"))
+    emitted = Emitted(equations, base.exported, base.imports.index("rates"), base.constant("__heap_base"))
     functions = {name: emitted.added(each) for name, each in added.items()}
     wanted = (*emitted.calls, "stribeck_advance", "stribeck_event_room", "_initialize")
     module = base.joined(emitted.functions, base.reached({base.exported[name] for name in wanted}), functions)
-    return System(module, emitted.sizes, emitted.tables, emitted.room)
+    return System(module, emitted.shape, emitted.end)
 
 
 def compiled(module: bytes) -> tuple[Compiled, bool]:
@@ -110,11 +110,20 @@ def solve(
     return kept(scenario, once)
 
 
+def _instance(made: Compiled) -> Instance:
+    """The instance that this thread used last, if it is of this module, else a new one."""
+    last, _of_thread.last = getattr(_of_thread, "last", None), None
+    return last[1] if last is not None and last[0] is made else Instance(made)
+
+
+_of_thread = threading.local()
+
+
 def _once(
     made: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None, tolerances: Tolerances,
     most: int,
 ) -> tuple[Result, MeasuredMotion]:  # fmt: skip
-    instance, given = Instance(made), solver_input(scenario, tolerances)
+    instance, given = _instance(made), solver_input(scenario, tolerances)
     equations = scenario.system
     held, width = len(equations.held), len(equations.states) + len(equations.held) + len(equations.shown)
     event_room = max(EVENT_ROOM, 16 * (len(equations.watched) + 1))
@@ -122,16 +131,15 @@ def _once(
         **given.doubles, "piece_restart": given.restart, "sampled": np.zeros(held, np.int64),
         "acted": np.zeros(held, np.int64), "event_time": np.zeros(event_room), "event_what": np.zeros(event_room, np.int32),
     }  # fmt: skip
-    sizes = {name: x.nbytes for name, x in arrays.items()} | system.room | {"out": 8 * scenario.rows * width}
-    heap = -(-instance.address("__heap_base") // _LINE) * _LINE
+    sizes = {name: x.nbytes for name, x in arrays.items()} | {"out": 8 * scenario.rows * width}
+    heap = -(-system.end // LINE) * LINE
     place, end = dict[str, int](), heap + _RUN_ROOM
     for name, size in sizes.items():
-        place[name], end = end, end + -(-max(size, 8) // _LINE) * _LINE
+        place[name], end = end, end + -(-max(size, 8) // LINE) * LINE
     memory = instance.memory(end)
     for name, x in arrays.items():
         memory[place[name] : place[name] + x.nbytes] = np.ascontiguousarray(x).reshape(-1).view(np.uint8)
-    rooms = [place[name] for name in system.room]
-    shape = np.array([*system.sizes, *rooms, *system.tables[0], *system.tables[1]], np.int32)
+    shape = np.array(system.shape, np.int32)
     begin = instance.address("shape")
     memory[begin : begin + shape.nbytes] = shape.view(np.uint8)
     memory[heap : heap + _RUN_ROOM] = 0
@@ -150,4 +158,7 @@ def _once(
     run.event_room = event_room
     solving = Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap))
     result = solving.to_the_end(progress, most)
-    return replace(result, states=result.states.copy()), solving.measured
+    result, measured = replace(result, states=result.states.copy()), solving.measured
+    if memory.nbytes <= _KEPT:
+        _of_thread.last = made, instance
+    return result, measured

@@ -7,9 +7,10 @@ const laws = new Map(); // name -> what is told of the law, and its WebAssembly.
 let layout, newest = 0;
 
 class Memory { // what a run needs, laid out behind the module's own data
-  constructor(instance) {
+  constructor(instance, shape) {
     this.api = instance.exports;
-    this.top = this.api.__heap_base.value;
+    this.top = shape.end;
+    new Int32Array(this.api.memory.buffer, this.api.shape.value, shape.numbers.length).set(shape.numbers); // runtime/any.c
   }
   room(bytes) {
     const at = Math.ceil(this.top / 16) * 16;
@@ -25,11 +26,6 @@ class Memory { // what a run needs, laid out behind the module's own data
   }
   empty(count) { return this.room(8 * Math.max(count, 1)); }
   view(at, count) { return new Float64Array(this.api.memory.buffer, at, count); }
-  shape({ sizes, rooms, tables }) { // what the runtime must know of the system: runtime/any.c
-    const places = rooms.map((bytes) => this.room(Math.max(bytes, 8)));
-    const numbers = [...sizes, ...places, ...tables[0], ...tables[1]];
-    new Int32Array(this.api.memory.buffer, this.api.shape.value, numbers.length).set(numbers);
-  }
 }
 
 class Struct { // the C struct Run, by the layout that comes with the page
@@ -116,7 +112,7 @@ function ofMachine(memory, law, setting) {
 
 // Every column of the output, row by row, from the states.
 function table(memory, law, setting, found, start, states, rows) {
-  const { piece_start, piece_rows, parameters: p } = found.place, { width } = found, piece = 8 * law.shape.sizes[1];
+  const { piece_start, piece_rows, parameters: p } = found.place, { width } = found, piece = 8 * law.shape.numbers[1];
   const columns = law.columns.length, values = memory.empty(rows * columns), { api } = memory;
   for (let i = 0, n = 0; i < rows; i++) {
     const t = i * setting.step;
@@ -127,8 +123,7 @@ function table(memory, law, setting, found, start, states, rows) {
 }
 
 async function solve(instance, law, setting, tell, current) {
-  const memory = new Memory(instance), { api } = memory, started = performance.now(), { rows } = setting;
-  memory.shape(law.shape);
+  const memory = new Memory(instance, law.shape), { api } = memory, started = performance.now(), { rows } = setting;
   const found = (setting.arrays ? ofMachine : ofLaw)(memory, law, setting), p = found.place.parameters;
   const wrong = law.relations.filter((_, i) => found.holds[i] !== 1);
   if (wrong.length) return { wrong, claims: found.claims };
