@@ -2,9 +2,9 @@
 Stick-slip: a body on a slowly pulled spring
 ============================================
 
-Pull a body by a soft spring at a steady, small speed, and it does not follow steadily: it sticks until the spring
-has been wound up to the break-away force F_s, then slips. The explorer below begins with F_s as low as F_c, where the body
-follows smoothly: drag F_s to the right and see stick-slip begin.
+A soft spring pulls a body at a small, steady speed. The body does not follow steadily: it sticks until the spring reaches the
+break-away force F_s, then slips. The explorer below begins with F_s as low as F_c, where the body follows smoothly.
+Drag F_s to the right and see stick-slip begin.
 """
 
 import matplotlib.pyplot as plt

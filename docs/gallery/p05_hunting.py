@@ -1,9 +1,9 @@
 """
-Hunting: an integrator that never comes to rest
-===============================================
+Hunting: an integrator that never settles
+=========================================
 
-A PID position loop on a body with static friction above kinetic hunts about its setpoint: the integrator winds up
-while the body sticks, and pushes it past the setpoint when it breaks away.
+A PID position loop on a body with static friction above Coulomb friction hunts around its setpoint. The integrator winds up
+while the body sticks. At break-away it pushes the body past the setpoint.
 """
 
 import matplotlib.pyplot as plt

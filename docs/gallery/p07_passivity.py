@@ -2,8 +2,8 @@
 A friction that pays back more than it took
 ===========================================
 
-The paper's law is bounded and smooth, but not passive. ``check`` finds a motion after which the bristles are bent as at its
-beginning, and yet more work has come out of the contact than went in; intervals enclose the energy on the wrong side of zero.
+The paper's law is bounded and smooth, but not passive. ``check`` finds a motion after which the bristles are bent as before,
+but more work has come out of the contact than went in. Intervals enclose this energy and prove its sign.
 """
 
 import matplotlib.pyplot as plt

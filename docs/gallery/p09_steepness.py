@@ -2,8 +2,8 @@
 How steep must k_v be?
 ======================
 
-A smooth law approaches LuGre as k_v grows, and its equations grow stiff. ``check`` finds the smallest k_v that keeps
-what you tolerate: here a body under a load just below break-away, which may creep by a micrometre in a second.
+A smooth law approaches LuGre as k_v grows, and its force changes faster near rest. ``check`` finds the smallest k_v that
+meets a tolerance: here a body under a load just below break-away may creep by one micrometer per second.
 """
 
 import matplotlib.pyplot as plt

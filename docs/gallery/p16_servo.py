@@ -2,8 +2,8 @@
 The paper's pneumatic servo
 ===========================
 
-A cascade controller with a friction observer on a pneumatic cylinder, and without the observer: friction then
-stays in the error, most of it where the motion turns.
+A cascade controller on a pneumatic cylinder, with and without a friction observer. Without it, friction
+remains in the tracking error, mostly at reversals.
 """
 
 from pathlib import Path

@@ -2,7 +2,7 @@
 From a log to parameters with intervals
 =======================================
 
-A synthetic log (so that the truth is known) is fitted; each parameter comes with the interval in which it lies at 95 %.
+A synthetic log is fitted, so that the truth is known. Each parameter comes with its 95 % interval.
 """
 
 import matplotlib.pyplot as plt

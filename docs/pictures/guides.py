@@ -44,7 +44,7 @@ def draw_hunts(file: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for gain, words, color in ((2e5, "K_i = 200 kN/(m s): hunts", RED), (4e3, "K_i = 4 kN/(m s): quiet", BLUE)):
             solution = stribeck.simulate(example("axis_hunts", Path(folder), controllers__axis__K_i=gain))
-            shown = solution.t < 6
+            shown = solution.t < 10
             plot.plot(solution.t[shown][::5], 1e3 * solution["slide.y"][shown][::5], color=color, label=words, lw=1)
     plot.axhline(10, color=GREY, lw=0.8, ls="--")
     plot.set(xlabel="time (s)", ylabel="position (mm)", ylim=(8, 12))
@@ -72,8 +72,8 @@ def draw_joint(file: Path) -> None:
     above.set_ylabel("torque (N m)")
     below.plot(measured["t"][::8], measured["angle"][::8], ".", ms=2.5, color=GREY, label="held-out recording")
     below.plot(solution.t, solution["joint.y"], color=BLUE, lw=1, label="fitted machine")
-    below.set(xlabel="time (s)", ylabel="angle (rad)")
-    below.legend(frameon=False, loc="upper right")
+    below.set(xlabel="time (s)", ylabel="angle (rad)", ylim=(-1.4, None))
+    below.legend(frameon=False, loc="lower right", ncols=2)
     saved(figure, file)
 
 
@@ -85,11 +85,9 @@ def draw_kv(file: Path) -> None:
         creep = []
         for k_v in steepness:
             law = stribeck.law(name, PAPER, k_v=float(k_v))
-            slow, fast = 0.0, 1e-3  # the steady force rises from 0 to F_s between them
-            for _ in range(60):
-                middle = (slow + fast) / 2
-                slow, fast = (middle, fast) if law.steady_force(middle) < 0.95 * 1.5 else (slow, middle)
-            creep.append(1e6 * slow)
+            speeds = np.geomspace(1e-9, 1e-3, 2001)
+            over = np.flatnonzero(law.steady_force(speeds) >= 0.95 * law.values["F_s"])
+            creep.append(1e6 * speeds[over[0]] if len(over) else np.nan)  # nan: it breaks away
         plot.loglog(steepness, creep, "o-", ms=3, color=color, label=name)
     plot.axhline(1, color=GREY, lw=0.8, ls="--")
     plot.set(xlabel="k_v (s/m)", ylabel="creep under 0.95 F_s (\N{MICRO SIGN}m/s)")

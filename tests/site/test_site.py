@@ -175,6 +175,20 @@ def test_every_formula_can_be_shown(page):
         assert tex2mathml(each.strip(), as_block=each in shown), each
 
 
+def test_the_figures_of_the_guides_are_drawn_by_their_script(tmp_path):
+    """Each is there and on a page; one is drawn, and shows both laws."""
+    pytest.importorskip("matplotlib")
+    module = runpy.run_path(str(DOCS / "pictures" / "guides.py"))
+    shown = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    for name in module["PICTURES"]:
+        assert (DOCS / "pictures" / name).stat().st_size > 1000
+        assert f"pictures/{name})" in shown, name
+    module["draw_kv"](tmp_path / "kv.svg")
+    drawn = (tmp_path / "kv.svg").read_text(encoding="utf-8")
+    assert "lugre_sobczyk" in drawn
+    assert "lugre_majorant" in drawn
+
+
 # -- the gallery, notebooks, the site --------------------------------------------------------------------------------
 
 
