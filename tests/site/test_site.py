@@ -256,5 +256,5 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     (drawn,) = re.findall(r'src="([^"]*tex-svg[^"?]*)', theory)
     assert (tmp_path / "site" / "explanation" / drawn).is_file(), "formulas are drawn by what the site brings"
     assert not re.findall(r'<script[^>]*src="https?:|<link[^>]*stylesheet[^>]*href="https?:', theory)
-    assert "or what is made of it, for another tool" in reference
+    assert "a controller or a machine for another tool" in reference
     assert list((tmp_path / "site" / "_downloads").rglob("p01_stick_slip.ipynb")), "no notebook to download"

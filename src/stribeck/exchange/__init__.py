@@ -29,14 +29,14 @@ def tables(scenario: Scenario) -> Tables:
 
 
 def import_(kind: str, file: str | Path) -> Scenario:
-    """A machine from another program's file; what it says of friction, motors and loads is kept.
+    """Convert another program's file into a machine, with its friction, motors and loads.
 
     Args:
         kind: ``"bam"`` (models m1 to m6, a JSON file) or ``"mujoco"`` (an XML model).
         file: the file.
 
     Raises:
-        InputError: another kind, or the file is no such model; one line for each problem.
+        InputError: if the kind is unknown, or the file is not such a model; one line for each problem.
     """
     if kind not in ("bam", "mujoco"):
         raise InputError(f"kind: {show(kind)}: must be bam or mujoco")

@@ -74,30 +74,30 @@ def export(
     contact: str | None = None,
     platforms: str = "here",
 ) -> list[Path]:
-    """Write a law, or what is made of it, for another tool.
+    """Write a law, a controller or a machine for another tool.
 
-    What is lost there (at the time step ``step``, where given) is said, as a :class:`stribeck.StribeckNote`, before.
+    The loss of accuracy at the time step ``step``, if given, is reported first as a :class:`stribeck.StribeckNote`.
 
     Args:
         law: the law with its constants; None for the scenario's own, or a machine's scenario.
         target: one of :data:`TARGETS`.
-        out: the folder of the files (``c``, ``mujoco``), or the file itself.
-        part: one of :data:`PARTS`; not every target has every part. Unless given "machine" of a machine, else "law".
-        scenario: the machine, or where the body's mass, the controller and what else is not the law's is taken from.
-        step: the time step in s that the tool will take.
-        self_test: also write a program that checks the rest (target ``c``).
-        fmi: 2 or 3, the version of FMI (target ``fmu``).
-        platforms: "here", or "all": the binaries of an FMU for other platforms too (their first compilation takes minutes).
-        controller: which of the machine's controllers (parts ``controller`` and ``compensator``); the only one unless given.
-        contact: of which of the machine's contacts the law is (parts ``law`` and ``observer``); the only one unless given.
-        origin: where the parameters are from, for the header; built-in sets are recognised.
+        out: folder of the files (``c``, ``mujoco``), or the file itself.
+        part: one of :data:`PARTS`; not every target has every part. "machine" of a machine, else "law", unless given.
+        scenario: the machine, or the scenario that gives the body's mass, the controller and all else that is not the law's.
+        step: time step of the tool, s.
+        self_test: also write a program that tests the result (target ``c``).
+        fmi: version of FMI, 2 or 3 (target ``fmu``).
+        platforms: "here", or "all": also binaries of an FMU for other platforms (the first compilation takes minutes).
+        controller: name of the machine's controller (parts ``controller`` and ``compensator``); the only one unless given.
+        contact: name of the machine's contact (parts ``law`` and ``observer``); the only one unless given.
+        origin: source of the parameters, for the header; built-in sets are recognized.
 
     Returns:
         The files written.
 
     Raises:
-        InputError: no such target or part, or one that this law or target cannot have, or one that would drop what the
-            contact has beside its law; nothing is written.
+        InputError: if target or part do not exist or do not fit the law, or if something beside the contact's law would be
+            lost; nothing is written.
     """
     out = Path(out)
     if isinstance(law, Scenario):

@@ -40,39 +40,40 @@ def fit(
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
     drive: Mapping[str, object] | None = None, progress: Callable[[float], None] | None = None, **named: str,
 ) -> Fit:  # fmt: skip
-    """Fit a friction law to a measured log; of several laws, the one that describes it best.
+    """Fit a friction law to a measured log; of several laws, the one that describes the log best.
 
     Args:
         data: a file (CSV, Parquet, MAT, NPZ), a pandas data frame, a mapping of names to arrays, several of these of
-            one layout, or a :class:`stribeck.identify.log.Log`.
-        law: its name or FILE.py:NAME, or several; None compares the static laws, and LuGre's if the record shows presliding.
+            one layout (runs), or a :class:`stribeck.identify.log.Log`.
+        law: name or FILE.py:NAME, or several; None compares the static laws, and LuGre if the record shows presliding.
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
-        units: the unit of a column by its name; SI unless given. A position in an angle makes the machine rotary.
-        force_gain: force per unit of the force column: a number, or the name of a constant in the file.
-        mass: kg; fitted unless given.
-        method: "static" or "dynamic"; by default static for a law without bristles, else dynamic.
-        constants: constants of the law that are given (k_v, z_ba, or any other), and terms.
-        free: constants of the law's own to fit too (k_v).
-        terms: what the force holds beside friction, mass and offset (docs/reference/fit-files.md).
-        forms: whether a static fit may add forms that the law lacks; False fits the law alone.
-        filter: "published" is the inverse-dynamics procedure as published, the law alone (static).
-        weight: whether a rotary joint's weight is in the model (static).
-        speeds: m/s, of further levels of friction that are estimated (static).
-        cutoff: of the motion's filter, Hz; chosen from the data unless given; 0 for none.
-        starts: of a fit by simulation; ``seed`` makes them the same each time.
-        output: what the simulation is to meet: "force" for the measured motion, or "velocity" or "position" for the
-            measured force or command (dynamic; one law).
-        drive: what moves the body then, as ``[drive]`` of a scenario without its signal; the measured force unless given.
-        progress: called with the share done of fits by simulation, 0 to 1, in any thread. Ctrl-C ends such a fit; what it
-            found until then is returned, with status "stopped".
-        **named: columns by role; a name that is no role is refused.
+        units: unit of a column by its name; SI unless given. A position in an angle makes the axis rotary.
+        force_gain: force per unit of the force column; a number, or the name of a constant in the file.
+        mass: mass, kg (rotary: kg m^2); fitted unless given.
+        method: "static" or "dynamic" (by simulation); static for laws without bristles, dynamic for others unless given.
+        constants: given constants of the law (``k_v`` or any other), and given terms.
+        free: constants with a default that are fitted too (``k_v``).
+        terms: further terms of the force, beside friction, mass and offset (docs/reference/fit-files.md).
+        forms: whether a static fit may add forms for effects that the law lacks.
+        filter: "published" selects the published inverse-dynamics procedure with the law alone (static).
+        weight: whether the model has a rotary joint's weight (static).
+        speeds: speeds at which the friction is estimated too, m/s (static).
+        cutoff: cut-off frequency of the motion's filter, Hz; chosen from the data unless given; 0 for no filter.
+        starts, seed: number of starts of a fit by simulation, and their seed.
+        output: signal that the simulation must match: "force" along the measured motion, or "velocity" or "position" under
+            the measured force or command (dynamic; one law).
+        drive: what drives the body with another ``output``: ``[drive]`` of a scenario without its signal; the measured force
+            unless given.
+        progress: called with the share of the work done, 0 to 1, in any thread. Ctrl-C ends a fit by simulation; the best
+            values so far are returned, with status "stopped".
+        **named: columns by role.
 
     Returns:
         The fit.
 
     Raises:
-        InputError: data, columns, units or constants cannot be used; a line for each problem.
+        InputError: if data, columns, units or constants cannot be used; one line for each problem.
     """
     names = [] if law is None else [law] if isinstance(law, str) else list(law)
     options = FitOptions(

@@ -168,14 +168,13 @@ def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, *
     """A friction law with its constants.
 
     Args:
-        name: a built-in law's name (:func:`builtin` lists them) or ``"FILE.py:NAME"`` for one of your own.
-        parameters: the machine's parameters in SI units, as a mapping, as the name of a built-in set
-            (``stribeck.library()`` lists them) or as the path of a set's file.
-        **constants: the law's own constants (``k_v=1e7``, ``smooth_abs="sqrt"``); they also override single parameters.
-            ``rotary=True``: of what turns, with N m in the place of N and rad in that of m; otherwise as the set says.
+        name: a built-in law's name (:func:`library` lists them), or ``"FILE.py:NAME"`` for a law of your own.
+        parameters: parameters of the machine in SI units: a mapping, the name of a built-in set, or the path of a set's file.
+        **constants: constants of the law (``k_v=1e7``, ``smooth_abs="sqrt"``); they also override single parameters.
+            ``rotary=True`` selects N m and rad instead of N and m; otherwise the set decides.
 
     Raises:
-        InputError: an unknown law or set, or bad values; one line for each problem.
+        InputError: if the law or set is unknown, or a value is not allowed; one line for each problem.
     """
     found, rotary = find(name), constants.pop("rotary", None)
     if not isinstance(rotary, bool | None):

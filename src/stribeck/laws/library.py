@@ -48,13 +48,13 @@ class Library:
 
 
 def library(*names: str) -> Library:
-    """The laws, parameter sets and machines that come with Stribeck, with their sources.
+    """List the laws, parameter sets and machines that come with Stribeck, with their sources.
 
     Args:
-        names: only these; ``FILE.py:NAME`` is a law of your own. All that there is unless given.
+        names: only these; ``FILE.py:NAME`` is a law of your own. Everything unless given.
 
     Raises:
-        InputError: a name is unknown, or a law's file does not load.
+        InputError: if a name is unknown, or a law's file does not load.
     """
     if wrong := [name for name in names if not isinstance(name, str)]:
         raise InputError([f"{show(name)}: must be a name, not {kind_of(name)}" for name in wrong])

@@ -104,21 +104,21 @@ def design(
     seed: int = 0,
     tell: Tell | None = None,
 ) -> Design | ServoDesign:
-    """Judge a machine's loop: will it hunt, how well does it track, what may be done against its friction.
+    """Judge a machine's loop: does it hunt, how well does it track, which remedy helps.
 
     Args:
-        machine: a machine (schema = 2) with a controller, or a body under a PID controller (schema = 1), which is
-            then named ``body``, its friction ``contact`` and the controller ``controller``; its file or its tables.
-        vary: ``"PATH=LOW:HIGH"``: ranges in which boundaries of the verdict are looked for.
-        compensate: compare remedies against friction.
-        uncertainty: a parameters.toml with intervals of the friction parameters; a tenth both ways unless given.
-        controller: which one, where there are several; the first unless given.
-        v_max: the speed up to which a servo's proof holds, m/s; twice the peak of its motion unless given.
-        seed: of the random samples of the friction.
-        tell: called with the share done of the present part, and what that is.
+        machine: a machine (schema = 2) with a controller, or a body under a PID controller (schema = 1), whose parts are then
+            called ``body``, ``contact`` and ``controller``; its file or its tables.
+        vary: ranges ``"PATH=LOW:HIGH"`` in which boundaries of the verdict are searched.
+        compensate: whether remedies against friction are compared.
+        uncertainty: a parameters.toml with intervals of the friction parameters; 10 % both ways unless given.
+        controller: name of the controller; the first unless given.
+        v_max: largest speed of a servo's proof, m/s; twice the peak of its motion unless given.
+        seed: seed of the random friction samples.
+        tell: called with the share of the present part that is done, and its name.
 
     Raises:
-        InputError: no machine with a controller, or a path or name that it does not have; one line for each problem.
+        InputError: if the machine has no controller, or lacks a path or name; one line for each problem.
     """
     scenario = scenario_of(machine, None, None)
     if cascade_of(scenario) is not None:

@@ -43,29 +43,29 @@ def check(
     level: tuple[float, float] | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
     work: float = WORK, **tolerated: Any,
 ) -> Verdicts | MachineVerdicts:  # fmt: skip
-    """Whether a law with its constants has each of the five properties, or each contact of a machine has them.
+    """Decide five properties of a law with its constants, or of each contact of a machine.
 
     Args:
-        what: a law; or a machine, a scenario, its file or its tables. Then each contact is checked for every history of its
+        what: a law; or a machine, a scenario, its file or its tables. Each contact is then checked for every history of its
             constants that the file allows: signals over the whole run, positions and speeds without limit.
-        v_max: passivity is asked for \\|v\\| <= v_max, m/s; for every v unless given.
-        level: of a law, (LOW, HIGH): F_c and F_s vary together, in any way, between LOW and HIGH times their values (by load,
-            position, temperature); a verdict holds for every such history.
-        forces: of a machine, by name of a link, load or motor: its force stays within +- so much, N or N m. The caller
-            vouches for it.
-        t_end: of a machine, the end of the run, s, over which signals are bounded; the scenario's unless given.
-        **tolerated: of a law with k_v, errors that are allowed: ``creep``, ``steady_error`` at a ``speed``,
-            ``presliding_error`` at a ``force_rate``, ``position_error`` in a ``scenario``, ``sample_time``
+        v_max: check passivity for \\|v\\| <= v_max, m/s; for every v unless given.
+        level: of a law, (LOW, HIGH): F_c and F_s vary together in any way between LOW and HIGH times their values. A verdict
+            holds for every such history.
+        forces: of a machine, bounds of forces by the name of a link, load or motor, N or N m. The caller vouches for them.
+        t_end: of a machine, end of the run over which signals are bounded, s; the scenario's unless given.
+        **tolerated: of a law with k_v, tolerances: ``creep``, ``steady_error`` at a ``speed``, ``presliding_error`` at a
+            ``force_rate``, ``position_error`` in a ``scenario``, ``sample_time``
             (:class:`stribeck.properties.steepness.Tolerated`). ``.steepness`` is then the smallest k_v that meets them.
-        work: how many regions of (v, z) may be looked at; what is not decided by then is null.
+        work: largest number of regions of (v, z) to examine; what is not decided by then is None.
 
     Returns:
-        The verdicts: each true with a proof, false with a counterexample, or null with the reason. docs/explanation/check.md.
+        The verdicts: each true with a proof, false with a counterexample, or None with the reason
+        (docs/explanation/check.md).
 
     Raises:
-        InputError: ``v_max`` is no finite number > 0, ``level`` is no range, the law does not allow such constants, or the
-            scenario is not valid.
-        MissingExtra: python-flint is not installed.
+        InputError: if ``v_max`` is not a finite number > 0, ``level`` is not a range, the law does not allow such constants,
+            or the scenario is not valid.
+        MissingExtra: if python-flint is not installed.
     """
     if v_max is not None:
         require_positive("v_max", v_max, "m/s")

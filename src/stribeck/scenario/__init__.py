@@ -300,14 +300,14 @@ def _refuse(problems: list[tables.Problem]) -> None:
 def load(
     path: str | Path, changes: Mapping[str, object] | None = None, *, trust: bool | Collection[str] = False
 ) -> Scenario:
-    """The scenario or machine in a TOML file.
+    """Read the scenario or machine of a TOML file.
 
     Args:
         path: the file.
-        changes: values that replace those at some paths of the file: ``{"law.k_v": 1e6}``.
+        changes: values that replace those at paths of the file: ``{"law.k_v": 1e6}``.
         trust: whether laws in files (``FILE.py:NAME``) outside the scenario's folder may be executed; or names of such laws.
 
     Raises:
-        InputError: the file cannot be read, is not TOML, or is no valid scenario; one line for each problem.
+        InputError: if the file cannot be read, is not TOML, or is not a valid scenario; one line for each problem.
     """
     return Scenario.load(path, changes, trust=trust)

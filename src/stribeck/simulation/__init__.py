@@ -54,29 +54,29 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     **solve: object,
 ) -> Solution | Ensemble:
-    """Simulate a scenario or a machine, once, or once for each value of some of its numbers.
+    """Simulate a scenario or a machine, once or for many values of some of its numbers.
 
-    The first simulation of a structure (law, drive, kind of signal) compiles it, some 0.3 s; later ones, in this
-    process or another, find it in the cache. With ``vary``, lane i takes the i-th value of every path:
-    ``simulate(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})`` has two lanes; a lane is one simulation of a batch.
+    The first simulation of a structure (law, drive, kind of signal) compiles it, in about 0.3 s. Later ones, in this process or
+    another, find it in the cache. With ``vary``, lane i takes the i-th value of every path:
+    ``simulate(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})`` has two lanes. A lane is one simulation of a batch.
 
     Args:
         what: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)`` brings its values with it.
-        vary: numbers by path, as many for each path as there are lanes; a single number holds for all. Laws' constants,
-            masses, initial values, constants of drives and signals can be varied.
-        t_end: when it ends, s; must be given for a :class:`Machine`.
+        vary: values by path, as many for each path as there are lanes; a single number holds for all. Constants of laws,
+            drives and signals, masses and initial values can be varied.
+        t_end: end of the simulation, s; required for a :class:`Machine`.
         step: time between rows, s; of a :class:`Machine` t_end/1000 unless given.
-        threads: with ``vary``, how many to use; all of the machine's unless given.
-        progress: called now and then with the share done, 0 to 1.
-        **solve: other values of [solve], such as ``rtol=1e-10``; of a :class:`Machine` ``energy=True`` too.
+        threads: with ``vary``, number of threads; all cores unless given.
+        progress: called from time to time with the share done, 0 to 1.
+        **solve: other values of [solve], such as ``rtol=1e-10``; of a :class:`Machine` also ``energy=True``.
 
     Returns:
-        The solution; with ``vary`` the ensemble of all lanes. A computation that fails is a result too: ``status`` is
-        "failed", ``reason`` says why, and the rows that were reached are there. Other lanes go on.
+        The solution; with ``vary`` the ensemble of all lanes. If a computation fails, ``status`` is "failed", ``reason`` states
+        why, and the rows up to there are kept. Other lanes continue.
 
     Raises:
-        InputError: the file or the tables are no valid scenario; a path is none that can be varied, its values are no
-            numbers, or the rows do not fit into memory.
+        InputError: if the file or the tables are not a valid scenario, a path cannot be varied, its values are not numbers,
+            or the rows do not fit into memory.
     """
     if vary is None and isinstance(what, Scenario | str | Path | Mapping):
         several = False

@@ -265,28 +265,28 @@ def sweep(
     progress: Progress | None = None,
     cluster: str | Client | None = None,
 ) -> Sweep:
-    """Simulate every lane into a folder of Parquet files; go on where an earlier sweep into it was stopped.
+    """Simulate every lane into a folder of Parquet files; continue an earlier sweep that was interrupted.
 
     A lane is one simulation of a batch.
 
     Args:
         scenario: what the lanes share; or ``machine.vary({...})``.
-        vary: the values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
-        out: the folder, or a URL that fsspec knows (``"s3://bucket/name"`` with s3fs installed).
-        t_end, step: as for :func:`stribeck.simulate`.
-        summary: keep one row a lane (peaks, events, amplitude, period) in place of its trajectory.
-        threads: of the processor; all unless given.
-        progress: called with the share of the lanes done, and how many were done in this run.
-        cluster: the address of a Dask scheduler (``"10.0.0.5:8786"``) or a ``distributed.Client``; needs
+        vary: values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
+        out: folder, or a URL that fsspec knows (``"s3://bucket/name"`` with s3fs installed).
+        t_end, step: as in :func:`stribeck.simulate`.
+        summary: keep one row for each lane (peaks, events, amplitude, period) instead of its trajectory.
+        threads: number of threads; all cores unless given.
+        progress: called with the share of the lanes done, and the number of lanes done in this run.
+        cluster: address of a Dask scheduler (``"10.0.0.5:8786"``) or a ``distributed.Client``; needs
             ``pip install 'stribeck[cluster]'``. The files are the same to the last byte.
 
     Returns:
-        The sweep; ``files`` names the manifest and the parts, ``failed`` counts the lanes that failed.
+        The sweep; ``files`` lists the manifest and the parts, ``failed`` counts failed lanes.
 
     Raises:
-        InputError: a path cannot be varied, or the folder holds another sweep.
-        StribeckError: the place cannot be written now, the cluster went away, or no worker can make the parts. What was
-            written stays, and the same call goes on from there.
+        InputError: if a path cannot be varied, or the folder holds another sweep.
+        StribeckError: if the place cannot be written, the cluster is lost, or no worker can compute the parts. Written parts
+            stay, and the same call continues.
     """
     check_cluster(cluster, threads)
     values = dict(vary or {})
