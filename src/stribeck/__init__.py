@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from stribeck.machine.elements.links import Link
     from stribeck.machine.elements.loads import Load
     from stribeck.machine.elements.motors import Motor
+    from stribeck.machine.elements.sensors import Sensor
     from stribeck.machine.signal import File, Points, PointToPoint, Ramp, Sine, Spline, Step
     from stribeck.properties import check
     from stribeck.scenario import Scenario, load
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Body", "BristleLaw", "Constant", "Contact", "Controller", "Ensemble", "File", "Fit", "InputError", "Law", "Link",
-    "Load", "Machine", "Motor", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "StaticLaw",
+    "Load", "Machine", "Motor", "PointToPoint", "Points", "Ramp", "Scenario", "Sensor", "Sine", "Solution", "Spline", "StaticLaw",
     "Step", "StribeckError", "check", "design", "export", "fit", "import_", "law", "library", "load", "simulate", "sweep",
 ]  # fmt: skip
 
@@ -57,6 +58,7 @@ _HOME = {
     "stribeck.machine.elements.links": ("Link",),
     "stribeck.machine.elements.loads": ("Load",),
     "stribeck.machine.elements.motors": ("Motor",),
+    "stribeck.machine.elements.sensors": ("Sensor",),
     "stribeck.machine.signal": ("File", "PointToPoint", "Points", "Ramp", "Sine", "Spline", "Step"),
     "stribeck.scenario.objects": ("Machine",),
     "stribeck.simulation": ("Ensemble", "Solution", "simulate"),

@@ -10,8 +10,8 @@ from stribeck import examples, laws, parameter_sets
 from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
-from stribeck.signals import Curve
 
+_TURNED = ("points", "file", "ramp", "sine", "step")  # signals whose pieces the page makes anew as their numbers turn
 _SET = "canudas1995"  # what a law takes whose parameters the scenario does not hold
 # What a law's own constant begins with where the scenario's law has no such constant, from the machine's parameters.
 _GUESSES: dict[str, Callable[[Mapping[str, float]], float]] = {
@@ -44,7 +44,7 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
 
 def measured_whole(scenario: Scenario) -> bool:
     """Whether the effect of each number is measured when the page is made, rather than known by its place in the file."""
-    return not scenario.rig.single or scenario.drive.differentiates or isinstance(scenario.signal, Curve)
+    return not scenario.rig.single or scenario.drive.differentiates or scenario.signal.kind not in _TURNED
 
 
 def variants(scenario: Scenario, wanted: Iterable[str] | None = None) -> dict[str, Scenario]:

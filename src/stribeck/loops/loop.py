@@ -16,7 +16,7 @@ from stribeck.errors import InputError
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
 from stribeck.scenario.counterpart import as_machine
-from stribeck.signals import KINDS, Signal
+from stribeck.signals import KINDS, Signal, SumSignal
 from stribeck.signals.trajectories import Curve
 
 MOST_STEPS = 200_000  # of one lane: some 1 s alone, a tenth of that beside others; a run that would need more ends
@@ -80,6 +80,8 @@ def rests_at(signal: Signal) -> float:
     """When a signal has come to rest for good, s; inf where it never does."""
     if isinstance(signal, Curve):
         return max(0.0, signal.pieces[-1][0])
+    if isinstance(signal, SumSignal):
+        return max(rests_at(part) for part in signal.parts)
     if signal.smooth:
         return 0.0 if not signal.values.get("amplitude") else math.inf
     s = signal.segments
@@ -116,7 +118,7 @@ def _table(data: object, path: str) -> dict[str, object]:
 def _held(signal: Signal, t_end: float) -> dict[str, object]:
     """The same course up to t_end, and its value there from then on."""
     if signal.smooth:
-        waves = max(1.0, float(signal.values["frequency"]) * t_end)
+        waves = max(1.0, 0.125 / signal.longest_step * t_end)
         t = np.linspace(0.0, t_end, math.ceil(waves * _POINTS) + 1)
         return {"kind": "spline", "t": t.tolist(), "value": signal.at(t).tolist()}
     s = signal.segments

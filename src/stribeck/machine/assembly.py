@@ -19,7 +19,15 @@ if TYPE_CHECKING:
     from stribeck.machine.signal import SignalUse
 
 T = symbol("t")
-ORDER = ("bodies", "loads", "links", "controllers", "motors", "contacts")  # each needs only what stands before it
+ORDER = (
+    "bodies",
+    "loads",
+    "links",
+    "controllers",
+    "motors",
+    "contacts",
+    "sensors",
+)  # each needs only what stands before it
 
 
 class Assembly:

@@ -117,8 +117,8 @@ class Element(Family):
         return next(self.signals())
 
     def followed(self) -> Iterator[SignalTable]:
-        """Every signal in its table, in the same order."""
-        yield from (x for _, x in everything(self, self.path) if isinstance(x, SignalTable))
+        """Every signal in its table but the parts of sums, in the same order."""
+        return _outermost(self)
 
     def references(self) -> Iterator[tuple[str, str, Refers]]:
         """The names of other elements in its table: path, name, which sections may have it."""
@@ -137,6 +137,14 @@ def everything(value: Held, path: str) -> Iterator[tuple[str, Held]]:
     for at, each in within(value, path):
         yield at, each
         yield from everything(each, at)
+
+
+def _outermost(value: Held) -> Iterator[SignalTable]:
+    for _, each in within(value, ""):
+        if isinstance(each, SignalTable):
+            yield each
+        else:
+            yield from _outermost(each)
 
 
 class FarEnd(FileTable):

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from stribeck.machine.elements.links import Link
     from stribeck.machine.elements.loads import Load
     from stribeck.machine.elements.motors import Motor
+    from stribeck.machine.elements.sensors import Sensor
 
-SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")  # of a file
+SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers", "sensors")  # of a file
 # Natural magnitudes where no contact says any: a millimetre (milliradian) and its tenfold in a second.
 _LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
 
@@ -41,6 +42,7 @@ class Elements:
     loads: Mapping[str, Load] = field(default_factory=Frozen)
     motors: Mapping[str, Motor] = field(default_factory=Frozen)
     controllers: Mapping[str, Controller] = field(default_factory=Frozen)
+    sensors: Mapping[str, Sensor] = field(default_factory=Frozen)
     energy: bool = False  # whether the output has what is put in, stored and dissipated
 
     def __hash__(self) -> int:

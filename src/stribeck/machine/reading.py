@@ -45,6 +45,10 @@ def family_of(section: str) -> type[Element]:
         from stribeck.machine.elements.motors import Motor
 
         return Motor
+    if section == "sensors":
+        from stribeck.machine.elements.sensors import Sensor
+
+        return Sensor
     from stribeck.machine.elements.controllers import Controller
 
     return Controller

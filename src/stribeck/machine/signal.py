@@ -10,10 +10,10 @@ from types import SimpleNamespace
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, PlainValidator, ValidationError, WithJsonSchema
 
 from stribeck import signals
-from stribeck.constants import Constant
+from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.machine.family import Family
@@ -26,6 +26,7 @@ from stribeck.machine.table import (
     given_as,
     joined,
     problems_at,
+    refused,
     unknown_key,
 )
 from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
@@ -80,8 +81,13 @@ class SignalTable(Family, family=True):
         """Its constants, if the equation takes them; others make pieces."""
         return super().leaves(path) if self._in_code() else iter(())
 
+    @property
+    def _form(self) -> type[signals.Signal] | None:
+        """The class of its equation; None for straight pieces."""
+        return self.made_by if self.made_by.smooth else None
+
     def _in_code(self) -> bool:
-        return bool(constants(self.made_by if self.made_by.smooth else None))
+        return bool(constants(self._form))
 
     def carrying(self, path: str, carrier: Carrier) -> Held:
         """In the structure, how equations refer to it: by a name for its pieces and a path for its constants."""
@@ -89,7 +95,7 @@ class SignalTable(Family, family=True):
             return super().carrying(path, carrier) if self._in_code() else self
         words = path.split(".")
         name = f"{words[1]}_{words[3]}" if words[2:3] == ["factors"] else words[1]
-        return SignalUse(name, path, self.made_by if self.made_by.smooth else None)
+        return SignalUse(name, path, self._form)
 
 
 class _Through(SignalTable):
@@ -207,3 +213,69 @@ class Spline(_Through):
 
     made_by = signals.SplineSignal
     kind: Literal["spline"] = "spline"
+
+
+class Square(SignalTable):
+    """offset + amplitude for half a period, offset - amplitude for the other half, ``cycles`` times; then offset."""
+
+    made_by, positional = signals.SquareSignal, ("amplitude", "frequency", "cycles", "offset")
+    kind: Literal["square"] = "square"
+    amplitude: float = given_as(signals.SquareSignal.constants["amplitude"])
+    frequency: float = given_as(signals.SquareSignal.constants["frequency"])
+    cycles: int = Field(ge=1, le=100_000, description="how many periods")
+    offset: float = given_as(signals.SquareSignal.constants["offset"])
+
+
+class Staircase(SignalTable):
+    """Each of ``levels`` for ``hold`` s, from one to the next within ``ramp`` s (0: at once); the last one stays."""
+
+    made_by, positional = signals.StaircaseSignal, ("levels", "hold", "ramp")
+    kind: Literal["staircase"] = "staircase"
+    levels: tuple[float, ...] = given_as(
+        Constant("", "the signal's levels, one after the other"), many=True, in_code=False
+    )
+    hold: float = given_as(signals.StaircaseSignal.constants["hold"], in_code=False)
+    ramp: float = given_as(signals.StaircaseSignal.constants["ramp"], in_code=False)
+
+    @cached_property
+    def built(self) -> signals.Signal:
+        """See :class:`SignalTable`."""
+        return signals.StaircaseSignal.through(np.array(self.levels), self.hold, self.ramp)
+
+
+def _signals(value: object, info: Any) -> tuple[SignalTable, ...]:
+    """The signals of a sum, each read by its kind."""
+    if not isinstance(value, list | tuple):
+        raise refused(f"must be a list of signals, not {kind_of(value)}", value)
+    found, wrong = [], []
+    for i, each in enumerate(value):
+        try:
+            found.append(SignalTable.model_validate(each, context=info.context))
+        except ValidationError as error:
+            wrong += [((i, *e["loc"]), str(e["msg"])) for e in error.errors(include_url=False)]
+    if wrong:
+        raise problems_at(wrong)
+    return tuple(found)
+
+
+class Sum(SignalTable):
+    """The sum of several signals of any kinds."""
+
+    made_by, positional = signals.SumSignal, ("of",)
+    kind: Literal["sum"] = "sum"
+    of: Annotated[
+        Any, PlainValidator(_signals), WithJsonSchema({"type": "array", "items": {"title": "SignalTable"}})
+    ] = Field(description="a list of signals: tables with kind and their constants")
+
+    @cached_property
+    def built(self) -> signals.Signal:
+        """See :class:`SignalTable`."""
+        return signals.SumSignal.of([each.built for each in self.of])
+
+    @property
+    def _form(self) -> type[signals.Signal]:
+        return type(self.built)
+
+    def wrong(self) -> list[Problem]:
+        """Nothing to add up."""
+        return [] if self.of else [("of", "[]: must hold at least one signal")]

@@ -13,11 +13,11 @@ import numpy as np
 from stribeck import laws, parameter_sets
 from stribeck.errors import InputError, arg, nearest, note, refuse_twice
 from stribeck.laws.base import PARAMETERS
+from stribeck.machine.machine import SECTIONS
 from stribeck.machine.table import FileTable
 
 Toml = Any  # a value as tomllib gives it
 _DEEPEST = 8
-SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")  # of a machine file
 _LAW_NAME = re.compile(r"(.+\.)?law\.name")
 _INSIDE = ".parameters."
 

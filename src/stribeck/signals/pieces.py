@@ -18,6 +18,7 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.ops import Value
 from stribeck.signals.piecewise import Segment, Signal
+from stribeck.signals.sums import SumSignal
 from stribeck.signals.trajectories import Curve
 
 # Why a trajectory restarts at a breakpoint with a step of unknown length: what it follows jumps, or its slope does. The
@@ -26,6 +27,7 @@ SMOOTH, JUMP, CORNER = 0, 1, 2
 STRAIGHT = ("start", "value", "slope")
 DIRECTION = "direction"  # the sign of the signal's rate within the piece, for signals cut where it changes
 _ROUNDING = 1e-12
+_IN_PIECES = (Curve, SumSignal)  # whose every number belongs to a piece
 
 
 @dataclass(frozen=True)
@@ -63,13 +65,13 @@ def equation_of(kind: type[Signal] | None) -> type[Signal] | type[Segment]:
 
 def fields(kind: type[Signal] | None, turns: bool = False) -> tuple[str, ...]:
     """The numbers of a piece; with ``turns`` the pieces are cut where the signal turns."""
-    own = STRAIGHT if kind is None else tuple(kind.constants) if issubclass(kind, Curve) else ()
+    own = STRAIGHT if kind is None else tuple(kind.constants) if issubclass(kind, _IN_PIECES) else ()
     return (*own, DIRECTION) if turns else own
 
 
 def constants(kind: type[Signal] | None) -> tuple[str, ...]:
     """The constants of a run that the signal's equation takes."""
-    return () if kind is None or issubclass(kind, Curve) else tuple(kind.constants)
+    return () if kind is None or issubclass(kind, _IN_PIECES) else tuple(kind.constants)
 
 
 def reference(kind: type[Signal] | None, p: SimpleNamespace, t: Expr, direction: Value = 0.0) -> Reference:
@@ -83,11 +85,13 @@ def pieces(signal: Signal, turns: bool = False, t_end: float = np.inf) -> Pieces
     """The pieces of a signal from t = 0 on."""
     if not signal.smooth:
         found = _straight(signal)
-    elif isinstance(signal, Curve):
+    elif isinstance(signal, _IN_PIECES):
         names = tuple(signal.constants)
         rows = [(start, [values[n] for n in names]) for start, values in signal.pieces]
         start = np.array([start for start, _ in rows])
-        found = Pieces(start, np.array([row for _, row in rows]), np.full(len(start), CORNER, np.int8))
+        jumps = signal.jumps if isinstance(signal, SumSignal) else [False] * (len(start) - 1)
+        restart = np.where([isinstance(signal, SumSignal), *jumps], JUMP, CORNER).astype(np.int8)
+        found = Pieces(start, np.array([row for _, row in rows]), restart)
     else:
         found = Pieces(np.zeros(1), np.zeros((1, 0)), np.array([JUMP], np.int8))
     return _cut_at_turns(signal, found, t_end) if turns else found
@@ -130,6 +134,8 @@ def _rates(signal: Signal, rows: Array, t: Array) -> Array:
 
 def _turns(signal: Signal, whole: Pieces, t_end: float) -> Array:
     """The times within the run at which the rate of a smooth signal passes through 0."""
+    if isinstance(signal, SumSignal):
+        return signal.turns(t_end)
     if isinstance(signal, Curve):
         found = []
         for begin, end, row in zip(whole.start, [*whole.start[1:], t_end], whole.rows, strict=True):

@@ -146,6 +146,25 @@ class StepSignal(Signal):
         return _segments(np.array([self.values["time"]] * 2), np.array([0.0, self.values["value"]]))
 
 
+class SquareSignal(Signal):
+    """offset + amplitude for half a period, offset - amplitude for the other half, ``cycles`` times; then offset."""
+
+    kind, meaning = "square", "offset + amplitude and offset - amplitude in turn, for cycles periods; then offset"
+    constants: ClassVar[dict[str, Constant]] = {
+        "amplitude": Constant("signal", "amplitude"),
+        "frequency": Constant("Hz", "frequency", above=0),
+        "cycles": Constant("", "how many periods", above=0),
+        "offset": Constant("signal", "mean", default=0.0),
+    }
+
+    @cached_property
+    def segments(self) -> Segments:
+        v, count = self.values, 2 * int(self.values["cycles"])
+        side = np.where(np.arange(count) % 2 == 0, v["amplitude"], -v["amplitude"])
+        value = v["offset"] + np.append(side, 0.0)
+        return Segments(np.arange(count + 1) / (2 * v["frequency"]), value, np.zeros(count + 1))
+
+
 class SineSignal(Signal):
     """offset + amplitude sin(2 pi frequency t + phase)."""
 
@@ -218,6 +237,22 @@ class PointsSignal(Signal):
         return _segments(self.t, self.value)
 
 
+class StaircaseSignal(PointsSignal):
+    """Each of ``levels`` for ``hold`` seconds, from one to the next within ``ramp`` seconds; the last one stays."""
+
+    kind, meaning = "staircase", "each level for hold seconds, from one to the next within ramp; the last one stays"
+    constants: ClassVar[dict[str, Constant]] = {
+        "hold": Constant("s", "how long each level is held", above=0),
+        "ramp": Constant("s", "how long the way to the next level takes; 0 jumps", at_least=0, default=0.0),
+    }
+
+    @classmethod
+    def through(cls, levels: Array, hold: float, ramp: float) -> StaircaseSignal:
+        """The points at the ends of each level."""
+        start = (hold + ramp) * np.arange(len(levels))
+        return cls(np.stack([start, start + hold], axis=1).ravel(), np.repeat(levels, 2))
+
+
 class FileSignal(PointsSignal):
     """Two columns of a recorded table, read as points."""
 
@@ -286,4 +321,5 @@ def _segments(t: Array, value: Array) -> Segments:
     return Segments(start, levels, slope)
 
 
-KINDS: dict[str, type[Signal]] = {s.kind: s for s in (PointsSignal, RampSignal, SineSignal, StepSignal, FileSignal)}
+KINDS: dict[str, type[Signal]] = {s.kind: s for s in (PointsSignal, RampSignal, SineSignal, StepSignal, SquareSignal,
+                                                    StaircaseSignal, FileSignal)}  # fmt: skip

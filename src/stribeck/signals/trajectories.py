@@ -15,7 +15,7 @@ from stribeck.errors import needed
 from stribeck.expressions.ops import Value
 from stribeck.signals.piecewise import PointsSignal, Signal
 
-_COEFFICIENTS = tuple(f"c{n}" for n in range(8))
+COEFFICIENTS = tuple(f"c{n}" for n in range(8))
 _MOVE = (35.0, -84.0, 70.0, -20.0)  # of x^4 to x^7: from 0 to 1 with zero speed, acceleration and jerk at both ends
 
 
@@ -25,7 +25,7 @@ class Curve(Signal):
     smooth = True
     constants: ClassVar[dict[str, Constant]] = {
         "start": Constant("s", "when the current polynomial begins"),
-        **{name: Constant("", f"its coefficient of (t - start)^{n}") for n, name in enumerate(_COEFFICIENTS)},
+        **{name: Constant("", f"its coefficient of (t - start)^{n}") for n, name in enumerate(COEFFICIENTS)},
     }
 
     def __init__(self, t: Array, value: Array) -> None:
@@ -61,13 +61,13 @@ class Curve(Signal):
     def equation(p: SimpleNamespace, t: Value) -> Value:
         """The current polynomial."""
         x, total = t - p.start, 0.0 * t
-        for name in reversed(_COEFFICIENTS):
+        for name in reversed(COEFFICIENTS):
             total = total * x + getattr(p, name)
         return total
 
     @staticmethod
     def _values(row: Array, start: float) -> dict[str, float]:
-        return {"start": float(start), **dict(zip(_COEFFICIENTS, row.tolist(), strict=True))}
+        return {"start": float(start), **dict(zip(COEFFICIENTS, row.tolist(), strict=True))}
 
     @cached_property
     def pieces(self) -> list[tuple[float, dict[str, float]]]:
@@ -79,7 +79,7 @@ class Curve(Signal):
 
     def values_at(self, t: ArrayLike) -> dict[str, Value]:
         i = np.clip(np.searchsorted(self._start, np.asarray(t, float), side="right") - 1, 0, None)
-        return {"start": self._start[i], **{name: self._rows[i, n] for n, name in enumerate(_COEFFICIENTS)}}
+        return {"start": self._start[i], **{name: self._rows[i, n] for n, name in enumerate(COEFFICIENTS)}}
 
     def at(self, t: ArrayLike) -> Array:
         return np.asarray(self.equation(SimpleNamespace(**self.values_at(t)), np.asarray(t, float)))
@@ -88,7 +88,7 @@ class Curve(Signal):
         found: list[tuple[float, bool]] = []
         ends = [*(start for start, _ in self.pieces[1:]), np.inf]
         for (start, values), end in zip(self.pieces, ends, strict=True):
-            poly = np.polynomial.Polynomial([values[name] for name in _COEFFICIENTS])
+            poly = np.polynomial.Polynomial([values[name] for name in COEFFICIENTS])
             for target in (level, -level):
                 roots = (poly - target).roots()
                 real = roots[abs(roots.imag) < 1e-9 * (1 + abs(roots))].real + start

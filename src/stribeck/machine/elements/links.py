@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from stribeck.constants import kind_of
+from stribeck.constants import kind_of, show
 from stribeck.drives.base import Column
 from stribeck.equations import Events
 from stribeck.expressions.graph import Expr, wrap
@@ -22,7 +22,7 @@ from stribeck.machine.element import (
     ratio_constant,
 )
 from stribeck.machine.signal import SignalTable
-from stribeck.machine.table import Refers, quantity, refused
+from stribeck.machine.table import Problem, Refers, quantity, refused
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
@@ -68,10 +68,14 @@ class Link(BetweenBodies, family=True):
         """What the spring is stretched by: d, less the play."""
         return d if self.gap is None else d - clip(d, -self.gap / 2, self.gap / 2)
 
+    def elastic(self, d: Value) -> Value:
+        """The force of the spring alone."""
+        return self.stiffness * self.stretch(d)
+
     def force(self, d: Value, w: Value, x: Own = NONE) -> Value:
         """The force f: it acts as -ratio f on `from` and as f on `to`; with play as Modelica's ElastoBacklash, whose
         damper acts in contact only and never pulls."""
-        f_c = self.stiffness * self.stretch(d)
+        f_c = self.elastic(d)
         if self.damping is None:
             return f_c
         if self.gap is None:
@@ -111,3 +115,46 @@ class Link(BetweenBodies, family=True):
     def heading(self, m: Elements) -> str:
         """See :class:`Element`."""
         return f"Link {self.name}: {self.between()}."
+
+
+class Spring(Link):
+    """A spring with preload, or of two stages: beyond ``reach`` on either side the stiffness is ``second``."""
+
+    kind: Literal["spring"] = "spring"
+    preload: float | None = quantity("N", "force at d = 0", off_at_zero=True, rotary_unit="N m")
+    reach: float | None = quantity("m", "where the second stage begins", above=0, optional=True, rotary_unit="rad")
+    second: float | None = quantity(
+        "N/m", "stiffness of the second stage", at_least=0, optional=True, rotary_unit="N m/rad"
+    )
+
+    def wrong(self) -> list[Problem]:
+        """One of a stage's two numbers without the other; play, which a preload would close."""
+        found = []
+        for name, other in (("reach", "second"), ("second", "reach")):
+            if getattr(self, name) is not None and getattr(self, other) is None:
+                found.append((other, f"missing: must be given with {name}"))
+        if self.gap is not None and self.preload is not None:
+            text = "must be left out where preload is given: a preloaded spring has no play"
+            found.append(("gap", f"{show(self.gap)}: {text}"))
+        return found
+
+    def _stiffer(self, d: Value) -> tuple[Value, Value]:
+        """By how much the second stage is stiffer, and how far it is stretched."""
+        s, reach = self.stretch(d), self.reach
+        return (
+            (0.0, 0.0)
+            if reach is None or self.second is None
+            else (self.second - self.stiffness, s - clip(s, -reach, reach))
+        )
+
+    def elastic(self, d: Value) -> Value:
+        """preload + stiffness d, and (second - stiffness) of what lies beyond ``reach``."""
+        k, s = self._stiffer(d)
+        f = super().elastic(d) + k * s
+        return f if self.preload is None else f + self.preload
+
+    def stored_energy(self, d: Value, x: Own = NONE) -> Value:
+        """The work of its force from d = 0 on."""
+        k, s = self._stiffer(d)
+        energy = super().stored_energy(d, x) + k * s**2 / 2
+        return energy if self.preload is None else energy + self.preload * d

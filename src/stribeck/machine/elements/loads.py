@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from stribeck.constants import show
 from stribeck.drives.base import Column
 from stribeck.expressions.graph import wrap
-from stribeck.expressions.ops import Value, cos, sin
+from stribeck.expressions.ops import Value, clip, cos, larger, sin
 from stribeck.machine.element import NONE, BodyName, Element, Own, force_unit
 from stribeck.machine.elements.waves import same_length, sum_of_waves
 from stribeck.machine.signal import SignalTable
@@ -45,6 +48,11 @@ class Load(Element, family=True):
     def ripple(cls, name: str, on: str, amplitude: Any, waves: Any, phase: Any = None) -> Ripple:
         """Sum of amplitude sin(waves y + phase)."""
         return Ripple(name=name, on=on, amplitude=amplitude, waves=waves, phase=phase)
+
+    @classmethod
+    def by_position(cls, name: str, on: str, position: Any, value: Any) -> ByPosition:
+        """Straight lines between the points of a table of position and force."""
+        return ByPosition(name=name, on=on, position=position, value=value)
 
     def force(self, r: Value, y: Value, v: Value, x: Own = NONE) -> Value:
         """The force on the body, N or N m; ``r`` is the signal where the load has one."""
@@ -129,3 +137,40 @@ class Ripple(Load):
     def force(self, r: Value, y: Value, v: Value, x: Own = NONE) -> Value:
         """The sum of the waves."""
         return sum_of_waves(self, y)
+
+
+class ByPosition(Load):
+    """A force by position: straight lines between the points of a table, constant outside."""
+
+    conservative = True
+    kind: Literal["by_position"] = "by_position"
+    position: tuple[float, ...] = quantity("m", "positions, increasing", rotary_unit="rad", many=True)
+    value: tuple[float, ...] = quantity("N", "the force at these positions", rotary_unit="N m", many=True)
+
+    def wrong(self) -> list[Problem]:
+        """Lists of two lengths, positions that do not increase, a single point."""
+        found = same_length(self, "position", "value")
+        if len(self.position) < 2:
+            found.append(("position", f"{show(list(self.position))}: must hold at least two positions"))
+        found += [(f"position[{i}]", f"{show(b)}: positions must increase (the one before is {show(a)})")
+                  for i, (a, b) in enumerate(pairwise(self.position), 1) if b <= a]  # fmt: skip
+        return found
+
+    def _pieces(self, y: Value) -> Iterator[tuple[Value, Value, Value, Value]]:
+        """Of each straight line: its slope, its length, how far y is along it, and how far beyond it."""
+        for (a, b), (f, g) in zip(pairwise(self.position), pairwise(self.value), strict=True):
+            yield (g - f) / (b - a), b - a, clip(y, a, b) - a, larger(y - b, 0.0)
+
+    def force(self, r: Value, y: Value, v: Value, x: Own = NONE) -> Value:
+        """The table's value."""
+        total = self.value[0]
+        for slope, _, along, _ in self._pieces(y):
+            total = total + slope * along
+        return total
+
+    def stored_energy(self, y: Value) -> Value:
+        """Minus the integral of the force from the first position on."""
+        total = self.value[0] * (y - self.position[0])
+        for slope, length, along, beyond in self._pieces(y):
+            total = total + slope * (along**2 / 2 + length * beyond)
+        return -total

@@ -1,0 +1,149 @@
+"""Sums of signals: polynomials between breakpoints, and sines beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, lru_cache
+from math import inf
+from types import SimpleNamespace
+from typing import ClassVar
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import ArrayLike
+
+from stribeck.arrays import Array
+from stribeck.expressions.ops import Value
+from stribeck.signals.piecewise import Signal, SineSignal
+from stribeck.signals.trajectories import COEFFICIENTS, Curve
+
+_SINE = tuple(SineSignal.constants)
+_LOOKS = 4  # for a change of sign, to each of the longest steps that cannot miss a wave; eight times as many to a piece
+_ROUNDING = 1e-12
+
+
+class SumSignal(Signal):
+    """The sum of several signals."""
+
+    kind, meaning, smooth = "sum", "the sum of the signals in of", True
+    sines: ClassVar[int] = 0
+
+    def __init__(self, parts: Sequence[Signal]) -> None:
+        self.parts = parts
+        super().__init__(self.pieces[0][1])
+
+    @staticmethod
+    def of(parts: Sequence[Signal]) -> SumSignal:
+        """The sum, of the class for as many sines as it has."""
+        flat = [p for part in parts for p in (part.parts if isinstance(part, SumSignal) else [part])]
+        return sum_with(sum(isinstance(p, SineSignal) for p in flat))(flat)
+
+    @classmethod
+    def equation(cls, p: SimpleNamespace, t: Value) -> Value:
+        """The present polynomial and the sines."""
+        total = Curve.equation(p, t)
+        for i in range(cls.sines):
+            total = total + SineSignal.equation(SimpleNamespace(**{n: getattr(p, f"{n}_{i}") for n in _SINE}), t)
+        return total
+
+    @cached_property
+    def _waves(self) -> list[Signal]:
+        return [part for part in self.parts if isinstance(part, SineSignal)]
+
+    @cached_property
+    def _rest(self) -> list[list[tuple[float, Polynomial]]]:
+        """Of each part that is no sine: when each polynomial begins, and what it is of the time since then."""
+        found = []
+        for part in self.parts:
+            if isinstance(part, Curve):
+                rows = [(start, Polynomial([v[n] for n in COEFFICIENTS])) for start, v in part.pieces]
+            elif not part.smooth:
+                s = part.segments
+                rows = [(float(a), Polynomial([b, c])) for a, b, c in zip(s.start, s.value, s.slope, strict=True)]
+            else:
+                continue
+            found.append(rows)
+        return found
+
+    @cached_property
+    def pieces(self) -> list[tuple[float, dict[str, float]]]:
+        """When the polynomial changes, and to what."""
+        waves = {f"{n}_{i}": float(w.values[n]) for i, w in enumerate(self._waves) for n in _SINE}
+        starts = sorted({0.0, *(start for rows in self._rest for start, _ in rows if start > 0)})
+        found = []
+        for start in starts:
+            total = Polynomial([0.0])
+            for rows in self._rest:
+                begin, own = next((r for r in reversed(rows) if r[0] <= start), rows[0])
+                total = total + own(Polynomial([start - begin, 1.0]))
+            c = np.pad(total.coef, (0, len(COEFFICIENTS) - len(total.coef)))
+            found.append((start, {"start": start, **dict(zip(COEFFICIENTS, c.tolist(), strict=True)), **waves}))
+        return found
+
+    @property
+    def longest_step(self) -> float:
+        return min((part.longest_step for part in self.parts), default=inf)
+
+    def values_at(self, t: ArrayLike) -> dict[str, Value]:
+        starts = np.array([start for start, _ in self.pieces])
+        i = np.clip(np.searchsorted(starts, np.asarray(t, float), side="right") - 1, 0, None)
+        return {n: np.array([v[n] for _, v in self.pieces])[i] for n in self.values}
+
+    def at(self, t: ArrayLike) -> Array:
+        return np.asarray(sum((part.at(t) for part in self.parts), np.zeros(np.shape(t))))
+
+    @property
+    def jumps(self) -> list[bool]:
+        """Whether the value jumps where each piece but the first begins."""
+        ends = [(self._within(i, start), self._within(i + 1, start)) for i, (start, _) in enumerate(self.pieces[1:])]
+        return [bool(abs(b - a) > _ROUNDING * max(abs(a), abs(b))) for a, b in ends]
+
+    def _within(self, i: int, t: Value) -> Value:
+        """The equation of piece i, also at its ends."""
+        return self.equation(SimpleNamespace(**self.pieces[i][1]), t)
+
+    def _rate(self, i: int, t: Value) -> Value:
+        """Its derivative."""
+        p = self.pieces[i][1]
+        rate = Polynomial([p[n] for n in COEFFICIENTS]).deriv()(t - p["start"])
+        for wave in self._waves:
+            w = 2 * np.pi * wave.values["frequency"]
+            rate = rate + wave.values["amplitude"] * w * np.cos(w * t + wave.values["phase"])
+        return rate
+
+    def _changes(self, of: Callable[[int, Value], Value], t_end: float) -> Iterator[tuple[float, bool]]:
+        """Where a quantity of the pieces passes through 0 within one, and whether it rises: bisected to rounding."""
+        starts = [start for start, _ in self.pieces if start < t_end]
+        for i, (begin, end) in enumerate(zip(starts, [*starts[1:], t_end], strict=True)):
+            count = int(np.ceil((end - begin) / self.longest_step * _LOOKS)) + 8 * _LOOKS
+            t = np.linspace(begin, end, count + 1)
+            side = np.sign(of(i, t) + 0.0 * t)
+            for k in np.flatnonzero(side[1:] * side[:-1] < 0):
+                low, high = float(t[k]), float(t[k + 1])
+                while low < (middle := 0.5 * (low + high)) < high:
+                    low, high = (middle, high) if of(i, middle) * side[k] > 0 else (low, middle)
+                yield low, bool(side[k] < 0)
+
+    def turns(self, t_end: float) -> Array:
+        """The times within the run at which the rate passes through 0."""
+        return np.array([t for t, _ in self._changes(self._rate, t_end)])
+
+    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
+        def above(i: int, t: Value) -> Value:
+            return abs(self._within(i, t)) - level
+
+        found = [(t, rises) for t, rises in self._changes(above, t_end) if t > 0]
+        for i, (start, _) in enumerate(self.pieces[1:]):
+            before, after = above(i, start) >= 0, above(i + 1, start) >= 0
+            found += [(start, bool(after))] if before != after and start <= t_end else []
+        return sorted(found)
+
+
+@lru_cache(maxsize=64)
+def sum_with(sines: int) -> type[SumSignal]:
+    """The class of sums with so many sines: the equation depends on their number."""
+    waves = {f"{n}_{i}": c for i in range(sines) for n, c in SineSignal.constants.items()}
+    return type("SumSignal", (SumSignal,), {"sines": sines, "constants": {**Curve.constants, **waves}})
+
+
+KINDS: dict[str, type[Signal]] = {SumSignal.kind: SumSignal}
