@@ -188,8 +188,8 @@ def _law(
 ) -> int:  # fmt: skip
     from stribeck import laws
     from stribeck.cli import show
+    from stribeck.parameter_sets.assignments import parse_assignments
     from stribeck.properties import check as decide
-    from stribeck.scenario import parse_assignments
 
     bounds = level_of(level)
     given = parse_assignments(assignments)

@@ -6,13 +6,15 @@ import sys
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stribeck import laws
 from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.properties.plain import Json
-from stribeck.scenario import Scenario
-from stribeck.simulation import Solution, simulate
+
+if TYPE_CHECKING:
+    from stribeck.simulation import Solution
 
 ROWS = 1000
 AGREES = 1e-6
@@ -64,6 +66,9 @@ def run(tables: Mapping[str, Json] | None) -> Solution | None:
     """Simulate; None where there is no scenario, or it failed."""
     if tables is None:
         return None
+    from stribeck.scenario import Scenario  # some 0.2 s, which a law with every property does not need
+    from stribeck.simulation import simulate
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StribeckNote)

@@ -20,9 +20,10 @@ from stribeck.machine.machine import Elements
 from stribeck.machine.system import MachineSystem
 from stribeck.machine.table import FileTable
 from stribeck.parameter_sets import read_toml
+from stribeck.parameter_sets.assignments import parse_assignment, parse_assignments
 from stribeck.plants import Plant
 from stribeck.scenario import tables
-from stribeck.scenario.changes import changed, parse_assignment, parse_assignments, plain_table, unfolds
+from stribeck.scenario.changes import changed, plain_table, unfolds
 from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.rig import Rig

@@ -3,51 +3,20 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path, PurePath
-from typing import Any
 
 import numpy as np
 
 from stribeck import laws, parameter_sets
-from stribeck.errors import InputError, arg, nearest, note, refuse_twice
+from stribeck.errors import InputError, nearest, note
 from stribeck.laws.base import PARAMETERS
 from stribeck.machine.machine import SECTIONS
 from stribeck.machine.table import FileTable
 
-Toml = Any  # a value as tomllib gives it
 _DEEPEST = 8
 _LAW_NAME = re.compile(r"(.+\.)?law\.name")
 _INSIDE = ".parameters."
-
-
-def parse_assignment(text: str) -> tuple[str, Toml]:
-    """``PATH=VALUE`` as a path and a TOML value; what is no TOML is text.
-
-    Raises:
-        InputError: there is no '=' or no path.
-    """
-    path, sign, value = text.partition("=")
-    path = path.strip()
-    if not sign or not all(path.split(".")):
-        raise InputError(f"{arg('changes')} {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
-    try:
-        read = tomllib.loads(f"x = {value}")
-    except (ValueError, RecursionError):
-        return path, value.strip()
-    return path, read["x"] if len(read) == 1 else value.strip()
-
-
-def parse_assignments(texts: Iterable[str]) -> dict[str, Toml]:
-    """Every ``PATH=VALUE``, as :func:`parse_assignment` reads it, by its path.
-
-    Raises:
-        InputError: one is none, or two have the same path.
-    """
-    pairs = [parse_assignment(text) for text in texts]
-    refuse_twice([path for path, _ in pairs], arg("changes"))
-    return dict(pairs)
 
 
 def plain(value: object, path: str = "", depth: int = 0) -> object:
