@@ -9,8 +9,8 @@ from stribeck import laws, parameter_sets
 from stribeck.cli.show import check_file, print_json
 from stribeck.errors import InputError, note
 from stribeck.laws.base import Law
+from stribeck.parameter_sets.assignments import Toml
 from stribeck.scenario import Scenario, parse_assignments
-from stribeck.scenario.changes import Toml
 from stribeck.simulation.comparison import law_path
 
 
