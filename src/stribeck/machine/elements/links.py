@@ -117,7 +117,7 @@ class Link(BetweenBodies, family=True):
         return f"Link {self.name}: {self.between()}."
 
 
-class Spring(Link):
+class StagedSpring(Link):
     """A spring with preload, or of two stages: beyond ``reach`` on either side the stiffness is ``second``."""
 
     kind: Literal["spring"] = "spring"
