@@ -26,7 +26,7 @@ ANY: dict[str, tuple[int, str]] = {
     ),
     "identify": (15, "data frames and mappings of users; MuJoCo has no types"),
     "laws": (6, "constants as users give them; what the exporters above give"),
-    "parameter_sets": (1, "a file's tables"),
+    "parameter_sets": (2, "a file's tables, and values as tomllib gives them"),
     "properties": (
         6,
         "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",

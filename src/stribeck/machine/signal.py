@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator, ValidationError, WithJsonSchema
+from pydantic import BeforeValidator, Field, PlainValidator, ValidationError, ValidationInfo, WithJsonSchema
 
 from stribeck import signals
 from stribeck.constants import Constant, kind_of
@@ -243,7 +243,7 @@ class Staircase(SignalTable):
         return signals.StaircaseSignal.through(np.array(self.levels), self.hold, self.ramp)
 
 
-def _signals(value: object, info: Any) -> tuple[SignalTable, ...]:
+def _signals(value: object, info: ValidationInfo) -> tuple[SignalTable, ...]:
     """The signals of a sum, each read by its kind."""
     if not isinstance(value, list | tuple):
         raise refused(f"must be a list of signals, not {kind_of(value)}", value)
@@ -264,7 +264,9 @@ class Sum(SignalTable):
     made_by, positional = signals.SumSignal, ("of",)
     kind: Literal["sum"] = "sum"
     of: Annotated[
-        Any, PlainValidator(_signals), WithJsonSchema({"type": "array", "items": {"title": "SignalTable"}})
+        tuple[SignalTable, ...],
+        PlainValidator(_signals),
+        WithJsonSchema({"type": "array", "items": {"title": "SignalTable"}}),
     ] = Field(description="a list of signals: tables with kind and their constants")
 
     @cached_property

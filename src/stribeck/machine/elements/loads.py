@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -50,9 +50,9 @@ class Load(Element, family=True):
         return Ripple(name=name, on=on, amplitude=amplitude, waves=waves, phase=phase)
 
     @classmethod
-    def by_position(cls, name: str, on: str, position: Any, value: Any) -> ByPosition:
+    def by_position(cls, name: str, on: str, position: Sequence[float], value: Sequence[float]) -> ByPosition:
         """Straight lines between the points of a table of position and force."""
-        return ByPosition(name=name, on=on, position=position, value=value)
+        return ByPosition(name=name, on=on, position=tuple(position), value=tuple(value))
 
     def force(self, r: Value, y: Value, v: Value, x: Own = NONE) -> Value:
         """The force on the body, N or N m; ``r`` is the signal where the load has one."""
