@@ -264,7 +264,7 @@ class Sum(SignalTable):
     made_by, positional = signals.SumSignal, ("of",)
     kind: Literal["sum"] = "sum"
     of: Annotated[
-        tuple[SignalTable, ...],
+        Held,
         PlainValidator(_signals),
         WithJsonSchema({"type": "array", "items": {"title": "SignalTable"}}),
     ] = Field(description="a list of signals: tables with kind and their constants")
