@@ -1,4 +1,4 @@
-# make setup | demo | docs | test | thorough | bench | fuzz | proofs | dist   (Python 3.11 or newer; a C compiler makes it fast)
+# make setup | demo | docs | test | thorough | bench | fuzz | proofs | windows | dist   (Python 3.11 or newer; a C compiler makes it fast)
 PYTHON ?= $(firstword $(foreach p,python3.13 python3.12 python3.11 python3,$(if $(shell $(p) -c 'import sys; print(sys.version_info >= (3, 11) or "")' 2>/dev/null),$(p))))
 VENV := .venv
 BIN := $(VENV)/bin
@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 # bytecode is kept: each command of the tests would compile its libraries anew
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo docs test thorough bench fuzz proofs dist clean
+.PHONY: setup demo docs test thorough bench fuzz proofs windows dist clean
 
 # install EXTRA: the package with an extra, by uv where there is one
 define install
@@ -58,6 +58,10 @@ proofs:
 # SEED=7 for another attack, ONLY=kills for one part (parameters, machines, mutations); Ctrl-C tells how far it came
 fuzz: setup
 	$(BIN)/python tools/fuzz/run.py --seed $(or $(SEED),1) $(addprefix --only ,$(ONLY))
+
+# Windows' Python under wine and the suite there (tools/windows/README.md); TESTS=tests/cli for some of it
+windows:
+	bash tools/windows/run.sh build/windows . $(TESTS)
 
 # the sdist and the wheel, checked as a package index would
 dist: setup

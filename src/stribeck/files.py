@@ -18,6 +18,8 @@ from typing import Any, BinaryIO
 from stribeck.errors import needed
 from stribeck.platforms import locked, refuse_open
 
+_LONGEST_NAME = 255  # letters of a file's name, wherever there are files
+
 
 def write_with(path: Path, write: Callable[[Path], object]) -> None:
     """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind.
@@ -124,6 +126,8 @@ def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | Non
 
     ``parents``: folders that are missing on the way will be made.
     """
+    if any(len(part) > _LONGEST_NAME for part in path.parts):  # of which Windows says that the file is not found
+        return "cannot be written: File name too long"
     try:
         with suppress(FileNotFoundError, NotADirectoryError):
             mode = path.stat().st_mode

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
+from tests.simulation.rig import needs_compiler
 
 MACHINE = {"sigma_0": 1e5, "sigma_1": 3e2, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
 LOOP = "pid:K_p=3000,K_i=2000,K_d=100"
@@ -33,6 +34,7 @@ def record(tmp_path_factory):
     return path
 
 
+@needs_compiler
 @pytest.mark.share(2)
 @pytest.mark.parametrize(
     "options", [("--output", "position", "--drive", LOOP, "--command", "r"), ("--output", "velocity", "--mass", 2)]
@@ -46,6 +48,7 @@ def test_the_parameters_are_found(stribeck, record, options):
         assert found[name]["value"] == pytest.approx(MACHINE[name], rel=0.02), name
 
 
+@needs_compiler
 @pytest.mark.parametrize(
     ("options", "line"),
     [

@@ -12,6 +12,7 @@ import pytest
 
 import stribeck
 from stribeck.files import trouble, write_text
+from tests.shared import needs_links
 from tests.simulation.rig import needs_compiler
 
 VELOCITY = 'drive={kind="velocity",signal={kind="sine",amplitude=0.1,frequency=1e15}}'
@@ -193,6 +194,7 @@ def test_a_folder_that_is_closed(tmp_path):
     assert "Permission denied" in trouble(tmp_path / "x" / "y", folder=True)
 
 
+@needs_links
 def test_devices_and_links_stay_what_they_are(tmp_path):
     real, link = tmp_path / "real", tmp_path / "link"
     link.symlink_to(real)

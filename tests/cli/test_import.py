@@ -1,6 +1,7 @@
 """stribeck import: what is turned into another program's file and back."""
 
 import json
+import os
 import tomllib
 
 import pytest
@@ -44,6 +45,7 @@ def test_a_set_of_parameters_is_written_out(stribeck, tmp_path):
     assert model.actuator_dynprm[0][5] == 1e5  # sigma_0 of the set
 
 
+@pytest.mark.skipif(os.name != "posix", reason="Windows has no such names")
 def test_the_name_of_a_file_writes_no_line(stribeck, tmp_path):
     """It went as it is into the machine's first line, a comment."""
     path = tmp_path / "a\nrotary = 5.json"

@@ -22,6 +22,7 @@ from stribeck.identify.report import files
 from stribeck.identify.report.files import FITS
 from stribeck.mouth import page as pages
 from tests.identify.actuator.recorded import body, logs, record
+from tests.simulation.rig import needs_compiler
 
 needs_signals = pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
 
@@ -165,6 +166,7 @@ def test_a_fit_over_one_of_another_kind(tmp_path):
     assert (tmp_path / "machine.toml").exists()
 
 
+@needs_compiler
 def test_a_programme_over_one_with_a_synthetic_log(stribeck, tmp_path):
     words = ("fit", "--plan", "stroke=0.05,speed=0.1,force=50", "--out", tmp_path)
     assert stribeck(*words, "--simulate").status == 0
@@ -210,7 +212,7 @@ main(sys.argv[1:])
 
 @pytest.mark.share(3)
 @needs_signals
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, getattr(signal, "SIGHUP", None)])
 def test_signals_leave_nothing(number, scenario, tmp_path):
     out = tmp_path / "out"
     command = [sys.executable, "-c", SLOW, "run", str(scenario), "--out", str(out)]
@@ -368,6 +370,7 @@ def test_ctrl_c_when_python_has_ended():
     assert process.returncode == 0
 
 
+@needs_compiler
 def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, monkeypatch):
     """The fit was lost with the page."""
 

@@ -1,6 +1,7 @@
 """What a user does wrong by hand: each ends in one clear line with status 2, or in a right result."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -103,6 +104,7 @@ def test_a_name_that_opens_a_script_within_the_pages_data(stribeck, scenario, tm
     assert json.loads(data)["name"] == name
 
 
+@pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
 @pytest.mark.parametrize("name", ["_see_to_the_end", "_command"])
 def test_a_signal_while_the_command_is_made_ready(name):
     """It ended in a traceback and status 1 (3 of 187 that came in the first second)."""

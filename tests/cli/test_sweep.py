@@ -16,6 +16,7 @@ from stribeck import InputError, Scenario, simulate
 from stribeck.platforms import locked
 from stribeck.sweeps import job as module
 from stribeck.sweeps.ranges import Range, lanes_of
+from tests.shared import LINKS
 from tests.simulation.rig import needs_compiler
 
 GRID = ("--vary", "law.k_v=1e6:1e8:3:log", "--vary", "law.parameters.F_s=0.9:1.8:4")
@@ -302,11 +303,12 @@ def test_what_somebody_else_put_into_the_folder(stribeck, scenario, tmp_path, sm
     assert stribeck(*words).status == 0
     assert files(out) == whole
     mine.write_bytes(b"mine")
-    (out / "part-000001.parquet").unlink()
-    (out / "part-000001.parquet").symlink_to(mine)
-    assert stribeck(*words).status == 0
-    assert files(out) == whole
-    assert mine.read_bytes() == b"mine"
+    if LINKS:
+        (out / "part-000001.parquet").unlink()
+        (out / "part-000001.parquet").symlink_to(mine)
+        assert stribeck(*words).status == 0
+        assert files(out) == whole
+        assert mine.read_bytes() == b"mine"
     for name in ("part-000003.parquet", "part-000001.csv"):
         (out / name).write_bytes(b"")
         found = stribeck(*words)

@@ -72,6 +72,7 @@ def test_help_shows_what_most_need_first(command, stribeck):
     assert "Advanced:" not in text or re.findall(r"^  -", text.partition("Advanced:")[2], re.M)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="of other shells")
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_is_installed(shell, tmp_path):
     # the variable names the shell in the place of looking at the process that started this one

@@ -1,6 +1,7 @@
 """The registry, the command, and what is said before anything is written."""
 
 import json
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -28,7 +29,7 @@ def test_c_from_the_command(tmp_path, capsys):
     out = tmp_path / "firmware"
     assert command(*BASE, "--target", "c", "--self-test", "--out", str(out), "--json") == 0
     said = json.loads(capsys.readouterr().out)
-    assert [file.rsplit("/", 1)[1] for file in said["files"]] == [
+    assert [Path(file).name for file in said["files"]] == [
         "lugre_majorant.h", "lugre_majorant.c", "lugre_majorant_test.c",
     ]  # fmt: skip
     assert sorted(p.name for p in out.iterdir()) == ["lugre_majorant.c", "lugre_majorant.h", "lugre_majorant_test.c"]

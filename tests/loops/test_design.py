@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -169,7 +170,7 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     assert found["verdict"] == "quiet"
     assert {"errors", "boundaries", "compensations", "limit_cycle", "starts"} <= set(found)
     assert not found["depends_on_the_start"]
-    names = {f.rpartition("/")[2] for f in found["files"]}
+    names = {Path(f).name for f in found["files"]}
     assert {"machine.toml", "report.html", "summary.json", "boundaries_0.svg"} <= names
     assert _status(["run", str(tmp_path / "out" / "machine.toml")]) == 0
     assert tomllib.loads((tmp_path / "out" / "machine.toml").read_text())["controllers"]["hold"]["K_p"] == 200.0

@@ -22,5 +22,5 @@ def test_every_kind_of_path_is_seen_from_the_other_folder():
 
 
 def test_absolute_paths_stay():
-    data = {"law": {"parameters": "/sets/a.toml"}}
+    data = {"law": {"parameters": Path("/sets/a.toml").absolute().as_posix()}}
     assert moved(data, Path("/rigs"), Path("/out")) == data

@@ -28,7 +28,7 @@ step = 0.001
 """
 PLUGIN = """
 from pathlib import Path
-Path("{mark}").write_text("executed")
+Path({mark!r}).write_text("executed")
 from stribeck.laws.lugre import LuGre
 from stribeck.machine.elements.links import Link
 class OwnLaw(LuGre): pass
@@ -42,7 +42,7 @@ class OwnLink(Link): pass
 def test_files_are_executed_last_and_from_the_own_folder(tmp_path, law, element, outside, valid):
     mark, home = tmp_path / "mark", tmp_path / "home"
     home.mkdir()
-    (tmp_path / "own.py" if outside else home / "own.py").write_text(PLUGIN.format(mark=mark))
+    (tmp_path / "own.py" if outside else home / "own.py").write_text(PLUGIN.format(mark=str(mark)))
     up = "../" if outside else ""
     names = {"law": law.replace("own.py", f"{up}own.py"), "element": element.replace("own.py", f"{up}own.py")}
     file = home / "machine.toml"

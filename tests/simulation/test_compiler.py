@@ -1,6 +1,7 @@
-"""Compilers that fail, hang, lie or are not there: a line says so, and SciPy solves the same equations."""
+"""Compilers that fail, hang, lie or are not there: a line says so, and WebAssembly solves the same equations."""
 
 import importlib.util
+import os
 import shutil
 import sys
 import time
@@ -17,6 +18,7 @@ from stribeck.simulation import cache, compiler
 from tests.simulation import independent
 from tests.simulation.rig import needs_compiler, rig
 
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="the compilers are shell scripts")
 DATA = rig("lugre_sobczyk", "force", {"kind": "ramp", "rate": 3.0}, 0.7, rows=50)
 
 

@@ -92,7 +92,7 @@ def digest(scenario):
 
 
 GOLDEN = {
-    "arm": "d02d0de6bec5344e",
+    "arm": "a2be2f575a756689",
     "axis_hunts": "a430c7fae32bd2ae",
     "belt": "94409b2fbed392af",
     "break_away": "6afff9df9af22746",
@@ -100,7 +100,7 @@ GOLDEN = {
     "hysteresis": "b3080ca3dffa8164",
     "joint_from_log": "95ae5a08e7e29dc9",
     "limit_cycle": "dae6c2ca2d6a59af",
-    "machine": "534411be7fa523f8",
+    "machine": "67427ac956c5a3ac",
     "measured": "81c9e26423e8593d",
     "presliding": "e17af5bddbf9fb06",
     "servo": "d5bcaef162f7f16b",

@@ -119,8 +119,10 @@ class PointToPointSignal(Curve):
         rows[:, 0] = value[:-1]
         length = np.diff(t)
         with np.errstate(over="ignore"):  # of a time without end
+            power = length * length * length  # products: a power's last bit depends on the machine
             for n, factor in enumerate(_MOVE, start=4):
-                rows[:, n] = factor * np.diff(value) / length**n
+                power = power * length
+                rows[:, n] = factor * np.diff(value) / power
         return rows
 
 
