@@ -74,14 +74,47 @@ def test_against_scipy():
     assert len(np.unique(counts)) > 30
 
 
+LADEN = {
+    "schema": 2, "name": "machine",
+    "bodies": {"a": {"kind": "laden", "mass": 1.0,
+                     "added": {"kind": "points", "t": [0, 0.3, 0.3, 0.6, 0.8], "value": [0, 0, 0.5, 0.5, 0.1]}},
+               "b": {"mass": 0.2, "tied_to": "a", "ratio": 2.0}},
+    "contacts": {"c": {"from": "a", "law": {"name": "lugre", "parameters": LAW}}},
+    "loads": {"p": {"on": "a", "kind": "signal", "signal": {"kind": "sine", "amplitude": 6.0, "frequency": 1.0}}},
+    "solve": {"t_end": 1.2}, "output": {"step": 1e-2, "energy": True},
+}  # fmt: skip
+
+
 @needs_compiler
-def test_exported(tmp_path):
+def test_a_mass_that_varies():
+    """M dv/dt = F with the mass of each instant; what comes on brings its energy along, also at once."""
+    found, x, rows = simulate(LADEN), [0.0, 0.0, 0.0], [[0.0, 0.0, 0.0]]
+
+    def rates(t, x, low, high):
+        t, (_, v, z) = min(max(t, low + 1e-13), high - 1e-13), x
+        mass = 1.8 + (0.0 if t < 0.3 else np.interp(t, [0.6, 0.8], [0.5, 0.1]))
+        dz = v - abs(v) * 1e4 / (1 + 0.5 * np.exp(-((v / 1e-2) ** 2))) * z
+        return [v, (6 * np.sin(2 * np.pi * t) - 1e4 * z - 30 * dz - 0.4 * v) / mass, dz]
+
+    for ends in pairwise((0.0, 0.3, 0.6, 0.8, 1.2)):
+        t = np.clip([t for t in found.t if ends[0] + 1e-9 < t <= ends[1] + 1e-9], *ends)
+        theirs = solve_ivp(rates, ends, x, method="Radau", rtol=1e-9, atol=1e-13, dense_output=True, args=ends)
+        rows, x = [*rows, *theirs.sol(t).T], theirs.y[:, -1]
+    for i, name in enumerate(("a.y", "a.v")):
+        expected = np.array(rows)[:, i]
+        assert np.max(abs(found[name] - expected)) <= 1e-7 * np.max(abs(expected))
+    assert_balanced({n: found[n] for n in found})
+
+
+@needs_compiler
+@pytest.mark.parametrize("data", [MACHINE, LADEN], ids=["machine", "laden"])
+def test_exported(data, tmp_path):
     """The machine in C says the same in every column."""
-    stribeck.export(Scenario(MACHINE), "c", tmp_path)
+    stribeck.export(Scenario(data), "c", tmp_path)
     source, run = [str(tmp_path / f) for f in ("machine.c", "machine_run.c")], str(tmp_path / "run")
     subprocess.run(["cc", "-std=c99", "-O1", *source, "-o", run, "-lm"], check=True)
     head, *rows = subprocess.run([run], capture_output=True, text=True, check=True).stdout.splitlines()
-    theirs, found = np.array([[float(x) for x in row.split(",")] for row in rows]).T, simulate(MACHINE)
+    theirs, found = np.array([[float(x) for x in row.split(",")] for row in rows]).T, simulate(data)
     for name, column in zip(head.split(","), theirs, strict=True):
         np.testing.assert_allclose(column, found[name], rtol=0, atol=1e-6 * np.max(abs(found[name])), err_msg=name)
 
@@ -137,3 +170,15 @@ def test_what_is_wrong(path, value, text):
     with pytest.raises(InputError) as error:
         Scenario(MACHINE).with_changes({path: value})
     assert text in error.value.problems
+
+
+def test_a_mass_that_is_taken_away():
+    """By a ramp without end, and in a wave."""
+    for signal, least in (
+        ({"kind": "ramp", "rate": -1.0}, "-inf"),
+        ({"kind": "sine", "amplitude": 2.0, "frequency": 1.0}, "-1"),
+    ):
+        with pytest.raises(
+            InputError, match=f"^bodies.a.added: takes the mass down to {least}: must leave more than 0$"
+        ):
+            Scenario(LADEN).with_changes({"bodies.a.added": signal})

@@ -198,6 +198,8 @@ def to_mujoco(machine: Read) -> str:
 f"bodies.{n}: neither inertia nor mass: a joint of MuJoCo moves a body with one of them"
         for n, b in machine["bodies"].items() if not {"inertia", "mass", "tied_to"} & set(b)
     ]  # fmt: skip
+    text = "a joint of MuJoCo has one mass for all times"
+    problems += [f"bodies.{n}.added: {text}" for n, b in machine["bodies"].items() if "added" in b]
     joints: dict[str, dict[str, float]] = {n: {} for n, b in machine["bodies"].items() if "tied_to" not in b}
     actuators = []
     for name, contact in machine.get("contacts", {}).items():
@@ -221,7 +223,9 @@ f"bodies.{n}: neither inertia nor mass: a joint of MuJoCo moves a body with one 
     springs = _grounded(machine, joints)
     actuators += [_element(machine, n, *_led(machine, m["on"]), None, m, used) for n, m in motors.items()]
     lost = [f"loads.{n}" for n in machine.get("loads", {}) if n not in used]
-    lost += [f"{kind}.{n}" for kind in ("links", "controllers") for n in machine.get(kind, {}) if n not in springs]
+    lost += [
+        f"{kind}.{n}" for kind in ("links", "controllers", "sensors") for n in machine.get(kind, {}) if n not in springs
+    ]
     if lost:
         note(f"{', '.join(lost)}: left out: MuJoCo's model has its bodies, friction and motors")
     return _model(str(machine.get("name", "machine")), machine["bodies"], joints, actuators)

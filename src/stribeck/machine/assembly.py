@@ -52,7 +52,7 @@ class Assembly:
         self.power_in: Value = ZERO
         self.lost: Value = ZERO
         self.stored: Value = ZERO
-        self.far: Value = ZERO  # the energy of links whose far end is a signal
+        self.far: Value = ZERO  # the energy that jumps with signals: of links' far ends, of what is added to bodies
         for section in ORDER:
             for element in getattr(system, section).values():
                 element.equations(self)
@@ -146,14 +146,22 @@ class Assembly:
             self.force[leader.name] = self.force[leader.name] + ratio * self.net[name]
             if body.heavy is not None and leader.velocity is None:
                 self.inertia[leader.name] = self.inertia[leader.name] + body.heavy * ratio * ratio
+                self._added(body, ratio * self.motion(leader.name)[1])
         for body in sorted(self.system.bodies.values(), key=lambda each: each.velocity is None):
             body.obey(self)
         for drive in self.drives:
             if not self.system.bodies[drive.on].free:  # it sets the velocity
                 self.k[drive.drive.signal.name] = wrap(drive.signal.reference(T).value)
 
+    def _added(self, body: Body, v: Expr) -> None:
+        """What comes onto a body brings its kinetic energy along, at once where it jumps."""
+        if (signal := body.more) is not None:
+            r = self.reference(signal)
+            self.power_in = self.power_in + r.rate * v * v / 2
+            self.far = self.far + r.value * v * v / 2
+
     def moved_energy(self) -> Expr | None:
-        """The energy of links whose far end is a signal: where that jumps, its work is what they store."""
+        """The energy of links whose far end is a signal, and of what a signal adds to bodies: where it jumps, it is put in."""
         return None if is_zero(self.far) else self.far
 
     def outputs(self, columns: Any) -> dict[str, Expr]:

@@ -189,6 +189,7 @@ def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
     rig = scenario.rig
     machine = rig.machine
     found.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.velocity is not None}
+    found.ports |= {f"{b.path}.added": "its mass is varied" for b in machine.bodies if b.more is not None}
     found.ports |= {x.path: "its far end is moved" for x in machine.links if x.far is not None}
     found.ports |= {x.path: f"a force on {x.on} ({x.kind})" for x in machine.loads if type(x) is not Pendulum}
     found.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}

@@ -18,10 +18,6 @@ def files(block: Block) -> dict[str, str | bytes]:
     delay = rig.values.get((own, "delay"), 0.0)
     body = rig.machine.leader(block.controller.body)
     heavy = rig.elements.bodies[body.name].heavy
-    heavy = rig.elements.bodies[body.name].heavy
-    heavy = rig.elements.bodies[body.name].heavy
-    heavy = rig.elements.bodies[body.name].heavy
-    heavy = rig.elements.bodies[body.name].heavy
     values = context(block) | {
         "delay": delay, "resolution": rig.values.get((own, "resolution"), 0.0), "joint": "hinge" if block.rotary else "slide",
         "queue": math.ceil(delay / block.step) + 2, "mass": 1.0 if heavy is None else heavy,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
@@ -15,9 +15,10 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import Scales
 from stribeck.machine.driving import act
 from stribeck.machine.element import Element, State, ratio_constant
-from stribeck.machine.signal import SignalTable
+from stribeck.machine.signal import SignalTable, SignalUse
 from stribeck.machine.table import Aside, FileTable, Loc, Problem, Refers, quantity
 from stribeck.plants import Mass, Plant
+from stribeck.signals.sums import least_of
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
@@ -81,6 +82,11 @@ class Body(Element, family=True):
     def heavy(self) -> Value:
         """Mass, or moment of inertia; None where none is given."""
         return self.inertia if self.mass is None else self.mass
+
+    @property
+    def more(self) -> SignalTable | None:
+        """The signal of what is added to it, where it has one."""
+        return None
 
     @property
     def constants(self) -> dict[str, Value]:
@@ -175,3 +181,35 @@ class Body(Element, family=True):
             return []
         text = "a body cannot be tied to itself" if len(ring) == 1 else f"tied in a ring: {' -> '.join([*ring, at])}"
         return [(("tied_to",), f"{show(self.tied_to)}: {text}")]
+
+
+class Laden(Body):
+    """A body whose mass or inertia varies: a signal adds to it. What is added has the body's velocity when it comes and goes,
+    so that it pushes nothing: M dv/dt = sum of forces, with M = mass + added at each instant."""
+
+    kind: Literal["laden"] = "laden"
+    added: SignalTable = Field(description="what is added to mass or inertia: a table with kind and its constants")
+
+    @property
+    def more(self) -> SignalTable | None:
+        """See :class:`Body`."""
+        return self.added
+
+    @property
+    def heavy(self) -> Value:
+        """As an expression the present one; as a number that at t = 0."""
+        more = (
+            self.added.reference(symbol("t")).value
+            if isinstance(self.added, SignalUse)
+            else float(self.added.built.at(0.0))
+        )
+        return super().heavy + more
+
+    def wrong(self) -> list[Problem]:
+        """As any body; and what would take more away than there is."""
+        found = super().wrong()
+        found += [(n, f"{show(getattr(self, n))}: must be left out: this body has a mass") for n in ("velocity",)
+                  if getattr(self, n) is not None]  # fmt: skip
+        if not found and not (least := super().heavy + least_of(self.added.built)) > 0:
+            found.append(("added", f"takes the mass down to {least:g}: must leave more than 0"))
+        return found
