@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.shared import ControllerName, Json, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.cli.shared import Backend, ControllerName, Json, Out, ScenarioFile, Set, Trust, Undetermined, app
 from stribeck.mouth.terminal import say
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ def design(
         int,
         typer.Option("--seed", metavar="N", rich_help_panel="Advanced", help="Seed of the random friction samples."),
     ] = 0,
+    _backend: Backend = None,
     _undetermined: Undetermined = False,
 ) -> int:
     """Report whether an axis hunts: by how much, from which gain on, and which remedy helps.

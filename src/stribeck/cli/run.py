@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stribeck.cli import show
-from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app, place
+from stribeck.cli.shared import Backend, Json, Out, ScenarioFile, Set, Trust, Undetermined, app, place
 from stribeck.errors import InputError, StribeckNote, refuse_twice
 from stribeck.mouth import terminal
 
@@ -46,6 +46,7 @@ def run(
     ] = None,
     trust: Trust = False,
     json: Json = False,
+    _backend: Backend = None,
     _undetermined: Undetermined = False,
 ) -> int:
     """Simulate a scenario or a machine; without --out, print the summary and write nothing."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,6 +11,7 @@ import typer
 from typer.core import TyperCommand
 
 import stribeck
+from stribeck.errors import InputError
 
 ADVANCED = "Advanced"  # the section of --help for options that few need
 
@@ -96,6 +99,27 @@ Undetermined = Annotated[
     typer.Option(
         "--allow-undetermined", callback=_allow, rich_help_panel=ADVANCED,
         help="Accept values of a fit that its data do not determine.",
+    ),
+]  # fmt: skip
+
+
+def _solve_by(context: typer.Context, asked: str | None) -> None:
+    if asked is None:
+        return
+    from stribeck.simulation.backend import BACKENDS, VARIABLE
+
+    if asked not in BACKENDS:
+        raise InputError(f"--backend: {asked!r}: must be {', '.join(BACKENDS[:-1])} or {BACKENDS[-1]}")
+    before = os.environ.get(VARIABLE, "")
+    os.environ[VARIABLE] = asked  # workers of a sweep take it from there
+    context.call_on_close(partial(os.environ.__setitem__, VARIABLE, before))
+
+
+Backend = Annotated[
+    str | None,
+    typer.Option(
+        "--backend", metavar="NAME", callback=_solve_by, rich_help_panel=ADVANCED,
+        help="What solves: c (needs a compiler), wasm (the same bits on every processor), or auto: c if it is there.",
     ),
 ]  # fmt: skip
 

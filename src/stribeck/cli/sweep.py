@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, ScenarioFile, Set, Trust, Undetermined, app, written_to
+from stribeck.cli.shared import Backend, Json, ScenarioFile, Set, Trust, Undetermined, app, written_to
 from stribeck.errors import InputError
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ def sweep(
     set_: Set = None,
     trust: Trust = False,
     json: Json = False,
+    _backend: Backend = None,
     _undetermined: Undetermined = False,
 ) -> int:
     """Simulate a scenario over ranges of its numbers; the same command continues after an interruption."""

@@ -19,6 +19,7 @@ from stribeck.simulation import cache, compiler, native
 from stribeck.simulation.result import Result
 
 BACKENDS = ("auto", "c", "wasm")
+VARIABLE = "STRIBECK_BACKEND"  # of the environment: what is asked for
 Progress = Callable[[float], None]
 Solver = Callable[[Scenario, Progress | None], Result]
 
@@ -29,14 +30,12 @@ def chosen() -> str:
     Raises:
         InputError: it is none of these, or C is asked for and there is no compiler.
     """
-    asked = os.environ.get("STRIBECK_BACKEND", "auto") or "auto"
+    asked = os.environ.get(VARIABLE, "auto") or "auto"
     if asked not in BACKENDS:
-        raise InputError(f"STRIBECK_BACKEND: {asked!r}: must be {', '.join(BACKENDS[:-1])} or {BACKENDS[-1]}")
+        raise InputError(f"{VARIABLE}: {asked!r}: must be {', '.join(BACKENDS[:-1])} or {BACKENDS[-1]}")
     has_compiler = asked != "wasm" and compiler.find() is not None
     if asked == "c" and not has_compiler:
-        raise InputError(
-            "STRIBECK_BACKEND: 'c': no C compiler was found ('stribeck doctor' says where it is looked for)"
-        )
+        raise InputError(f"{VARIABLE}: 'c': no C compiler was found ('stribeck doctor' says where it is looked for)")
     return "c" if has_compiler else "wasm"
 
 
@@ -67,7 +66,7 @@ def solver(scenario: Scenario) -> Built:
             library, built = cache.library(source(scenario.system), compiler_now, native.check)
             return Built(partial(native.solve, library), "c", built, perf_counter() - started)
         except (BuildError, OSError) as error:
-            if os.environ.get("STRIBECK_BACKEND") == "c":
+            if os.environ.get(VARIABLE) == "c":
                 raise BuildError(f"compiling failed: {' '.join(str(error).split())}") from None
             note(f"compiling failed ({' '.join(str(error).split())}): solving by WebAssembly, in about twice the time")
     from stribeck.simulation import wasm  # not where C is used: its emitter takes a while to import

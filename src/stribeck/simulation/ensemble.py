@@ -19,7 +19,7 @@ from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, nearest
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
-from stribeck.simulation import lanes
+from stribeck.simulation import backend, lanes
 from stribeck.simulation.result import NOT_FINITE, failure
 from stribeck.simulation.single import simulate_once
 from stribeck.simulation.solution import Solution
@@ -234,8 +234,10 @@ def _solver(variations: Variations | LaneByLane, threads: int) -> _Solver | None
 
 
 def _library(scenario: Scenario) -> ctypes.CDLL | None:
-    """The compiled system for lanes; None where it cannot be built."""
+    """The compiled system for lanes; None where it cannot be built, or where WebAssembly is to solve."""
     try:
+        if backend.chosen() == "wasm":
+            return None
         return lanes.compiled(scenario.system)
     except (BuildError, OSError):
         return None  # the single runs will say why

@@ -16,7 +16,6 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from stribeck.errors import InputError, StribeckError, arg, needed, note, said_by
-from stribeck.simulation import compiler
 from stribeck.sweeps.parts import MadePart, Refusal, made_by_worker
 
 if TYPE_CHECKING:
@@ -39,14 +38,10 @@ def connected(cluster: str | Client) -> Iterator[Client]:
 
     Raises:
         InputError: no scheduler answers.
-        StribeckError: there is no C compiler here.
     """
     with needed(f"{arg('cluster')} {cluster}", "cluster"):
         import distributed
         from distributed.comm.addressing import get_address_host_port
-    if compiler.find() is None:
-        text = "without a C compiler here the workers' numbers would differ in their last bits"
-        raise StribeckError(f"{arg('cluster')}: {text}")
     log = logging.getLogger("distributed")
     level = log.level
     log.setLevel(logging.CRITICAL + 1)  # what goes wrong is said by us, in a line

@@ -23,7 +23,6 @@ from stribeck.arrays import Array
 from stribeck.errors import StribeckError, one_line, said_by
 from stribeck.scenario import Scenario
 from stribeck.scenario.moved import with_files
-from stribeck.simulation import compiler
 from stribeck.simulation.ensemble import simulate_ensemble
 from stribeck.sweeps import tables
 from stribeck.version import __version__
@@ -121,8 +120,6 @@ def _order(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
     given = json.loads(text)
     if given["stribeck"] != __version__:
         raise StribeckError(f"has Stribeck {__version__}, not {given['stribeck']}")
-    if compiler.find() is None:
-        raise StribeckError("has no C compiler")
     with ExitStack() as files:
         folder = Path(files.enter_context(tempfile.TemporaryDirectory(prefix="stribeck-")))
         for name, content in given["files"].items():
