@@ -1,8 +1,9 @@
-"""Do 95 % intervals of a machine's numbers hold the truth? Synthetic actuators: two masses, play, a mesh whose friction
+"""Do the intervals and ranges of a machine's numbers hold the truth? Synthetic actuators: two masses, play, a mesh whose friction
 grows with its load, an encoder only.
 
 Each experiment draws a truth, records two runs with noise, fits them with ``stribeck.identify.actuator`` and asks for each
-number whether its interval holds the truth. Results are kept one by one: the same command goes on where it was stopped.
+number whether its interval and its range hold the truth, and how wide they are. Results are kept one by one: the same
+command goes on where it was stopped.
 
     python benchmarks/actuator.py --experiments 12 --out build/actuator
 """
@@ -65,16 +66,26 @@ def experiment(seed: int) -> dict[str, object]:
     )
     found = fit_machine(model, Logs(tuple(recordings), sought), starts=6, seed=seed, baselines=False)
     rows = {
-        n: {"truth": truth[n], "value": p.value, "low": p.low, "high": p.high, "verdict": p.verdict}
-        for n, p in found.parameters.items()
+        n: {
+            "truth": truth[n],
+            "value": e.value,
+            "interval": e.interval,
+            "range": e.range or e.interval,
+            "state": e.state,
+        }
+        for n, e in found.parameters.items()
     }
     return {"seed": seed, "status": found.status, "seconds": time.process_time() - begin, "numbers": rows}
 
 
-def holds(row: dict[str, object]) -> bool:
-    """Whether an interval holds the truth; an open side holds everything there."""
-    low, high, truth = row["low"], row["high"], row["truth"]
-    return (low is None or low <= truth) and (high is None or truth <= high)  # type: ignore[operator]
+def counted(rows: list[dict[str, object]]) -> str:
+    """How many intervals and ranges hold the truth, how many numbers are identified, and how wide both are in the middle."""
+    told = []
+    for how in ("interval", "range"):
+        held = [low <= row["truth"] <= high for row in rows for low, high in [row[how]]]
+        half = np.median([(high - low) / 2 / row["value"] for row in rows for low, high in [row[how]]])
+        told.append(f"{sum(held)} of {len(held)} {how}s hold (median half width {100 * half:.2g} %)")
+    return f"{'; '.join(told)}; {sum(row['state'] == 'identified' for row in rows)} identified"
 
 
 def main() -> None:
@@ -91,16 +102,12 @@ def main() -> None:
         if not file.exists():
             file.write_text(json.dumps(experiment(seed)))
         rows.append(json.loads(file.read_text()))
-    judged = [
-        row for e in rows if e["status"] == "done" for row in e["numbers"].values() if row["verdict"] != "not judged"
-    ]
-    inside = sum(map(holds, judged))
-    print(
-        f"{len(rows)} experiments, {sum(e['status'] == 'done' for e in rows)} done; {inside} of {len(judged)} intervals"
-    )
+    done = [e for e in rows if e["status"] == "done"]
+    seconds = np.median([e["seconds"] for e in rows])
+    print(f"{len(rows)} experiments, {len(done)} done, {seconds:.1f} s of processor each (median)")
+    print(f"all: {counted([row for e in done for row in e['numbers'].values()])}")
     for name in TRUTH:
-        own = [row for e in rows if (row := e["numbers"][name])["verdict"] != "not judged"]
-        print(f"{name:40} {sum(map(holds, own)):3d} of {len(own)}")
+        print(f"{name}: {counted([e['numbers'][name] for e in done])}")
 
 
 if __name__ == "__main__":

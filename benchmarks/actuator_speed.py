@@ -124,7 +124,7 @@ def main() -> None:
     if given.peer:
         print("SciPy:", json.dumps(told["scipy"]))
     for n, p in found.parameters.items():
-        print(f"{n:40} {TRUTH[n]:.4g}: {p.value:.5g} ({p.low} ... {p.high}) {p.verdict}")
+        print(f"{n:40} {TRUTH[n]:.4g}: {p.value:.5g} ({p.low} ... {p.high}) {p.state}")
 
 
 if __name__ == "__main__":

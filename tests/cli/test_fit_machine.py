@@ -47,14 +47,16 @@ def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(st
     assert f"there {there['low']:.6g} ... {there['high']:.6g}" in told
     assert "other.csv (other): a.y predicted to " in told
     page = Page(tmp_path / "out" / "report.html")
-    shown = page.rows(["number", "value", "95 % from", "to", "unit", "verdict"])
+    shown = page.rows(["parameter", "estimate", "95 % from", "to", "range from", "to", "unit", "state"])
     assert shown[MASS][0] == f"{found['parameters'][MASS]['value']:.6g}"
-    assert shown[MASS][-2:] == ["kg", "found"]
+    assert shown[MASS][-2:] == ["kg", "identified"]
+    assert shown["guide level half"][-2:] == ["N", "identified"]
     (moved,) = page.rows(["number", "here", "there"])
     assert moved == F_C
     assert "run.csv" in page.rows(["recording"])
     kept = tomllib.loads((tmp_path / "out" / "parameters.toml").read_text())
-    assert kept["parameters"][MASS]["verdict"] == "found"
+    assert kept["parameters"][MASS]["state"] == "identified"
+    assert kept["levels"]["guide level half"]["speed"] > 0
     assert simulate(Scenario.load(tmp_path / "out" / "machine.toml")).status == "done"
 
 

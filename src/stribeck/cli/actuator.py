@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stribeck.cli import show
+from stribeck.cli.fit import print_estimates
 from stribeck.cli.shared import given_options
 from stribeck.errors import InputError, refuse_twice
 from stribeck.identify.actuator import MachineFit, fit_machine
@@ -105,16 +106,12 @@ def _laws(texts: Sequence[str]) -> dict[str, list[str]]:
 
 def _print(fit: MachineFit, files: Sequence[str]) -> None:
     print(f"{fit.status}{': ' + fit.reason if fit.reason else ''}")
-    width = max(map(len, fit.parameters), default=4)
-    print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  {'unit':<10}  verdict")
+    print_estimates({**fit.parameters, **fit.levels})
     for name, p in fit.parameters.items():
-        interval = "-" if p.verdict == "not judged" else f"{number_or_open(p.low)} ... {number_or_open(p.high)}"
-        print(f"  {name:{width}}  {number_or_open(p.value):>12}  {interval:>27}  {p.unit:<10}  {p.verdict}")
-    for name, p in fit.parameters.items():
-        if p.why and p.verdict != "not judged":
-            say(f"{name}: {p.verdict}: {p.why}", 6, "  ")
+        if p.why and fit.status != "stopped":
+            say(f"{name}: {p.state}: {p.why}", 6, "  ")
         if p.experiment:
-            say(f"to tell it: {p.experiment}", 6, "      ")
+            say(f"to find it: {p.experiment}", 6, "      ")
     for group in fit.correlated:
         say(f"go together: {', '.join(group['names'])}", 6, "  ")
     for log in fit.logs:

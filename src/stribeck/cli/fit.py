@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -293,7 +293,7 @@ def _tell(result: Fit, log: Log, data: list[Path], summary: dict[str, object], w
         return
     print(_headline(result, data))
     print()
-    _table(result)
+    print_estimates(result.parameters)
     if result.notes:
         print()
     for text in result.notes[:_NOTES]:
@@ -317,10 +317,10 @@ def _headline(result: Fit, data: list[Path]) -> str:
     return f"{left}    ({told})" if told else left
 
 
-def _table(result: Fit) -> None:
+def print_estimates(estimates: Mapping[str, Estimate]) -> None:
     """Every estimate with interval, range, unit and state; ``~`` marks those that are not identifiable."""
     rows = [["parameter", "estimate", "95 % interval", "model range", "unit", "state"]]
-    for name, e in result.parameters.items():
+    for name, e in estimates.items():
         mark = "" if e.identifiable else "~"
         rows.append([name, mark + _number(e.value, e), _ends(e.interval, e), _ends(e.range, e), e.unit, str(e.state)])
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]

@@ -98,7 +98,11 @@ def _print_machine(found: MachineSet) -> None:
     for path, p in found.parameters.items():
         low, high = p.get("low"), p.get("high")
         interval = f" ({low} ... {high})" if low is not None and high is not None else ""
-        say(f"{path} = {p['value']}{interval} {p.get('unit', '')}  {p.get('verdict', '')}".rstrip(), 8, "    ")
+        say(
+            f"{path} = {p['value']}{interval} {p.get('unit', '')}  {p.get('state', p.get('verdict', ''))}".rstrip(),
+            8,
+            "    ",
+        )
     for word in ("holds", "source", "record", "licence", "origin", "date", "command"):
         if text := getattr(found, word):
             say(f"{word}: {text}", 6, "    ")

@@ -42,7 +42,7 @@ def fitted(folder, data, wanted, **more):
     found = fit_machine(data, path, starts=2, baselines=False, **more)
     for name, x in TRUTH.items():
         p = found.parameters[name]
-        assert p.verdict == "found", (name, found.notes)
+        assert p.state == "identified", (name, found.notes)
         assert p.value == pytest.approx(x, rel=2e-3)
     return found
 

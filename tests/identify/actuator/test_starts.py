@@ -42,7 +42,7 @@ def test_the_speed_at_the_start_is_found(motion, first, column):
     )
     for name in (F_C, MASS):
         p = found.parameters[name]
-        assert p.verdict == "found", found.notes
+        assert p.state == "identified", found.notes
         assert p.low < 1.0 < p.high
     label = "log.0.initial.a.v"  # its bristles, of which nobody knows, begin unstretched
     deviation = 0.05 * abs(motion["v"][first])

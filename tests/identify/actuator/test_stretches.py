@@ -74,7 +74,7 @@ def test_an_unstable_machine_is_fitted_in_windows():
     found = fit_machine(machine, Logs((recording,), sought), starts=4, baselines=False)
     for name, x in truth.items():
         p = found.parameters[name]
-        assert p.verdict == "found"
+        assert p.state == "identified"
         assert p.low < x < p.high
         assert p.high - p.low < 0.1 * x
 

@@ -1,13 +1,11 @@
 """What is told beside the numbers: clocks that drift, another unit, the files."""
 
-import re
-
 import numpy as np
 import pytest
 from scipy.integrate import odeint
 
 from stribeck import Scenario
-from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs, suspects
+from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, prepared
 from stribeck.identify.actuator.problem import MachineProblem
@@ -29,7 +27,7 @@ def test_a_clock_that_drifts_is_told_and_can_be_sought(tmp_path):
     data["output"]["step"] = 0.0099
     record(tmp_path / "run.csv", data, change=drifting)
     told = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
-    assert any("a.y" in note and "clock" in note for note in told.notes), told.notes
+    assert any("outputs.a.y.clock 0.0" in note for note in told.notes), told.notes
     clock = {"outputs.a.y.clock": {"low": -0.03, "high": 0.03}}
     found = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED | clock), starts=1, baselines=False)
     p = found.parameters["outputs.a.y.clock"]
@@ -55,8 +53,7 @@ def test_the_sensor_of_one_recording_that_errs_is_named(tmp_path, off):
     start = {"bodies.a.initial.y": 0.0, "bodies.a.initial.v": 0.0}
     path = logs(tmp_path, [{"file": f"{name}.csv", "known": start} for name in ("good", "bad")], WANTED)
     told = fit_machine(body(), path, starts=1, baselines=False)
-    assert {p.verdict for p in told.parameters.values()} == {"not judged"}  # the numbers would move
-    assert any("bad.csv: a.y: its offset" in n and "log.1.outputs.a.y.offset" in n for n in told.notes), told.notes
+    assert any("log.1.outputs.a.y.offset (bad.csv)" in n for n in told.notes), told.notes
     entries = [{"file": f"{name}.csv", "known": start} for name in ("good", "bad")]
     offset = {"log.1.outputs.a.y.offset": {"low": -0.1, "high": 0.1}}
     found = fit_machine(body(), logs(tmp_path, entries, WANTED | offset), starts=1, baselines=False)
@@ -81,40 +78,18 @@ def test_noise_of_an_input_is_counted_in_the_intervals(tmp_path):
         assert p.low < 1.0 < p.high
         assert exact.low < 1.0 < exact.high
         assert p.high - p.low > 5 * (exact.high - exact.low)
-    (told,) = [n for n in found.notes if "noise of the inputs" in n]
-    assert "loads.push.signal: 0.097" in told  # it is 0.1
     assert not any("its column times" in n for n in found.notes)
-    assert not any("noise of the inputs" in n for n in clean.notes)
 
 
 @pytest.mark.parametrize("noise", [1e-4, 6e-4])
-def test_fixed_numbers_that_are_wrong_are_named(tmp_path, noise):
-    """With three constants wrong the numbers sought leave some times the noise, or hardly more than it, and are off."""
+def test_a_fixed_number_that_is_wrong_is_named_and_in_the_ranges(tmp_path, noise):
     record(tmp_path / "a.csv", body(amplitude=5.0), noise=noise)
     record(tmp_path / "b.csv", body(amplitude=3.0), noise=noise, seed=1)
-    wrong = body(mass=1.1, sigma_2=4.4, v_s=0.016, sigma_1=80.0)
-    told = fit_machine(wrong, logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
-    assert {p.verdict for p in told.parameters.values()} == {"not judged"}
-    assert any("parameters.sigma_2 is fixed at 4.4 " in n for n in told.notes), told.notes
-
-
-def direct(**more):
-    """The body, whose friction is said not to grow with the push."""
-    data = body(**more)
-    data["contacts"]["guide"]["loads"] = [{"force": "push", "F_c": 0.0}]
-    return data
-
-
-def test_how_far_a_fixed_number_may_be_off_is_said(tmp_path):
-    """Residuals that are white tell nothing of it: the interval misses where the number is off by some times as much."""
-    record(tmp_path / "run.csv", body(amplitude=5.0), noise=1e-3)
-    path = logs(tmp_path, ["run.csv"], WANTED)
-    found = fit_machine(direct(), path, starts=1, baselines=False)
-    assert found.parameters[F_C].low < 1.0 < found.parameters[F_C].high
-    (told,) = [n for n in found.notes if n.startswith("what is fixed counts as exact")]
-    share = float(re.search(r"law.parameters.sigma_2 is off by ([\d.]+) %", told)[1]) / 100
-    wrong = fit_machine(direct(sigma_2=4.0 * (1 + 3 * share)), path, starts=1, baselines=False)
-    assert any(p.verdict == "found" and not p.low < 1.0 < p.high for p in wrong.parameters.values())
+    told = fit_machine(body(sigma_2=4.4), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=3, baselines=False)
+    for name in (F_C, MASS):
+        assert told.parameters[name].range[0] < 1.0 < told.parameters[name].range[1]
+    if noise < 5e-4:  # else it is not seen
+        assert any("sigma_2 fixed at 4.4 and rather " in n for n in told.notes), told.notes
 
 
 def test_the_shorter_of_two_recordings_is_told(tmp_path):
@@ -169,7 +144,7 @@ def test_the_unit_of_a_machine_that_falls_over_is_named(tmp_path, factor, said):
     }  # fmt: skip
     sought = (Sought("bodies.arm.inertia", 0.01, 0.5), Sought("loads.gravity.amplitude", 0.3, 10.0))
     told = fit_machine(machine, Logs((recording,), sought), starts=2, baselines=False)
-    assert {p.verdict for p in told.parameters.values()} == {"not judged"}
+    assert not any(p.state == "identified" for p in told.parameters.values())
     assert any(n.startswith(f"arm.y: with its column times {said}") for n in told.notes), told.notes
 
 
@@ -187,13 +162,3 @@ def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     assert BestPoint(problem, bad, Found(bad, 0.0), [], False).missed() == [
         "a.y: cannot be simulated with the best numbers"
     ]
-
-
-def test_a_reason_that_leaves_more_than_noise_says_so():
-    """Delays, clocks and fixed numbers that were the reason came down to the noise; where the law erred none did."""
-    before = {"a.y": (1e-3, 0.1)}
-    whole, part = (suspects.Better(x / 1e-3, "a.y", x, x / 1e-4, [0.0]).words(before) for x in (1.1e-4, 4e-4))
-    assert whole == "0.00011 of a.y is left, not 0.001"
-    assert part == (
-        "0.0004 of a.y is left, not 0.001 (still 4 times its noise: more is wrong, or it is the law that errs)"
-    )

@@ -12,7 +12,6 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.actuator.coordinates import paths
 from stribeck.identify.actuator.estimate import BestPoint
-from stribeck.identify.actuator.intervals import Spread
 from stribeck.identify.actuator.problem import STEP, MachineProblem
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.simulation.places import machine_places
@@ -23,13 +22,13 @@ _NOISE = 0.01  # of a column's changes: a sensor's that is not there yet
 _LOADS = ("mass", "inertia", "amplitude")
 
 
-def experiments(best: BestPoint, s: Spread, open_: list[int]) -> dict[int, str]:
-    """For each of these coordinates what would tell it, in words."""
+def experiments(best: BestPoint, J: Array, open_: list[int]) -> dict[int, str]:
+    """For each of these coordinates what would tell it, in words; ``J``: the slopes of what is compared already."""
     if not open_:
         return {}
     problem = best.problem
     shared = [i for i, c in enumerate(problem.sought) if c.log is None and not c.nuisance]
-    base = s.J.T @ s.J
+    base = J.T @ J
     run = max(problem.runs, key=lambda each: each.scenario.end)
     tried: list[tuple[str, Array]] = []
     for words, other in [("", run), *candidates(best, run)]:

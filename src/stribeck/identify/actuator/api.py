@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
-from stribeck.identify.actuator import checks, choice, driven, gaps, judge, suspects, transfer
+from stribeck.identify.actuator import checks, choice, judge, transfer
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates, paths
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared
 from stribeck.identify.actuator.kept import Kept
@@ -24,6 +24,8 @@ from stribeck.identify.actuator.traces import traces
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed
+
+STOPPED = "Ctrl-C: the best numbers so far, without intervals; the same command goes on from here"
 
 
 def fit_machine(
@@ -39,7 +41,7 @@ def fit_machine(
     progress: Callable[[float], None] | None = None,
     folder: Path | None = None,
 ) -> MachineFit:
-    """The unknown numbers of a machine from recordings of it, each with an interval and a verdict.
+    """The unknown numbers of a machine from recordings of it, each with an interval, a model range and a state.
 
     Args:
         machine: the machine (``schema = 2``) that holds the structure and every number that is not sought.
@@ -172,48 +174,49 @@ class Fitting:
         return result
 
     def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
-        """The estimate judged: intervals, verdicts, errors."""
+        """The estimate judged: both uncertainties, states, errors."""
         self.work.section(0.8)
-        status, reason, relation = "stopped" if best.stopped else "done", "", None
         values = best.values()
         missed = [] if best.stopped else best.missed()
-        if best.stopped:
-            reason = "Ctrl-C: the best numbers so far, without intervals; the same command goes on from here"
-        elif missed:
-            status, reason = "missed", f"the machine does not follow its recordings ({'; '.join(missed)}): no intervals"
+        status, reason = ("stopped", STOPPED) if best.stopped else ("done", "")
+        if missed:
+            status = "missed"
+            reason = f"the machine does not follow its recordings ({'; '.join(missed)}): nothing is identified"
             notes += self.suspected(best)
-        coarse = beyond_noise(best.problem, best.u, best.found.agreeing) if status == "done" else []
-        if coarse and (noisy := driven.weighed(best)) is not None:
-            best, coarse, values = noisy, [], noisy.values()
-        if coarse:
-            why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
-            notes.append(f"{'; '.join(coarse)}: {why}")
-            notes += self.suspected(best)
-        grown = [] if coarse or status != "done" else beyond_solver(best.problem, best.u)
-        notes += grown
         try:
-            judged = judge.judged(best, self.scenario, status == "done" and not (coarse or grown))
+            if best.stopped or any("cannot be simulated" in text for text in missed):
+                judged = judge.blank(best, self.scenario, reason)
+            else:
+                doubts = self.doubts(best) if status == "done" else missed
+                notes += doubts if status == "done" else []
+                judged = judge.judged(best, self.scenario, not doubts)
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
             status, reason = "stopped", "Ctrl-C: the best numbers, without intervals"
-            judged = judge.judged(best, self.scenario, False)
+            judged = judge.blank(best, self.scenario, reason)
         notes += judged.notes + best.notes
-        correlated, relation, values = judged.correlated, judged.relation, judged.best.values()
-        best = judged.best
         result = MachineFit(
-            status, reason, judged.parameters, correlated, self.errors(best, values), notes, dict(best.problem.noise),
-            filled(self.scenario, self.sought, values), relation=relation, agreeing=best.found.agreeing,
+            status, reason, judged.estimates, judged.correlated, self.errors(best, values), notes,
+            dict(best.problem.noise), filled(self.scenario, self.sought, values), judged.levels, judged.speeds,
+            relation=judged.relation, agreeing=best.found.agreeing,
         )  # fmt: skip
         result.nuisance = {c.name: values[c.name] for c in best.problem.sought if c.nuisance}
         return result
 
+    def doubts(self, best: BestPoint) -> list[str]:
+        """Why nothing may be identified though the recordings are followed, in words."""
+        grown = beyond_solver(best.problem, best.u)
+        if coarse := beyond_noise(best.problem, best.u, best.found.agreeing):
+            few = "few starts came to this minimum, so that nothing is identified (more starts may find a better one)"
+            return [f"{'; '.join(coarse)}: {few}.", *grown]
+        return grown
+
     def suspected(self, best: BestPoint) -> list[str]:
         """What may be wrong with the recordings that are not followed."""
-        lacking = gaps.unknown(best.problem, best.u) or suspects.tried(best)
-        told = lacking or driven.by_noise(best.problem, best.u, driven.MUCH) or checks.hypotheses(self.unbroken(best))
+        told = checks.hypotheses(self.unbroken(best))
         if not told and best.windowed:  # no whole recording may be followed whatever its columns are in
             told = checks.hypotheses(best.problem)
-        return told or driven.by_noise(best.problem, best.u, below=driven.MUCH)
+        return told
 
     def unbroken(self, best: BestPoint) -> MachineProblem:
         """The problem of whole recordings, where nobody asked for stretches: what one that errs does to all that follows

@@ -23,7 +23,7 @@ POOR = 0.25  # of a column's changes: a fit that leaves more misses
 _FIRST = 0.05  # of a column's changes: the noise to begin with
 _WEIGHTINGS = 8  # a poor start may need some: each lets the search see more
 _SETTLED = 0.05
-_BEYOND = 10.0  # times a column's noise: more is no noise, and an interval of noise would be wrong
+_OFF, _GROWN = 1e-6, 10.0  # of the position's changes; times a start's error: friction and inertia alone keep it below
 _DOUBTED = 2.0  # times: more may be another minimum, unless so many starts came to this one
 _AGREEING = 3
 _TRIED_ON = 1.2  # times: more is looked for then; noise that is white leaves 1.0, to some hundredths
@@ -72,15 +72,30 @@ class BestPoint:
 
 
 def beyond_noise(problem: MachineProblem, u: Array, agreeing: int, doubted: float = _DOUBTED) -> list[str]:
-    """The columns of which far more is left than their noise, in words: the model errs, or the minimum is another. With
-    few starts ``agreeing`` on the minimum, what is left of ``doubted`` times the noise is enough."""
-    most = _BEYOND if agreeing >= _AGREEING else doubted
+    """The columns of which more is left than ``doubted`` times their noise where few starts agree on the minimum, in words:
+    there may be a better one."""
     told = []
-    for column, (left, _) in leftovers(problem, u).items():
+    for column, (left, _) in leftovers(problem, u).items() if agreeing < _AGREEING else ():
         least = noise_of(problem, column)
-        if least > 0 and not left <= most * least:  # nan: it cannot be simulated there
+        if least > 0 and not left <= doubted * least:  # nan: it cannot be simulated there
             told.append(f"{column}: {left:.2g} is left, {left / least:.3g} times what changes from sample to sample")
     return told
+
+
+def unstable(problem: MachineProblem, u: Array) -> bool:
+    """Whether a start that is off by little is soon off by much, as of a pendulum held upright."""
+    for k, run in enumerate(problem.runs):
+        body = next((t.column for t in run.targets if t.column.endswith(".y")), None)
+        if body is None or body not in {state.name for state in run.scenario.system.states}:
+            continue
+        off = _OFF * max(float(np.std(x)) for x in (t.x for t in run.targets if t.column == body))
+        columns = problem.predicted(run, k, np.stack([u, u]), shift={body: np.array([0.0, off])})
+        apart = max(
+            float(np.max(abs(x[1] - x[0]))) for t, x in zip(run.targets, columns, strict=True) if t.column == body
+        )
+        if not apart <= _GROWN * off:
+            return True
+    return False
 
 
 def beyond_solver(problem: MachineProblem, u: Array) -> list[str]:
@@ -97,13 +112,13 @@ def beyond_solver(problem: MachineProblem, u: Array) -> list[str]:
     worst = max(range(len(runs)), key=lambda k: np.linalg.norm(off[problem.first[k] : problem.first[k + 1]]))
     return [
         f"{runs[worst].name}: the motion lets errors grow so fast that the solver's could move numbers by {size:.2g} of their "
-        "deviations (chaotic, or unstable): no intervals (shorter recordings have them, or a smaller solve.rtol)"
+        "deviations (chaotic, or unstable): nothing is identified (shorter recordings, or a smaller solve.rtol, may help)."
     ]
 
 
 def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
     """By column: the root mean square of what is left, and that of the column's changes within a recording."""
-    r = problem.raw(u[None])[0]
+    r = problem.residuals(u[None])[0]
     left: dict[str, list[Array]] = {}
     size: dict[str, list[Array]] = {}
     for k, run in enumerate(problem.runs):
@@ -213,7 +228,7 @@ def estimate(
     whole = BestPoint(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
     if found.stopped or whole_only:
         return _weighted(whole, given, keep)
-    if not asked and whole.missed():
+    if not asked and (whole.missed() or (beyond_noise(problem, found.u, 1, _TRIED_ON) and unstable(problem, found.u))):
         whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep)
     whole = _weighted(whole, given, keep)
     return _joined(whole, given, keep) if whole.windowed and not whole.stopped else whole

@@ -1,158 +1,161 @@
-"""What of each number the recordings tell, in words, and what would tell the rest."""
+"""Each number of a machine with both uncertainties and its state, and what else would explain what is left."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator import advise, driven, gaps, intervals, lacking, suspects
+from stribeck.identify.actuator import advise
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
-from stribeck.identify.actuator.intervals import WHITE, Ends, Spread, groups, profiles
-from stribeck.identify.actuator.problem import MachineProblem, number_at
-from stribeck.identify.actuator.result import Group, Parameter
-from stribeck.identify.actuator.shooting import unset
-from stribeck.identify.actuator.solve import search
-from stribeck.identify.statistics.curves import NO_CURVE, no_curve_seen
+from stribeck.identify.actuator.lacks import told
+from stribeck.identify.actuator.regression import MachineLibrary, regressed
+from stribeck.identify.actuator.result import Group
+from stribeck.identify.core.choice import Selection
+from stribeck.identify.core.judging import judged as by_core
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.scenario import Scenario
 from stribeck.simulation.places import machine_places
 
-_WIDE = 10.0  # an interval over this factor tells the order of magnitude only
-_AGAIN = 4
+RELATED = 0.95  # of a correlation: two numbers can stand for each other
+EQUAL = (
+    6.0  # of BIC: a model no farther from the best explains as well ("positive" evidence ends there, Kass and Raftery)
+)
+AS_WELL = 2  # other forms that are named
 
 
 @dataclass
 class JudgedParameters:
-    """The parameters with their verdicts, and the estimate itself (a profile may have found a better one)."""
+    """Numbers and levels with their uncertainties, how they go together, and notes."""
 
-    best: BestPoint
-    parameters: dict[str, Parameter]
+    estimates: dict[str, Estimate]
+    levels: dict[str, Estimate] = field(default_factory=dict)
+    speeds: dict[str, float] = field(default_factory=dict)
     correlated: list[Group] = field(default_factory=list)
     relation: tuple[list[str], Array] | None = None
     notes: list[str] = field(default_factory=list)
 
 
 def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParameters:
-    """Each number with its interval and verdict; ``trusted``: the fit follows the recordings, and was not stopped."""
-    problem = best.problem
+    """The numbers of a converged fit.
+
+    Args:
+        trusted: whether the recordings are followed, and from the best minimum as far as is known; if not, nothing is
+            identified.
+    """
+    problem, u = best.problem, best.u
+    if not any(not c.nuisance for c in problem.sought):
+        return JudgedParameters({})
+    choice = regressed(problem, u)
+    lib = choice.library
+    found = by_core(choice, trusted=trusted)
+    for c in lib.sought:
+        found[c.name] = replace(found[c.name], unit=unit(scenario, c))
+    for name in lib.speeds:
+        found[name] = replace(found[name], unit=_force_unit(scenario, name.partition(" ")[0]))
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
-    if not trusted:
-        return _blank(best, scenario, "no interval: the fit was stopped, or does not follow the recordings", [])
-    for _ in range(_AGAIN):
-        s = intervals.spread(problem, best.u)
-        if (noisy := driven.moved_by_noise(problem, best.u, s)) is not None:
-            s = intervals.widened(s, *noisy)
-        if missing := gaps.unknown(problem, best.u, s):
-            return _blank(best, scenario, "no interval: samples of the inputs are missing (see the notes)", missing)
-        if begun := unset(problem, best.u, s):
-            return _blank(
-                best, scenario, "no interval: stretches begin in states that nobody knows (see the notes)", begun
-            )
-        ways = suspects.between(best, s)
-        numbers = suspects.numbers(best, s, ways)
-        unsaid = lacking.unsaid(best, s, numbers)
-        unsaid.alike.extend(suspects.unresolved(ways))
-        told_of, moves = suspects.seen(best, s, numbers, unsaid.terms, ways)
-        if moves:
-            return _blank(
-                best,
-                scenario,
-                "no interval: a sensor, an input or a fixed number is wrong by what would move the numbers (see the notes)",
-                told_of,
-            )
-        ends = profiles(problem, best.u, s, asked)
-        lower = next((e.lower for e in ends.values() if e.lower is not None), None)
-        if lower is None:
-            break
-        best.u = search(problem, 1, 0, lower).u
-    else:
-        return _blank(best, scenario, "no interval: the search did not come to rest: a better point lies nearby", [])
-    ends = {k: unsaid.wider(k, ends[k], problem.low[k], problem.high[k]) for k in asked}
-    found = {problem.sought[k].name: _parameter(best, scenario, s, k, ends[k]) for k in asked}
-    _without_curve(best, found)
-    names = [c.name for c in problem.sought]
-    told = groups(s, names, asked)
-    open_ = [k for k in asked if found[names[k]].verdict != "found"]
-    for k, text in advise.experiments(best, s, open_).items():
-        found[names[k]].experiment = text
-    size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
-    relation = (s.covariance / np.outer(size, size))[np.ix_(asked, asked)]
-    result = JudgedParameters(best, found, told, ([names[k] for k in asked], relation), _widened(s, problem, asked))
-    result.notes += [
-        *told_of,
-        *unsaid.notes(s, asked),
-        *suspects.taken_as_exact(best, s, unsaid.farther),
-        *unsaid.exact,
-    ]
-    return result
+    open_ = [i for i in asked if found[problem.sought[i].name].state is EstimateState.NOT_IDENTIFIABLE]
+    names = [c.name for c in lib.sought]
+    relation = _relation(lib)
+    for i, text in advise.experiments(best, lib.J, open_).items():
+        name = problem.sought[i].name
+        found[name] = replace(found[name], experiment=text)
+    for i in open_:
+        name = problem.sought[i].name
+        found[name] = replace(found[name], why=_why(found[name], name, names, relation))
+    levels = {n: found.pop(n) for n in lib.speeds}
+    notes = [*_explained(choice), *_hanging(found)]
+    return JudgedParameters(found, levels, lib.speeds, _groups(names, relation), (names, relation), notes)
 
 
-def _blank(best: BestPoint, scenario: Scenario, why: str, notes: list[str]) -> JudgedParameters:
-    """The parameters without intervals."""
+def blank(best: BestPoint, scenario: Scenario, why: str) -> JudgedParameters:
+    """The numbers of a fit that was stopped: without uncertainties."""
     found = {
-        c.name: Parameter(c.outer(best.u[i]), None, None, unit(scenario, c), "not judged", why)
+        c.name: Estimate(
+            c.outer(best.u[i]), (-np.inf, np.inf), None, EstimateState.NOT_IDENTIFIABLE, unit(scenario, c), why=why
+        )
         for i, c in enumerate(best.problem.sought) if not c.nuisance
     }  # fmt: skip
-    return JudgedParameters(best, found, notes=notes)
+    return JudgedParameters(found)
 
 
-def _parameter(best: BestPoint, scenario: Scenario, s: Spread, k: int, ends: Ends) -> Parameter:
-    c = best.problem.sought[k]
-    low, high = (None if x is None else c.outer(x) for x in (ends.low, ends.high))
-    curve = [(c.outer(u), rise) for u, rise in ends.curve]
-    value = c.outer(best.u[k])
-    verdict, why = "found", ""
-    if low is None and high is None:
-        verdict, why = "not told", f"the recordings are followed as well with any value from {c.low:g} to {c.high:g}"
-    elif low is None:
-        verdict, why = "bounded above", f"they are followed as well with any smaller value down to {c.low:g}"
-    elif high is None:
-        verdict, why = "bounded below", f"they are followed as well with any larger value up to {c.high:g}"
-    elif c.logarithmic and high > _WIDE * low:
-        verdict, why = "not told", f"its interval spans a factor of {high / low:.2g}"
-    if verdict not in ("found", "not judged") and (others := partners(best, s, k)):
-        why += f"; {others} can make up for it"
-    return Parameter(value, low, high, unit(scenario, c), verdict, why, "", curve)
+def _relation(lib: MachineLibrary) -> Array:
+    """The correlation of the numbers sought."""
+    gram = lib.gram.sum(0)[1 : 1 + lib.k, 1 : 1 + lib.k]
+    d = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    c = np.linalg.pinv(gram / np.outer(d, d), rcond=1e-12, hermitian=True)
+    size = np.sqrt(np.maximum(np.diag(c), 1e-300))
+    return np.asarray(c / np.outer(size, size))
 
 
-def _without_curve(best: BestPoint, found: dict[str, Parameter]) -> None:
-    """Each F_s beside a v_s that is not told is not told either where no Stribeck curve was seen."""
-    for name, F_s in found.items():
-        law = name.removesuffix("F_s")
-        v_s, F_c = found.get(f"{law}v_s"), found.get(f"{law}F_c")
-        if not name.endswith(".law.parameters.F_s") or v_s is None or v_s.verdict == "found":
-            continue
-        highest = F_c.high if F_c is not None else number_at(best.problem.runs[0], f"{law}F_c")
-        if no_curve_seen(F_s.low, highest):
-            F_s.low, F_s.high, F_s.verdict, F_s.why = None, None, "not told", NO_CURVE
+def _groups(names: list[str], relation: Array) -> list[Group]:
+    """Groups of numbers that can stand for each other."""
+    left, found = set(range(len(names))), list[Group]()
+    while left:
+        group, todo = set[int](), [left.pop()]
+        while todo:
+            i = todo.pop()
+            group.add(i)
+            near = {j for j in left if abs(relation[i, j]) > RELATED}
+            left -= near
+            todo += list(near)
+        pairs = {
+            f"{names[a]} ~ {names[b]}": float(relation[a, b])
+            for a in sorted(group) for b in sorted(group) if a < b and abs(relation[a, b]) > RELATED
+        }  # fmt: skip
+        if pairs:
+            found.append({"names": [names[i] for i in sorted(group)], "correlation": pairs})
+    return found
 
 
-def partners(best: BestPoint, s: Spread, k: int) -> str:
-    """What moves with a coordinate where it moves along its valley."""
-    size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
-    relation = s.covariance[k] / (size * size[k])
-    others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.9]
-    return " and ".join(best.problem.sought[i].name for i in others[:2])
+def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
+    """Why a number is not identifiable, in words."""
+    low, high = e.interval
+    wide = f"its interval spans a factor of {high / low:.2g}" if low > 0 else f"its interval is {low:.3g} to {high:.3g}"
+    row = relation[names.index(name)]
+    others = [names[i] for i in np.argsort(-abs(row)) if names[i] != name and abs(row[i]) > RELATED]
+    return f"{wide}; {' and '.join(others[:2])} can make up for it" if others else wide
 
 
-def _widened(s: Spread, problem: MachineProblem, asked: list[int]) -> list[str]:
-    if s.moved is not None:
-        run, wider = max(problem.runs, key=lambda each: len(driven.noises(each))), np.sqrt(s.inflation[asked])
-        how = ", by which residuals are weighed" if problem.colours else ""
-        return [
-            f"noise of the inputs ({driven.in_words(run)}{how}) is counted: intervals are {wider.min():.2g} to {wider.max():.2g} "
-            "times as wide as for noise of the outputs alone"
-        ]
-    coloured = {name: x for name, x in s.memory.items() if x > WHITE}
-    if not coloured:
-        return ["residuals are white: the intervals need no widening"]
-    how = ", ".join(f"{name} over {x:.3g} samples" for name, x in coloured.items())
-    wider = np.sqrt(s.inflation[asked])
+def _explained(choice: Selection[MachineLibrary]) -> list[str]:
+    """What would explain what is left, in words; what explains as much is named with it."""
+    lib, every = choice.library, np.ones(len(choice.library.gram))
+    _, k, _, ratio = choice.choose(every, alone=False)
+    chosen = lib.models[k][1]
+    if not chosen:
+        return []
+    solved, sse = lib.solve(lib.gram.sum(0))
+    score = lib.scores(sse, choice.rows)
+    near = [
+        i for i in np.argsort(score).tolist() if score[i] < score[k] + EQUAL and len(lib.models[i][1]) == len(chosen)
+    ]
+    words = [
+        told(_coefficients(lib, i, solved[i]), lib.forms) for i in [k, *(i for i in near if i != k)][: 1 + AS_WELL]
+    ]
+    return [f"What is left would fall by {100 * (1 - ratio):.2g} % with {'; or as well '.join(words)}."]
+
+
+def _coefficients(lib: MachineLibrary, i: int, x: Array) -> dict[str, float]:
+    """The first coefficient of each form of a model, in its unit."""
+    model = lib.models[i]
+    place, found = lib.k, dict[str, float]()
+    for g in model[1]:
+        found[g] = float(x[place]) * lib.scale[lib.groups[g][0]]
+        place += len(lib.groups[g])
+    return found
+
+
+def _hanging(found: dict[str, Estimate]) -> list[str]:
+    """Which numbers hang on which form, in words."""
+    causes: dict[str, list[str]] = {}
+    for name, e in found.items():
+        if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
+            causes.setdefault(e.depends_on, []).append(name)
     return [
-        f"residuals are not white ({how}): intervals are {wider.min():.2g} to {wider.max():.2g} times as wide as for white "
-        "ones (Newey and West's covariance over that memory)"
+        f"{', '.join(names)}: the range hangs on {cause}, which the machine may lack."
+        for cause, names in causes.items()
     ]
 
 
@@ -173,3 +176,8 @@ def unit(scenario: Scenario, c: MachineCoordinate) -> str:
         if name in constants:
             return constants[name].unit_for(bool(owner in tables and tables[owner][1])) or "1"
     return ""
+
+
+def _force_unit(scenario: Scenario, contact: str) -> str:
+    """Of a contact's friction."""
+    return next((c.unit for c in scenario.rig.machine.columns if c.name == f"{contact}.F"), "")

@@ -12,14 +12,15 @@ from scipy.stats import qmc
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimate, leftovers, prepared
-from stribeck.identify.actuator.intervals import WHITE, remembered
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.solve import search
+from stribeck.identify.models.memory import rows_together
 from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
 
 _WORSE = 1.01  # times what the smaller law leaves: more is another minimum
+_WHITE = 1.5  # rows that err alike: white noise has 1
 _EDGE = 1e-3  # of the bounds: a number so near to one ended there
 _PLACES = 16  # of the numbers that the smaller law does not have
 _ROUGH, _NEAR = 12, 1e-4  # of the search from these places
@@ -56,8 +57,7 @@ def doubtful(best: BestPoint) -> bool:
     edge = np.minimum(u - problem.low, problem.high - u) < _EDGE * (problem.high - problem.low)
     if best.missed() or beyond_noise(problem, u, best.found.agreeing) or (edge & asked).any():
         return True
-    _, memory, _ = remembered(problem, problem.residuals(u[None])[0])
-    return max(memory.values(), default=1.0) > WHITE
+    return rows_together(problem.residuals(u[None])[0]) > _WHITE
 
 
 def mend(candidates: Sequence[OpenLaw], recordings: Sequence[tuple[int, Recording]], seed: int, work: Work) -> None:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import tomli_w
 
 from stribeck.arrays import Array
-from stribeck.files import finite, seen_from, together, write_text
-from stribeck.identify.actuator.intervals import THRESHOLD
-from stribeck.identify.actuator.result import LogResult, MachineFit, Parameter
+from stribeck.files import seen_from, together, write_text
+from stribeck.identify.actuator.result import LogResult, MachineFit
+from stribeck.identify.core.states import Estimate
 from stribeck.identify.report.files import FITS
+from stribeck.identify.report.page import HEAD, UNCERTAINTIES, estimate_row
 from stribeck.mouth.cells import digits
 from stribeck.mouth.document import Chapter, FigureSvg, Table
 from stribeck.mouth.page import html
@@ -20,13 +20,8 @@ from stribeck.mouth.plots import figure, finish, legend, line, style, thin
 from stribeck.scenario.moved import moved
 from stribeck.version import __version__
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 FILES = ("parameters.toml", "report.html", "machine.toml")
 _ZOOM = 0.15  # of a recording: the part shown larger
-_PROFILES = 12
-_HIGHEST = 12.0  # of a profile, as far as it is drawn
 
 
 def write_machine_fit(
@@ -46,50 +41,57 @@ def write_machine_fit(
 
 
 def toml(fit: MachineFit, command: str, logs: str | None = None) -> str:
-    """The numbers by path, with intervals and verdicts."""
+    """The numbers by path and the levels, each with both uncertainties and its state."""
     told = {"version": __version__, "command": command, "status": fit.status}
     if fit.reason:
         told["reason"] = fit.reason
     if logs is not None:
         told["logs"] = logs
-    rows = {name: finite(p.to_json()) for name, p in fit.parameters.items()}
-    rows = {name: {k: x for k, x in row.items() if x is not None and x != ""} for name, row in rows.items()}
-    return tomli_w.dumps({**told, "parameters": rows})
+    rows = {name: _row(e) for name, e in fit.parameters.items()}
+    levels = {name: {"speed": fit.speeds[name], **_row(e)} for name, e in fit.levels.items()}
+    return tomli_w.dumps({**told, "parameters": rows, "levels": levels})
+
+
+def _row(e: Estimate) -> dict[str, object]:
+    """An estimate without what is open or empty."""
+    own = {
+        "value": e.value, "low": e.low, "high": e.high, "range": None if e.range is None else list(e.range), "unit": e.unit,
+        "identifiable": e.identifiable, "state": str(e.state), "depends_on": e.depends_on, "why": e.why,
+        "experiment": e.experiment,
+    }  # fmt: skip
+    return {k: x for k, x in own.items() if x is not None and x != ""}
 
 
 def report(fit: MachineFit, command: str, title: str) -> str:
     """The page that stands alone."""
     about = f"Stribeck {__version__}, {command}"
-    open_ = [n for n, p in fit.parameters.items() if p.verdict != "found"]
+    open_ = [n for n, p in fit.parameters.items() if not p.identifiable]
     first = f"{len(fit.parameters)} numbers were sought in {len(fit.logs)} recordings: {fit.status}. {fit.reason}"
-    second = (
-        f"Not told by these recordings: {', '.join(open_)}." if open_ else "Every number is told by the recordings."
-    )
+    second = f"Not identifiable: {', '.join(open_)}." if open_ else "Every number is identifiable."
     chapters = [_numbers(fit), _errors(fit), *_others(fit), *[_log(log, i) for i, log in enumerate(fit.logs)]]
-    chapters += [*_profiles(fit), *_relation(fit), _paste(fit)]
+    chapters += [*_relation(fit), _paste(fit)]
     return html(
         title,
         about,
-        [first, second if fit.status == "done" else "No intervals are given.", *fit.notes],
+        [first, second, *fit.notes],
         chapters,
         command,
     )
 
 
-def number_or_open(x: float | None) -> str:
+def number_or_open(x: object) -> str:
     """A number for people; what is open says so."""
-    return digits(x, "open")
+    return digits(float(x) if isinstance(x, int | float) and np.isfinite(x) else None, "open")
 
 
 def _numbers(fit: MachineFit) -> Chapter:
-    rows = [
-        [n, number_or_open(p.value), number_or_open(p.low), number_or_open(p.high), p.unit or "1", p.verdict]
-        for n, p in fit.parameters.items()
-    ]
-    tables = [Table(["number", "value", "95 % from", "to", "unit", "verdict"], rows)]
-    if why := [[n, p.why, p.experiment or "-"] for n, p in fit.parameters.items() if p.why]:
+    every = {**fit.parameters, **fit.levels}
+    tables = [Table(HEAD, [estimate_row(n, e) for n, e in every.items()])]
+    if why := [[n, p.why, p.experiment or "-"] for n, p in every.items() if p.why]:
         tables.append(Table(["number", "why", "what would tell it"], why, prose=True))
-    return Chapter("numbers", "What was found", [], tables)
+    told = ", ".join(f"{n} {v:.4g}" for n, v in fit.speeds.items())
+    text = [UNCERTAINTIES, *([f"Levels are the friction at speeds that were seen (SI): {told}."] if told else [])]
+    return Chapter("numbers", "What was found", text, tables)
 
 
 def _errors(fit: MachineFit) -> Chapter:
@@ -153,38 +155,6 @@ def _zoom(t: Array, x: Array) -> slice:
     smooth = np.convolve(busy, np.ones(width), "valid")
     at = int(np.argmax(smooth))
     return slice(at, at + width)
-
-
-def _profiles(fit: MachineFit) -> list[Chapter]:
-    shown = {n: p for n, p in fit.parameters.items() if len(p.profile) > 2}
-    names = list(shown)[:_PROFILES]
-    if not names:
-        return []
-    layout = [names[i : i + 3] for i in range(0, len(names), 3)]
-    layout[-1] += ["."] * (len(layout[0]) - len(layout[-1]))  # nothing there
-    with style():
-        made, axes = figure(layout, 1.9 * len(layout))
-        for n in names:
-            _profile(axes[n], n, shown[n])
-        drawn = finish(made, "profiles", "How much worse the fit gets when a number is held and all others adapt.")
-    text = [
-        "An interval ends where the curve crosses the line; a curve that stays below it is a number that is not told."
-    ]
-    return [Chapter("profiles", "Profiles", text, [], [drawn])]
-
-
-def _profile(axis: Axes, name: str, p: Parameter) -> None:
-    x, rise = np.array(p.profile).T
-    fine: Array = np.linspace(x[0], x[-1], 200)
-    signed = np.sign(x - x[np.argmin(rise)]) * np.sqrt(rise)  # nearly straight: a profile is nearly a parabola
-    axis.plot(fine, np.interp(fine, x, signed) ** 2, color="#0072B2")
-    axis.plot(x, rise, "o", color="#0072B2", markersize=2.5)
-    near = x[rise < _HIGHEST]
-    if len(near) > 1:
-        axis.set_xlim(near.min() - 0.1 * np.ptp(near), near.max() + 0.1 * np.ptp(near))
-    axis.axhline(THRESHOLD, color="#D55E00", linewidth=0.8)
-    axis.set(title=".".join(name.split(".")[-3:]), ylim=(0, max(6.0, min(float(rise.max()), 12.0))))
-    axis.locator_params(axis="x", nbins=2)
 
 
 def _relation(fit: MachineFit) -> list[Chapter]:

@@ -63,25 +63,6 @@ def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> li
     return found
 
 
-@dataclass(frozen=True)
-class Colour:
-    """How residuals of a run hang together beside white noise of deviation 1: directions (rows), each with the share of what
-    lies along it that is taken away to make them white."""
-
-    along: Array
-    share: Array
-
-    @classmethod
-    def of(cls, draws: Array) -> Colour:
-        """From residuals as something moves them, a row for each draw."""
-        _, size, along = np.linalg.svd(draws / np.sqrt(len(draws)), full_matrices=False)
-        return cls(along, 1 - 1 / np.sqrt(1 + size**2))
-
-    def whitened(self, r: Array) -> Array:
-        """The residuals (.., numbers), white."""
-        return np.asarray(r - ((r @ self.along.T) * self.share) @ self.along)
-
-
 @dataclass
 class MachineProblem:
     """Runs, what is sought, and the noise of each column.
@@ -99,7 +80,6 @@ class MachineProblem:
     work: Work = field(default_factory=Work)
     step: float = STEP
     tied: bool = False
-    colours: tuple[Colour, ...] = ()  # of each run, if what is left of them is known to hang together
 
     def __post_init__(self) -> None:
         self.low, self.high = (np.array([c.bounds[i] for c in self.sought]) for i in (0, 1))
@@ -121,20 +101,6 @@ class MachineProblem:
         return self._relations.repaired(np.clip(U, self.low, self.high))
 
     def residuals(self, U: Array) -> Array:
-        """What is left at the points U, made white where it is known how it hangs together."""
-        return self.whitened(self.raw(U))
-
-    def whitened(self, r: Array) -> Array:
-        """Residuals (.., numbers) made white."""
-        if not self.colours:
-            return r
-        r = r.copy()
-        for k, colour in enumerate(self.colours):
-            rows = slice(self.first[k], self.first[k + 1])
-            r[..., rows] = colour.whitened(r[..., rows])
-        return r
-
-    def raw(self, U: Array) -> Array:
         """What is left at the points U, by the noise; the runs are simulated beside each other."""
         U = np.atleast_2d(U)
         found = np.full((len(U), self.size), np.nan)

@@ -9,52 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.files import finite
-
-
-class PrintedParameter(TypedDict):
-    """A parameter as the command prints it."""
-
-    value: float
-    low: float | None
-    high: float | None
-    unit: str
-    identifiable: bool
-    verdict: str
-    why: str
-    experiment: str
-
-
-@dataclass
-class Parameter:
-    """A number that was sought.
-
-    Attributes:
-        value: the best one.
-        low, high: the ends of its 95 % interval; None: open on that side, or not to be given.
-        verdict: "found", "bounded above", "bounded below", "not told" or "not judged" (the model misses).
-        why: in words, unless found; ``experiment``: what would tell it.
-    """
-
-    value: float
-    low: float | None
-    high: float | None
-    unit: str
-    verdict: str
-    why: str = ""
-    experiment: str = ""
-    profile: list[tuple[float, float]] = field(default_factory=list)
-
-    @property
-    def identifiable(self) -> bool:
-        """Whether the recordings tell it."""
-        return self.verdict == "found"
-
-    def to_json(self) -> PrintedParameter:
-        """As the command prints it."""
-        return {
-            "value": self.value, "low": self.low, "high": self.high, "unit": self.unit,
-            "identifiable": self.identifiable, "verdict": self.verdict, "why": self.why, "experiment": self.experiment,
-        }  # fmt: skip
+from stribeck.identify.core.states import Estimate
 
 
 @dataclass
@@ -119,7 +74,7 @@ class Picked(TypedDict):
     failed: dict[str, str]
 
 
-Moved = TypedDict("Moved", {"name": str, "from": PrintedParameter, "to": PrintedParameter})
+Moved = TypedDict("Moved", {"name": str, "from": dict[str, object], "to": dict[str, object]})
 
 
 class Transfer(TypedDict):
@@ -129,7 +84,7 @@ class Transfer(TypedDict):
     moved: list[Moved]
     same: list[str]
     not_told: list[str]
-    parameters: dict[str, PrintedParameter]
+    parameters: dict[str, dict[str, object]]
 
 
 @dataclass
@@ -137,24 +92,42 @@ class MachineFit:
     """The machine's numbers from its recordings.
 
     Attributes:
-        status: "done", "missed" (the model does not follow the recordings: no intervals) or "stopped".
+        status: "done", "missed" (the model does not follow the recordings: nothing is identified) or "stopped".
+        parameters: estimates by path, each with a 95 % interval, a model range and a state.
+        levels: the friction of each contact at four ``speeds`` that were seen, estimates like all others.
         data: the machine with what was found, as tables.
     """
 
     status: str
     reason: str
-    parameters: dict[str, Parameter]
+    parameters: dict[str, Estimate]
     correlated: list[Group]
     logs: list[LogResult]
     notes: list[str]
     noise: dict[str, float]
     data: dict[str, object]
+    levels: dict[str, Estimate] = field(default_factory=dict)
+    speeds: dict[str, float] = field(default_factory=dict)
     baselines: dict[str, Baseline] = field(default_factory=dict)
     laws: Picked | None = None
     transfer: Transfer | None = None
     relation: tuple[list[str], Array] | None = None
     nuisance: dict[str, float] = field(default_factory=dict)
     agreeing: int = 1
+
+    def __getitem__(self, name: str) -> Estimate:
+        """An estimate by its path, or by the end of it where no other path ends so: ``fit["F_c"]``.
+
+        Raises:
+            KeyError: no path, or several, end so.
+        """
+        every = {**self.parameters, **self.levels}
+        found = [n for n in every if n == name] or [n for n in every if n.endswith(f".{name}")]
+        if len(found) != 1:
+            raise KeyError(
+                f"{name!r}: {'several paths end' if found else 'no path ends'} so (there are {', '.join(found or every)})"
+            )
+        return every[found[0]]
 
     def error(self, held_out: bool) -> float | None:
         """The relative error over all recordings of that kind: root mean square over their columns."""
@@ -166,6 +139,7 @@ class MachineFit:
         told = {
             "status": self.status, "reason": self.reason,
             "parameters": {name: p.to_json() for name, p in self.parameters.items()},
+            "levels": {name: p.to_json() | {"speed": self.speeds[name]} for name, p in self.levels.items()},
             "correlated": self.correlated, "logs": [log.to_json() for log in self.logs],
             "noise": self.noise, "notes": self.notes, "baselines": self.baselines, "laws": self.laws or {},
             "transfer": self.transfer, "error": {"fitted": self.error(False), "held_out": self.error(True)},

@@ -9,10 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from stribeck.arrays import Array
-from stribeck.identify.actuator.intervals import Spread
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import Found, half_squares, search
@@ -23,8 +20,6 @@ _SHARES = (1.0, 0.3, 0.1)  # of the way to where the stretch before ends
 _WORSE = 1.1
 _LITTLE = 1e-6  # of what is compared, by its noise
 _SETTLED = 1e-3  # of the largest shift of a state
-_MOVES = 1.0  # deviations of a number
-_OTHERWISE = 0.5  # of what is left
 
 
 def joined_stretches(
@@ -56,24 +51,6 @@ def joined_stretches(
         if found.stopped:
             break
     return problem, found
-
-
-def unset(problem: MachineProblem, u: Array, s: Spread) -> list[str]:
-    """Whether stretches whose ends are left free would be followed otherwise, or numbers would move by a deviation, if what
-    nobody measures began as the stretch before left it; in words."""
-    if problem.tied or len(problem.runs) == len({run.log for run in problem.runs}):
-        return []
-    own = replace(problem, runs=relayed(problem, u), noise=dict(problem.noise))
-    r = problem.residuals(u[None])[0]
-    off = own.residuals(u[None])[0] - r
-    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
-    moves = s.moved_by(off)[asked]
-    if np.linalg.norm(off) <= _OTHERWISE * np.linalg.norm(r) and (moves <= _MOVES).all():
-        return []
-    return [
-        "what nobody measures (bodies, bristles, currents) could not be followed from one stretch into the next, and it "
-        "matters how it begins there: no intervals (longer windows, whole recordings or another sensor may have them)"
-    ]
 
 
 def _handed_on(

@@ -35,15 +35,15 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> Transfer:
         own, fit.scenario, not (own.stopped or own.missed() or beyond_noise(own.problem, own.u, own.found.agreeing))
     )
     moved, same, open_ = list[Moved](), list[str](), list[str]()
-    for name, there in found.parameters.items():
+    for name, there in found.estimates.items():
         here = result.parameters[name]
-        if here.verdict != "found" or there.verdict != "found":
+        if not (here.identifiable and there.identifiable):
             open_.append(name)
-        elif here.high < there.low or there.high < here.low:  # type: ignore[operator]
+        elif here.interval[1] < there.interval[0] or there.interval[1] < here.interval[0]:
             moved.append({"name": name, "from": here.to_json(), "to": there.to_json()})
         else:
             same.append(name)
     return {
         "logs": [log.to_json() for log in logs], "moved": moved, "same": same, "not_told": open_,
-        "parameters": {name: p.to_json() for name, p in found.parameters.items()},
+        "parameters": {name: p.to_json() for name, p in found.estimates.items()},
     }  # fmt: skip

@@ -64,7 +64,7 @@ def judged(choice: Selection[Of], draws: int = DRAWS, trusted: bool = True) -> d
 def missed(choice: Selection[Of]) -> float:
     """What the reported model leaves, of the force's deviation."""
     lib, r = choice.library, choice.library.residual(choice.model, choice.coefficients)
-    return float(np.sqrt(np.mean(r**2)) / max(float(np.std(lib.columns[:, 0])), 1e-300))
+    return float(np.sqrt(np.mean(r**2)) / max(lib.deviation, 1e-300))
 
 
 def _slopes(choice: Selection[Of], value: Mapping[str, float]) -> Array:
@@ -80,7 +80,7 @@ def _slopes(choice: Selection[Of], value: Mapping[str, float]) -> Array:
 
 def covariance(choice: Selection[Of], slope: Array) -> Array:
     """C: the larger of the delete-a-block jackknife, Newey and West's, what the record leaves of a prior of one largest force,
-    and, of several files, the spread between these; times Student's t."""
+    what known errors of the measured inputs do, and, of several files, the spread between these; times Student's t."""
     lib, model, x = choice.library, choice.model, choice.coefficients
     i, target = lib.index(model), lib.targets[model[0]]
     total, r, j = lib.gram.sum(0), lib.residual(model, x), lib.columns[:, i]
@@ -91,7 +91,9 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     prior = np.diag(np.maximum(moved, 1e-12 * np.max(moved)) * natural) / rows / lib.largest**2
     left = max(float(r @ r) / rows, 1e-12 * lib.largest**2)
     unseen = np.sqrt(np.diag(slope @ np.linalg.inv(gram / left + prior) @ slope.T))
-    both = np.max([blocks, newey_west(j, r, slope @ _inverse(gram, natural)), unseen], axis=0)
+    to_estimates = slope @ _inverse(gram, natural)
+    known = sum((np.mean((d @ j @ to_estimates.T) ** 2, axis=0) for d in lib.drawn), np.zeros(len(slope)))
+    both = np.max([blocks, newey_west(j, r, to_estimates), unseen, np.sqrt(known)], axis=0)
     out = student.ppf(0.975, len(lib.gram) - 1) * both
     files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
     if len(files) > 1:  # another run is asked for
@@ -131,17 +133,23 @@ def _redrawn(
     far = np.asarray(abs(np.array(moved)), float)
     a = np.quantile(abs(np.array(again)), AGAIN, axis=0) if choice.open else np.zeros(len(base))
     b = np.quantile(far[good], WITHHELD, axis=0) if any(good) else np.zeros(len(base))
-    return np.asarray(a, float), np.asarray(b, float), _cause(choice.model[1], far, which)
+    return np.asarray(a, float), np.asarray(b, float), _cause(choice, far, which)
 
 
-def _cause(own: tuple[str, ...], far: Array, which: list[set[str]]) -> list[str]:
-    """The form of the reported model without which each estimate moves farther than with it."""
+def _cause(choice: Selection[Of], far: Array, which: list[set[str]]) -> list[str]:
+    """The form of the reported model without which each estimate moves farther than with it; of a law alone, the form that
+    it might have and with which it does."""
+    own, sign = choice.model[1], 1.0
+    if choice.alone:
+        _, k, *_ = choice.choose(np.ones(len(choice.library.gram)), within=choice.law, alone=False)
+        own, sign = choice.library.models[k][1], -1.0
     if not own:
         return [""] * far.shape[1]
     more = []
     for g in own:
         gone = np.array([g in each for each in which])
-        more.append(far[gone].mean(axis=0) - far[~gone].mean(axis=0) if gone.any() and not gone.all() else far[0] * 0)
+        apart = far[gone].mean(axis=0) - far[~gone].mean(axis=0) if gone.any() and not gone.all() else far[0] * 0
+        more.append(sign * apart)
     return [own[int(i)] for i in np.argmax(np.array(more), axis=0)]
 
 

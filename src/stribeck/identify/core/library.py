@@ -34,6 +34,7 @@ class ModelLibrary(ABC):
         groups: columns of each form.
         targets: the column that each node's model is to meet; ``starts``: the first of the node's ``k`` columns.
         natural: the mean square that a column has by its unit: what does not move is told beside it.
+        drawn: rows as known errors of what was measured move them (draws, rows), for each source of such errors.
         models: kept by the search; ``count``: coefficients of each; ``kinds``: which forms each has.
     """
 
@@ -43,6 +44,7 @@ class ModelLibrary(ABC):
     targets: list[int] = field(default_factory=list)
     starts: list[int] = field(default_factory=list)
     natural: list[float] = field(default_factory=list)
+    drawn: list[Array] = field(default_factory=list)
     models: list[Model] = field(default_factory=list)
 
     @property
@@ -93,6 +95,11 @@ class ModelLibrary(ABC):
     def largest(self) -> float:
         """The largest value of the target."""
         return float(np.max(abs(self.columns[:, 0])))
+
+    @property
+    def deviation(self) -> float:
+        """The target's."""
+        return float(np.std(self.columns[:, 0]))
 
     def index(self, model: Model) -> list[int]:
         """The columns of a model: the law's with slopes, what every model has, the forms'."""
@@ -202,7 +209,7 @@ class SteadyLibrary(ModelLibrary):
 
     def largest_hidden(self, form: str) -> float:
         """A share of the force's deviation: a preload is no scale of friction."""
-        return LARGEST * float(np.std(self.columns[:, 0]))
+        return LARGEST * self.deviation
 
     def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
         """What cannot be stands in for something else; bounds where the speeds that were seen give no more."""

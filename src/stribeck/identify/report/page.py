@@ -9,7 +9,7 @@ from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
 from stribeck.identify.report import pictures, traces
 from stribeck.identify.report.formula import model_lines
-from stribeck.identify.result import Fit
+from stribeck.identify.result import Estimate, Fit
 from stribeck.mouth.cells import digits, percent
 from stribeck.mouth.document import Chapter, Table
 from stribeck.mouth.page import html
@@ -42,15 +42,23 @@ def page(fit: Fit, command: str, data: str) -> str:
 HEAD = ["parameter", "estimate", "95 % from", "to", "range from", "to", "unit", "state"]
 
 
-def _result(fit: Fit) -> Chapter:
-    rows = [
-        [
-            f"{'' if e.identifiable else '~'}{n}", digits(e.value, "open"), *(digits(x, "open") for x in (e.low, e.high)),
-            *([digits(x if np.isfinite(x) else None, "open") for x in e.range] if e.range else ["-", "-"]), e.unit or "1",
-            str(e.state),
-        ]
-        for n, e in fit.parameters.items()
+UNCERTAINTIES = (
+    "The interval says how far an estimate would move in another stretch of this experiment; the range says how far it may "
+    "be from the truth if the model lacks something."
+)
+
+
+def estimate_row(name: str, e: Estimate) -> list[str]:
+    """An estimate below :data:`HEAD`."""
+    wide = [digits(x if np.isfinite(x) else None, "open") for x in e.range] if e.range else ["-", "-"]
+    ends = (digits(x, "open") for x in (e.low, e.high))
+    return [
+        f"{'' if e.identifiable else '~'}{name}", digits(e.value, "open"), *ends, *wide, e.unit or "1", str(e.state)
     ]  # fmt: skip
+
+
+def _result(fit: Fit) -> Chapter:
+    rows = [estimate_row(n, e) for n, e in fit.parameters.items()]
     rows += [
         [n, v if isinstance(v, str) else digits(v, "open"), *["given"] * 4, _unit(fit, n), "given"]
         for n, v in fit.fixed.items()
@@ -69,8 +77,7 @@ def _result(fit: Fit) -> Chapter:
     speeds = fit.details.get("speeds", {})
     told = ", ".join(f"{n.removeprefix('level ')} {v:.4g}" for n, v in speeds.items())
     text = [
-        "The interval says how far an estimate would move in another stretch of this experiment; the range says how far it may "
-        "be from the truth if the model lacks something.",
+        UNCERTAINTIES,
         *([f"Levels are the friction at speeds that were seen (SI): {told}."] if told else []),
         *fit.notes,
     ]

@@ -1,0 +1,71 @@
+"""Errors of the recorded inputs whose size is known, as draws of what they do to all residuals: noise, and missing samples.
+
+A simulation follows its inputs, so these errors are in the variables, and what they leave remembers as long as a recording.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.runs import RecordedRun, typical_roughness
+
+ORDER = 6  # of the differences that are noise: an input may be fast
+PILOT, DRAWS = 4, 24  # draws that show whether it matters; that then tell a deviation to 15 %
+LITTLE = 0.02  # of the sum of squares that is left: less does not matter
+
+
+def errors(problem: MachineProblem, u: Array) -> list[Array]:
+    """For each source of errors that matters the residuals as it moves them, (draws, residuals)."""
+    r = problem.residuals(u[None])[0]
+    found = [_by_gaps(problem, u, r)]
+    pilot = _by_noise(problem, u, r, PILOT)
+    if pilot is not None and np.mean(pilot**2) * problem.size > LITTLE * float(r @ r):
+        found.append(_by_noise(problem, u, r, DRAWS))
+    return [x for x in found if x is not None and np.isfinite(x).all()]
+
+
+def _moved(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:
+    """How far the residuals are off with other runs; what is known before stays."""
+    own, off = replace(problem, runs=runs, noise=dict(problem.noise), tied=False), np.zeros(len(r))
+    compared = int(problem.first[-1])
+    off[:compared] = own.residuals(u[None])[0][:compared] - r[:compared]
+    return off
+
+
+def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array | None:
+    """The noise of each recorded input: as given, or what changes from sample to sample; steps are no noise."""
+    sizes = []
+    for run in problem.runs:
+        of = {p: typical_roughness(x.x, ORDER) if x.noise is None else x.noise for p, x in run.inputs.items()}
+        sizes.append({p: size for p, size in of.items() if size > 0})
+    if not any(sizes):
+        return None
+    rng, found = np.random.default_rng(0), list[Array]()
+    for _ in range(draws):
+        runs = []
+        for run, size in zip(problem.runs, sizes, strict=True):
+            noisy = {p: run.inputs[p].x + s * rng.standard_normal(len(run.inputs[p].x)) for p, s in size.items()}
+            runs.append(run.driven({p: replace(run.inputs[p], x=x) for p, x in noisy.items()}))
+        found.append(_moved(problem, u, r, runs))
+    return np.array(found)
+
+
+def _by_gaps(problem: MachineProblem, u: Array, r: Array) -> Array | None:
+    """Inputs that are wrong in their gaps by as much as they may be."""
+    draws = max(len(run.otherwise) for run in problem.runs)
+    if not draws:
+        return None
+    found = []
+    for n in range(draws):
+        off = np.zeros(len(r))
+        for k, run in enumerate(problem.runs):
+            if n < len(run.otherwise):
+                runs = [*problem.runs]
+                runs[k] = replace(run, scenario=run.otherwise[n])
+                off += run.doubt * _moved(problem, u, r, runs)
+        found.append(off)
+    return np.array(found)

@@ -1,0 +1,260 @@
+"""A converged fit as a regression for the core to judge: slopes of the outputs, with the starts of recordings eliminated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.arrays import Array
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.errors import errors
+from stribeck.identify.actuator.lacks import MissingForm, Motion, forms
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.core.choice import Selection, independent
+from stribeck.identify.core.library import CELL, LEVELS, STEEP, Model, ModelLibrary
+from stribeck.identify.core.search import search
+from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.models.curves import REACHED
+from stribeck.identify.models.record import BLOCKS, ROWS
+
+SEEN = (0.02, 0.98)  # of the rows, by speed: the slowest and the fastest level
+SLIDING = 1e-3  # of the fastest speed: below it a contact counts as at rest
+WIDE = 1 / 3  # of a start's room: its deviation before anything is compared
+_STEPS = (1e-5, 2e-2)  # of slopes: a third of a deviation, within these
+_NARROW = 0.3
+
+
+@dataclass(kw_only=True)
+class MachineLibrary(ModelLibrary):
+    """Columns: what is left, the slopes by the coordinates, and those by all forms, by the noise.
+
+    Attributes:
+        sought: the coordinates that are asked for, and where they are.
+        J: slopes of all residuals by all coordinates.
+        speeds: of the levels; ``levels``: values there, their ``slopes`` by the coordinates, and by the forms' columns.
+        size: the deviation of what is measured; ``top``: its largest change.
+        slow: by contact, the slowest speed seen.
+        hidden: the largest coefficient of each form that no record need show; ``scale``: the unit of a column's.
+    """
+
+    sought: list[MachineCoordinate]
+    u: Array
+    forms: list[MissingForm]
+    speeds: dict[str, float]
+    levels: Array
+    slopes: Array
+    of_forms: dict[int, Array]
+    size: float
+    top: float
+    slow: dict[str, float]
+    hidden: dict[str, float]
+    scale: dict[int, float]
+    J: Array
+
+    @property
+    def k(self) -> int:
+        """The coordinates."""
+        return len(self.sought)
+
+    @property
+    def beside(self) -> list[int]:
+        """Nothing."""
+        return []
+
+    @property
+    def files(self) -> Array:
+        """One experiment: recordings differ in load and drive, so that one of them is no other run of the rest."""
+        return np.zeros(len(self.gram), int)
+
+    @property
+    def by_ratio(self) -> frozenset[str]:
+        """What is searched by its logarithm."""
+        return frozenset(c.name for c in self.sought if c.logarithmic)
+
+    @property
+    def largest(self) -> float:
+        """The largest change of what is measured."""
+        return self.top
+
+    @property
+    def deviation(self) -> float:
+        """Of what is measured."""
+        return self.size
+
+    def parameters(self, model: Model, x: Array) -> dict[str, float]:
+        """The numbers sought, and the levels."""
+        at = self.u + np.clip(x[: self.k], -20.0, 20.0)
+        out = {c.name: c.outer(z) for c, z in zip(self.sought, at.tolist(), strict=True)}
+        level = self.levels + self.slopes @ x[: self.k]
+        for place, column in enumerate(self.index(model)[self.k :], self.k):
+            if column in self.of_forms and place < len(x):
+                level = level + x[place] * self.of_forms[column]
+        return out | dict(zip(self.speeds, level.tolist(), strict=True))
+
+    def fault(self, x: Array) -> Array:
+        """Slopes hold no farther than a cell."""
+        far = np.max(abs(x[:, : self.k]), axis=1, initial=0.0)
+        return np.where(far > CELL, STEEP, 1.0)
+
+    def largest_hidden(self, form: str) -> float:
+        """As the form says."""
+        return self.hidden[form]
+
+    def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
+        """What may be 0 is measured by its bounds."""
+        c = next((c for c in self.sought if c.name == name), None)
+        return (c.high - c.low, True) if c is not None and c.low <= 0.0 <= c.high else (None, False)
+
+    def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
+        """Within the bounds; F_s and v_s as bounds where no slow speed was seen."""
+        for c in self.sought:
+            e = found[c.name]
+            ends = [(max(a, c.low), min(b, c.high)) for a, b in (e.interval, e.range or e.interval)]
+            found[c.name] = replace(e, interval=ends[0], range=ends[1])
+        for contact, slowest in self.slow.items():
+            law = f"contacts.{contact}.law.parameters."
+            F_s, v_s = found.get(f"{law}F_s"), found.get(f"{law}v_s")
+            if F_s is None or v_s is None or v_s.identifiable or slowest <= REACHED * v_s.value:
+                continue
+            lows = [found[n] for n in (f"{contact} {LEVELS[0]}", f"{law}F_c") if n in found]
+            interval, wide = ((max(getattr(e, n)[0] for e in lows), np.inf) for n in ("interval", "range"))
+            at_least = replace(F_s, interval=interval, range=wide, state=EstimateState.AT_LEAST)
+            found[f"{law}F_s"] = replace(at_least, value=max(e.value for e in lows))
+            low, high = ((0.0, x[1]) for x in (v_s.interval, v_s.range or v_s.interval))
+            found[f"{law}v_s"] = replace(v_s, interval=low, range=high, state=EstimateState.AT_MOST)
+        return found
+
+
+def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
+    """The law alone and its models with forms, about a converged point."""
+    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
+    starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
+    r, J = problem.residuals(u[None])[0], _slopes(problem, u)
+    motion = Motion.of(problem, u)
+    every = forms(problem, u, motion)
+    room = (problem.high - problem.low)[starts] * WIDE
+    raw = np.column_stack([-r, J[:, asked], *(x.slopes for x in every)])
+    clean = _without(J[:, starts] * room, raw)
+    drawn = [_without(J[:, starts] * room, x.T).T for x in errors(problem, u)]
+    first = 1 + len(asked)
+    rms = np.maximum(np.sqrt(np.mean(clean**2, axis=0)), 1e-300)
+    moved = [i for i in range(len(every)) if rms[first + i] > 0]
+    clean[:, 0] -= clean[:, 1:first] @ np.linalg.lstsq(clean[:, 1:first], clean[:, 0], rcond=1e-12)[0]  # converged
+    columns = np.column_stack([clean[:, :first], *(clean[:, first + i] / rms[first + i] for i in moved)])
+    groups: dict[str, list[int]] = {}
+    hidden, scale = dict[str, float](), dict[int, float]()
+    for place, i in enumerate(moved, first):
+        groups.setdefault(every[i].name, []).append(place)
+        hidden[every[i].name] = every[i].largest * float(rms[first + i])
+        scale[place] = 1 / float(rms[first + i])
+    speeds, slow, levels, slopes, of_forms = _levels(problem, u, asked, motion, every, moved, rms, first)
+    block = _blocks(problem)
+    gram = np.array([columns[block == b].T @ columns[block == b] for b in range(block.max() + 1)])
+    gram = gram + columns[block < 0].T @ columns[block < 0] / len(gram)  # what is known before belongs to every stretch
+    size, top = _sizes(problem)
+    lib = MachineLibrary(
+        columns=columns, gram=gram, groups=groups, targets=[0], starts=[1], natural=[1.0] * columns.shape[1],
+        sought=[problem.sought[i] for i in asked], u=u[asked], forms=[every[i] for i in moved], speeds=speeds, levels=levels,
+        slopes=slopes, of_forms=of_forms, size=size, top=top, slow=slow, hidden=hidden, scale=scale, J=J, drawn=drawn,
+    )  # fmt: skip
+    search(lib)
+    solved, sse = lib.solve(gram.sum(0))
+    out = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
+    out.index = next(i for i, m in enumerate(lib.models) if not m[1])
+    return out
+
+
+def _slopes(problem: MachineProblem, u: Array) -> Array:
+    """The slopes by central differences, of steps that are small beside each coordinate's deviation."""
+    J = problem.slopes(u[None], np.full(len(u), problem.step))[1][0]
+    size = np.sqrt(np.maximum(np.sum(J**2, axis=0), 1e-300))
+    variance = np.diag(np.linalg.pinv((J / size).T @ (J / size), rcond=1e-12, hermitian=True)) / size**2
+    return problem.central(u, np.clip(_NARROW * np.sqrt(np.maximum(variance, 0.0)), *_STEPS))
+
+
+def _without(starts: Array, columns: Array) -> Array:
+    """Columns with the starts, of which a little is known, eliminated."""
+    if not starts.shape[1]:
+        return columns
+    h = starts.T @ starts + np.eye(starts.shape[1])
+    return np.asarray(columns - starts @ np.linalg.solve(h, starts.T @ columns))
+
+
+def _blocks(problem: MachineProblem) -> NDArray[np.intp]:
+    """The stretch of time of each residual; -1 of what is known before."""
+    when = np.full((problem.size, 2), np.inf)
+    for k, run in enumerate(problem.runs):
+        at = int(problem.first[k])
+        for target in run.targets:
+            n = len(target.t)
+            when[at : at + n] = np.column_stack([np.full(n, float(run.log)), target.t + float(run.piece or 0.0)])
+            at += n
+    compared = int(problem.first[-1])
+    order = np.lexsort((when[:compared, 1], when[:compared, 0]))
+    count = int(np.clip(compared // ROWS, 2, BLOCKS))
+    block = np.full(problem.size, -1, np.intp)
+    block[order] = np.arange(compared) * count // compared
+    return block
+
+
+def _sizes(problem: MachineProblem) -> tuple[float, float]:
+    """The deviation and the largest change of what is measured, by the noise."""
+    parts = [(t.x - t.x.mean()) / problem.noise[t.column] for run in problem.runs for t in run.targets]
+    whole = np.concatenate(parts)
+    return float(np.std(whole)), float(np.max(abs(whole)))
+
+
+def _levels(
+    problem: MachineProblem, u: Array, asked: Sequence[int], motion: Motion, every: Sequence[MissingForm],
+    moved: Sequence[int], rms: Array, first: int,
+) -> tuple[dict[str, float], dict[str, float], Array, Array, dict[int, Array]]:  # fmt: skip
+    """The levels of the contacts whose laws are sought at four speeds that were seen: names and speeds, the slowest speed of
+    each contact, values, slopes by the coordinates, and by each form's column."""
+    scenario = problem.runs[0].scenario
+    speeds, slow, spans = dict[str, float](), dict[str, float](), dict[str, slice]()
+    for contact in scenario.data.get("contacts", {}):
+        law = f"contacts.{contact}.law"
+        w = abs(motion.column(f"{contact}.w"))
+        sliding = w[w > SLIDING * w.max(initial=0.0)]
+        if not any(p.startswith(f"{law}.") for i in asked for p in problem.sought[i].targets) or not len(sliding):
+            continue
+        low, high = np.quantile(sliding, SEEN).tolist()
+        slow[contact] = float(np.quantile(w, SEEN[0]))
+        spans[contact] = slice(len(speeds), len(speeds) + len(LEVELS))
+        at = (low, float(np.sqrt(low * high)), 0.5 * high, high)
+        speeds |= {f"{contact} {n}": v for n, v in zip(LEVELS, at, strict=True)}
+    v = np.array(list(speeds.values()))
+
+    def values(point: Array) -> Array:
+        inside = problem.repaired(point[None])[0].tolist()
+        numbers = {p: s * c.outer(x) for c, x in zip(problem.sought, inside, strict=True) for p, s in c.targets.items()}
+        parts = [_steady(problem, contact, numbers, v[rows]) for contact, rows in spans.items()]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    base, slopes = values(u), np.zeros((len(v), len(asked)))
+    for n, i in enumerate(asked):
+        step = problem.step if u[i] + problem.step <= problem.high[i] else -problem.step
+        slopes[:, n] = (values(u + step * (np.arange(len(u)) == i)) - base) / step
+    of_forms = dict[int, Array]()
+    for place, i in enumerate(moved, first):
+        form = every[i]
+        if form.at is not None and form.contact in spans:
+            rows, added = spans[form.contact], np.zeros(len(v))
+            added[rows] = form.at(base[rows], v[rows]) / rms[first + i]
+            of_forms[place] = added
+    return speeds, slow, base, slopes, of_forms
+
+
+def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:
+    """The friction of a contact at held speeds, without loads, with some numbers of the machine changed."""
+    path = f"contacts.{contact}.law"
+    law = problem.runs[0].scenario.rig.laws[path]
+    own = {
+        p.removeprefix(f"{path}.").removeprefix("parameters."): x
+        for p, x in numbers.items()
+        if p.startswith(f"{path}.")
+    }
+    return np.asarray(law.replace(**{n: x for n, x in own.items() if n in law.constants()}).steady_force(v), float)

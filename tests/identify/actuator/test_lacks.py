@@ -1,0 +1,178 @@
+"""What a machine may lack: slopes of each form, ranges that hold, and forms that are named. Records by SciPy."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import odeint
+
+from stribeck import Scenario
+from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.estimate import prepared
+from stribeck.identify.actuator.lacks import Motion, forms
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+
+STEP, NOISE, STEEP = 0.005, 5e-4, 50.0
+LAW = "contacts.joint.law.parameters."
+TRUTH = {"bodies.arm.inertia": 0.15, f"{LAW}F_c": 0.1, f"{LAW}sigma_2": 0.05}
+T = STEP * np.arange(301)
+STILL = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
+
+
+def pushed(size, fast=1.0):
+    """A torque that turns the arm to and fro."""
+    return size * (np.sin(7 * fast * T) + 0.8 * np.sin(3.1 * fast * T + 1) - 0.8 * np.sin(1))
+
+
+def sign(v):
+    return 2 / np.pi * np.arctan(STEEP * v)
+
+
+def turned(u, more=lambda y, v, push: 0.0):
+    """Where the arm is under the torque u, with a further friction torque."""
+    inertia, level, viscous = TRUTH.values()
+
+    def rates(x, s):
+        y, v = x
+        push = np.interp(s, T, u)
+        return [v, (push - level * sign(v) - viscous * v - more(y, v, push)) / inertia]
+
+    return odeint(rates, [0.0, 0.0], T, rtol=1e-9, atol=1e-11, hmax=STEP)[:, 0]
+
+
+def arm(**more):
+    law = {"name": "coulomb_viscous", "k_v": STEEP, "parameters": {"F_c": 0.12, "sigma_2": 0.06}}
+    return {
+        "schema": 2, "name": "arm", "bodies": {"arm": {"inertia": 0.2, "initial": {"y": 0.0, "v": 0.0}}},
+        "contacts": {"joint": {"from": "arm", "law": law}},
+        "loads": {"push": {"on": "arm", "kind": "signal", "signal": STILL}},
+        "solve": {"t_end": float(T[-1])}, "output": {"step": STEP}, **more,
+    }  # fmt: skip
+
+
+def recording(u, y, seed=0, **more):
+    y = y + NOISE * np.random.default_rng(seed).standard_normal(len(T))
+    channels = {"arm.y": Channel("y", T, y)}, {"loads.push.signal": Channel("u", T, u)}
+    return Recording(f"run{seed}", T, *channels, {}, **more)
+
+
+def fitted(more=lambda y, v, push: 0.0, change=lambda y: y):
+    runs = tuple(recording(pushed(x), change(turned(pushed(x), more)), i) for i, x in enumerate((0.6, 1.2)))
+    return fit_machine(
+        arm(), Logs(runs, tuple(Sought(n, x / 5, 5 * x) for n, x in TRUTH.items())), starts=1, baselines=False
+    )
+
+
+def outside(found, how="range"):
+    return [n for n, e in found.parameters.items() if not getattr(e, how)[0] < TRUTH[n] < getattr(e, how)[1]]
+
+
+def named(found):
+    return [n for n in found.notes if n.startswith("What is left would fall")]
+
+
+LACKS = {
+    "level by direction": lambda y, v, push: 4e-4 * abs(sign(v)),
+    "bend": lambda y, v, push: 1.5e-3 * np.exp(-((v / 0.4) ** 2)) * sign(v),
+    "drag": lambda y, v, push: 1e-4 * v * abs(v),
+    "level by push.f": lambda y, v, push: 1.8e-3 * abs(push) * sign(v),
+}
+
+
+@pytest.mark.parametrize("what", LACKS)
+def test_ranges_hold_where_a_term_lacks(what):
+    """White residuals hide the bump and the drag."""
+    found = fitted(LACKS[what])
+    assert not outside(found), {n: (e.value, e.range) for n, e in found.parameters.items()}
+    if what in ("level by direction", "level by push.f"):
+        assert any(what in note for note in named(found)), found.notes
+
+
+def test_friction_that_lacks_nothing_is_identified():
+    found = fitted()
+    assert {e.state for e in found.parameters.values()} == {"identified"}
+    assert not outside(found, "interval")
+    assert not named(found)
+    for e in found.parameters.values():
+        assert e.interval[1] - e.interval[0] < 0.05 * e.value
+    levels = {n: e for n, e in found.levels.items() if n != "joint level slow"}
+    for name, e in levels.items():
+        v = found.speeds[name]
+        assert e.range[0] < TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v < e.range[1]
+    assert found["F_c"] is found.parameters[f"{LAW}F_c"]
+
+
+def test_a_sensor_that_errs_is_not_taken_for_friction():
+    """An encoder that is 3 ms late."""
+    found = fitted(change=lambda y: np.interp(T - 0.003, T, y))
+    assert "outputs.arm.y.delay 0.00" in named(found)[0]
+    assert not outside(found)
+
+
+@pytest.mark.parametrize("every", [4, 10])
+def test_a_torque_that_was_sampled_too_coarsely_is_named(every):
+    """A clock was blamed, or nothing, where the torque between samples 20 and 50 ms apart is no straight line."""
+    runs = []
+    for i, size in enumerate((0.6, 1.2)):
+        run = recording(pushed(size), turned(pushed(size)), i)
+        runs.append(replace(run, inputs={"loads.push.signal": Channel("u", T[::every], pushed(size)[::every])}))
+    sought = tuple(Sought(n, x / 5, 5 * x) for n, x in TRUTH.items())
+    found = fit_machine(arm(), Logs(tuple(runs), sought), starts=1, baselines=False)
+    assert "inputs that bend between their samples" in named(found)[0]
+    assert not outside(found)
+
+
+def problem_of(window=None, data=None):
+    u, scenario = pushed(1.0), Scenario(data or arm())
+    sought = [MachineCoordinate(n, x / 5, 5 * x, x, None, {n: 1.0}) for n, x in TRUTH.items()]
+    runs, own = prepared(scenario, [(0, recording(u, turned(u), window=window))], set(TRUTH))
+    return MachineProblem(runs, [*sought, *own], {"arm.y": NOISE})
+
+
+def slopes(problem):
+    """Of all forms, by name and, of forms with several columns, which."""
+    u, found = problem.start(), {}
+    for x in forms(problem, u, Motion.of(problem, u)):
+        found[x.name, sum(x.name == n for n, _ in found)] = x.slopes
+    return found
+
+
+def test_slopes_of_a_term_are_those_of_scipy():
+    """The residuals with a small term, and without, by equations that share nothing with ours."""
+    u, found = pushed(1.0), slopes(problem_of())
+    plain = turned(u)
+    v = np.gradient(plain, T)
+    size = np.sqrt(np.mean((TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v) ** 2))  # of the friction
+    along = {
+        "offset": (lambda y, v, push: 1.0, np.ones_like(v)),
+        "drag": (lambda y, v, push: v * abs(v), v * abs(v)),
+        "weight": (lambda y, v, push: np.sin(y), np.sin(plain)),
+        "level by push.f": (lambda y, v, push: abs(push) * sign(v), abs(u) * sign(v)),
+    }
+    for name, (term, force) in along.items():
+        share = 1e-3 * size / np.sqrt(np.mean(force**2))
+        moved = (turned(u, lambda y, v, push, f=term, a=share: a * f(y, v, push)) - plain) / 1e-3 / NOISE
+        assert np.linalg.norm(found[f"joint: {name}", 0] - moved) < 0.03 * np.linalg.norm(moved), name
+
+
+def test_stretches_have_the_slopes_of_their_own_starts():
+    """What plays in a stretch begins with it: slopes are 0 where it begins, and those of the first are those of the whole."""
+    parts = problem_of(window=0.3)
+    found, there = slopes(problem_of()), slopes(parts)
+    for name in (("joint: drag", 0), ("joint: offset", 0)):
+        first = there[name][: parts.runs[0].size]
+        assert np.allclose(first, found[name][: len(first)], atol=0.02 * abs(first).max())
+        assert abs(there[name][parts.first[1]]) < 1e-3 * abs(there[name]).max()
+
+
+def test_a_driven_body_feels_no_term():
+    """A belt that is driven: the term acts on the mass alone."""
+    belt = {"arm": {"inertia": 0.2, "initial": {"y": 0.0, "v": 0.0}}, "belt": {"velocity": {"signal": STILL}}}
+    law = {"name": "coulomb_viscous", "k_v": STEEP, "parameters": {"F_c": 0.12, "sigma_2": 0.06}}
+    data = arm(bodies=belt, contacts={"joint": {"from": "arm", "to": "belt", "law": law}})
+    beside = slopes(problem_of())
+    for name, x in slopes(problem_of(data=data)).items():
+        if name in beside and name[0].startswith("joint"):
+            assert np.allclose(x, beside[name], atol=1e-3 * abs(x).max()), name
