@@ -20,6 +20,7 @@ import numpy as np
 from stribeck import Scenario, simulate
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+from stribeck.identify.core.states import Estimate
 
 STEP, T_END, NOISE = 0.005, 2.0, 5e-4
 TRUTH = {
@@ -65,27 +66,23 @@ def experiment(seed: int) -> dict[str, object]:
         {"bodies.rotor.initial": {"y": 0.0, "v": 0.0}, "bodies.arm.initial": {"y": 0.0, "v": 0.0}}
     )
     found = fit_machine(model, Logs(tuple(recordings), sought), starts=6, seed=seed, baselines=False)
-    rows = {
-        n: {
-            "truth": truth[n],
-            "value": e.value,
-            "interval": e.interval,
-            "range": e.range or e.interval,
-            "state": e.state,
-        }
-        for n, e in found.parameters.items()
-    }
+    rows = {n: row(e, truth[n]) for n, e in found.parameters.items()}
     return {"seed": seed, "status": found.status, "seconds": time.process_time() - begin, "numbers": rows}
+
+
+def row(e: Estimate, truth: float) -> dict[str, object]:
+    """An estimate beside its truth."""
+    return {"truth": truth, "value": e.value, "interval": e.interval, "range": e.range or e.interval, "state": e.state}
 
 
 def counted(rows: list[dict[str, object]]) -> str:
     """How many intervals and ranges hold the truth, how many numbers are identified, and how wide both are in the middle."""
     told = []
     for how in ("interval", "range"):
-        held = [low <= row["truth"] <= high for row in rows for low, high in [row[how]]]
-        half = np.median([(high - low) / 2 / row["value"] for row in rows for low, high in [row[how]]])
+        held = [low <= x["truth"] <= high for x in rows for low, high in [x[how]]]
+        half = np.median([(high - low) / 2 / x["value"] for x in rows for low, high in [x[how]]])
         told.append(f"{sum(held)} of {len(held)} {how}s hold (median half width {100 * half:.2g} %)")
-    return f"{'; '.join(told)}; {sum(row['state'] == 'identified' for row in rows)} identified"
+    return f"{'; '.join(told)}; {sum(x['state'] == 'identified' for x in rows)} identified"
 
 
 def main() -> None:
@@ -105,7 +102,7 @@ def main() -> None:
     done = [e for e in rows if e["status"] == "done"]
     seconds = np.median([e["seconds"] for e in rows])
     print(f"{len(rows)} experiments, {len(done)} done, {seconds:.1f} s of processor each (median)")
-    print(f"all: {counted([row for e in done for row in e['numbers'].values()])}")
+    print(f"all: {counted([x for e in done for x in e['numbers'].values()])}")
     for name in TRUTH:
         print(f"{name}: {counted([e['numbers'][name] for e in done])}")
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
+from actuator import counted, row
 from scipy.integrate import solve_ivp
 
 from stribeck.identify.actuator import Logs, fit_machine
@@ -70,10 +71,7 @@ def experiment(seed: int) -> dict[str, bool | None]:
     sought = tuple(Sought(n, x / 4, 4 * x) for n, x in truth.items())
     logs = Logs((recorded(rng, mass, F_c, sigma_2),), sought)
     found = fit_machine(machine, logs, starts=1, baselines=False)
-    return {
-        n: None if p.verdict == "not judged" else (p.low or 0.0) <= truth[n] <= (p.high or np.inf)
-        for n, p in found.parameters.items()
-    }
+    return {n: row(e, truth[n]) for n, e in found.parameters.items()}
 
 
 def main() -> None:
@@ -82,13 +80,10 @@ def main() -> None:
     parser.add_argument("--experiments", type=int, default=16)
     parser.add_argument("--first", type=int, default=100)
     given = parser.parse_args()
-    rows = []
-    for seed in range(given.first, given.first + given.experiments):
-        rows.append(experiment(seed))
-        print(seed, rows[-1], flush=True)
+    rows = [experiment(seed) for seed in range(given.first, given.first + given.experiments)]
     for name in rows[0]:
-        judged = [row[name] for row in rows if row[name] is not None]
-        print(f"{name}: {sum(judged)} of {len(judged)} hold the truth; {len(rows) - len(judged)} without an interval")
+        print(f"{name}: {counted([x[name] for x in rows])}")
+    print(f"all: {counted([e for x in rows for e in x.values()])}")
 
 
 if __name__ == "__main__":

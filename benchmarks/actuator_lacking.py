@@ -1,4 +1,4 @@
-"""Do 95 % intervals of a machine's numbers hold the truth where its friction lacks a term, and where it lacks none?
+"""Do intervals and ranges of a machine's numbers hold the truth where its friction lacks a term, and where it lacks none?
 
 Records made by SciPy, on equations written here, of an arm that hangs (torque and encoder) and of a motor with an elastic arm
 (torque and the motor's encoder). The machine that is fitted has Coulomb and viscous friction; the truth has a further term of
@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
+from actuator import counted, row
 from scipy.integrate import odeint
 
 from stribeck.identify.actuator import Logs, fit_machine
@@ -135,21 +136,18 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--told", action="store_true", help="print the notes of each fit")
     given = parser.parse_args()
+    every = list[dict[str, object]]()
     for what in given.lacks:
-        held, without_any, named = list[bool](), 0, 0
+        rows, named = list[dict[str, object]](), 0
         for seed in range(given.first, given.first + given.experiments):
             found, truth, p = experiment(given.case, what, seed)
-            judged = {n: x for n, x in found.parameters.items() if x.verdict != "not judged"}
-            without_any += not judged
-            named += any("lack a term" in n and "may be chance" not in n for n in found.notes)
-            held += [(x.low or 0.0) <= truth[n] <= (x.high or np.inf) for n, x in judged.items()]
+            named += any(n.startswith("What is left would fall") for n in found.notes)
+            rows += [row(e, truth[n]) for n, e in found.parameters.items()]
             if given.told:
                 print(seed, p, found.status, *found.notes, sep="\n    ", flush=True)
-        print(
-            f"{given.case} that lacks {what}: {sum(held)} of {len(held)} intervals hold; {without_any} fits have none; "
-            f"a term is named in {named}",
-            flush=True,
-        )
+        print(f"{given.case} that lacks {what}: {counted(rows)}; a form is named in {named}", flush=True)
+        every += rows
+    print(f"all: {counted(every)}")
 
 
 if __name__ == "__main__":

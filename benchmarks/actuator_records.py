@@ -17,6 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from actuator import counted, row
 from scipy.integrate import solve_ivp
 
 from stribeck.identify.actuator import Logs, fit_machine
@@ -200,20 +201,16 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--told", action="store_true", help="print the notes of each fit")
     given = parser.parse_args()
-    held: dict[str, list[bool]] = {}
-    without_any = 0
+    rows: dict[str, list[dict[str, object]]] = {}
     for seed in range(given.first, given.first + given.experiments):
         found, truth = experiment(CASES[given.case], given.fault, seed)
-        judged = {n: p for n, p in found.parameters.items() if p.verdict != "not judged"}
-        without_any += not judged
-        for n, p in judged.items():
-            held.setdefault(n, []).append((p.low or 0.0) <= truth[n] <= (p.high or np.inf))
+        for n, e in found.parameters.items():
+            rows.setdefault(n, []).append(row(e, truth[n]))
         if given.told:
             print(seed, found.status, *found.notes, sep="\n    ", flush=True)
-    for n, rows in held.items():
-        print(f"{n:40} {sum(rows):3d} of {len(rows)}")
-    every = [x for rows in held.values() for x in rows]
-    print(f"{given.case}, {given.fault}: {sum(every)} of {len(every)} intervals hold; {without_any} fits have none")
+    for n, own in rows.items():
+        print(f"{n}: {counted(own)}")
+    print(f"{given.case}, {given.fault}: {counted([e for own in rows.values() for e in own])}")
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
 from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
 from stribeck.identify.actuator.runs import recorded_run
+from stribeck.identify.actuator.solve import settled
 from stribeck.identify.actuator.traces import traces
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
@@ -176,6 +177,8 @@ class Fitting:
     def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The estimate judged: both uncertainties, states, errors."""
         self.work.section(0.8)
+        if not best.stopped and np.isfinite(best.problem.residuals(best.u[None])).all():
+            best.u = settled(best.problem, best.u)
         values = best.values()
         missed = [] if best.stopped else best.missed()
         status, reason = ("stopped", STOPPED) if best.stopped else ("done", "")

@@ -13,6 +13,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.errors import errors
 from stribeck.identify.actuator.lacks import MissingForm, Motion, forms
 from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.solve import fine_slopes
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, STEEP, Model, ModelLibrary
 from stribeck.identify.core.search import search
@@ -23,8 +24,6 @@ from stribeck.identify.models.record import BLOCKS, ROWS
 SEEN = (0.02, 0.98)  # of the rows, by speed: the slowest and the fastest level
 SLIDING = 1e-3  # of the fastest speed: below it a contact counts as at rest
 WIDE = 1 / 3  # of a start's room: its deviation before anything is compared
-_STEPS = (1e-5, 2e-2)  # of slopes: a third of a deviation, within these
-_NARROW = 0.3
 
 
 @dataclass(kw_only=True)
@@ -132,7 +131,7 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
     """The law alone and its models with forms, about a converged point."""
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
-    r, J = problem.residuals(u[None])[0], _slopes(problem, u)
+    r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
     motion = Motion.of(problem, u)
     every = forms(problem, u, motion)
     room = (problem.high - problem.low)[starts] * WIDE
@@ -165,14 +164,6 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
     out = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
     out.index = next(i for i, m in enumerate(lib.models) if not m[1])
     return out
-
-
-def _slopes(problem: MachineProblem, u: Array) -> Array:
-    """The slopes by central differences, of steps that are small beside each coordinate's deviation."""
-    J = problem.slopes(u[None], np.full(len(u), problem.step))[1][0]
-    size = np.sqrt(np.maximum(np.sum(J**2, axis=0), 1e-300))
-    variance = np.diag(np.linalg.pinv((J / size).T @ (J / size), rcond=1e-12, hermitian=True)) / size**2
-    return problem.central(u, np.clip(_NARROW * np.sqrt(np.maximum(variance, 0.0)), *_STEPS))
 
 
 def _without(starts: Array, columns: Array) -> Array:

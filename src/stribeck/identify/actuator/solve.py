@@ -22,6 +22,15 @@ _WIDE = 4
 _STEPS = 40
 SMALL = 1e-7  # of the cost: a smaller fall ends the search
 _HUGE = 1e300
+_OF_DEVIATION, _BETWEEN = 0.3, (1e-5, 2e-2)  # steps of fine slopes: of a coordinate's deviation, within these
+_SETTLING, _PARTS = 20, (1.0, 0.5, 0.25)  # steps at the end; parts of one that are tried
+_FAINT = (
+    1e-9,
+    1e-6,
+    1e-4,
+    1e-2,
+)  # dampings: two numbers that go together within 1e-6 make a valley along which to step
+_TENTH = 0.5 * 0.1**2  # of half the sum of squares: a tenth of a deviation
 
 
 @dataclass(frozen=True)
@@ -120,6 +129,32 @@ def _step(problem: MachineProblem, U: Array, costs: Array, damping: Array) -> tu
         else:
             after[p] = min(damping[p] * 1e3, 1e9)
     return out, new, after
+
+
+def fine_slopes(problem: MachineProblem, u: Array) -> Array:
+    """The slopes at one point by central differences, of steps that are small beside each coordinate's deviation."""
+    J = problem.slopes(u[None], np.full(len(u), problem.step))[1][0]
+    size = np.sqrt(np.maximum(np.sum(J**2, axis=0), 1e-300))
+    variance = np.diag(np.linalg.pinv((J / size).T @ (J / size), rcond=1e-12, hermitian=True)) / size**2
+    return problem.central(u, np.clip(_OF_DEVIATION * np.sqrt(np.maximum(variance, 0.0)), *_BETWEEN))
+
+
+def settled(problem: MachineProblem, u: Array) -> Array:
+    """The point from which no step of fine slopes helps by a tenth of a deviation.
+
+    Slopes to one side have errors that end a search aside of the optimum, in valleys as long as many deviations.
+    """
+    cost = float(half_squares(problem.residuals(u[None]))[0])
+    for _ in range(_SETTLING):
+        r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
+        trials = np.array([u + part * direction(r, J, u, problem, d) for d in _FAINT for part in _PARTS])
+        trials = problem.repaired(trials)
+        costs = half_squares(problem.residuals(trials))
+        best = int(np.argmin(costs))
+        if not costs[best] < cost - _TENTH:
+            break
+        u, cost = trials[best], float(costs[best])
+    return u
 
 
 def direction(r: Array, J: Array, u: Array, problem: MachineProblem, damping: float) -> Array:

@@ -10,6 +10,7 @@ from stribeck.identify.actuator.estimate import beyond_noise, estimate
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.identify.actuator.result import LogResult, MachineFit, Moved, Transfer
 from stribeck.identify.actuator.runs import recorded_run
+from stribeck.identify.actuator.solve import settled
 from stribeck.identify.actuator.traces import traces
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> Transfer:
     numbered = list(enumerate(other.recordings))
     logs = [LogResult(r.file, True, traces(fit.scenario, r, i, sought, values)) for i, r in numbered]
     own = estimate(fit.scenario, numbered, sought, 1, 0, fit.work, values)
+    own.u = own.u if own.stopped or own.missed() else settled(own.problem, own.u)
     found = judge.judged(
         own, fit.scenario, not (own.stopped or own.missed() or beyond_noise(own.problem, own.u, own.found.agreeing))
     )
