@@ -50,13 +50,13 @@ class MissingForm:
 
 
 @dataclass(frozen=True)
-class Motion:
+class RunMotion:
     """The simulated columns of each run on its grid, with the times; and the speeds in each contact."""
 
     ways: list[dict[str, Array]]
 
     @classmethod
-    def of(cls, problem: MachineProblem, u: Array) -> Motion:
+    def of(cls, problem: MachineProblem, u: Array) -> RunMotion:
         """At a point."""
         return cls([_way(problem, run, k, u) for k, run in enumerate(problem.runs)])
 
@@ -65,7 +65,7 @@ class Motion:
         return np.concatenate([x[name] for x in self.ways])
 
 
-def forms(problem: MachineProblem, u: Array, motion: Motion) -> list[MissingForm]:
+def forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[MissingForm]:
     """Everything that may lack and moves the residuals."""
     r = problem.residuals(u[None])[0]
     every = [
@@ -87,7 +87,7 @@ def _way(problem: MachineProblem, run: RecordedRun, k: int, u: Array) -> dict[st
     return {**found, "t": grid + float(run.piece or 0.0)}
 
 
-def _friction(problem: MachineProblem, u: Array, motion: Motion) -> Iterator[MissingForm]:
+def _friction(problem: MachineProblem, u: Array, motion: RunMotion) -> Iterator[MissingForm]:
     """The terms that the contacts of a machine may lack; a unit is as large, in the mean square, as the contact's friction."""
     terms: dict[str, tuple[str, str, list[Array], AtSpeed | None]] = {}
     sizes: dict[str, float] = {}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.errors import errors
-from stribeck.identify.actuator.lacks import MissingForm, Motion, forms
+from stribeck.identify.actuator.lacks import MissingForm, RunMotion, forms
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.solve import fine_slopes
 from stribeck.identify.core.choice import Selection, independent
@@ -132,7 +132,7 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
-    motion = Motion.of(problem, u)
+    motion = RunMotion.of(problem, u)
     every = forms(problem, u, motion)
     room = (problem.high - problem.low)[starts] * WIDE
     raw = np.column_stack([-r, J[:, asked], *(x.slopes for x in every)])
@@ -199,7 +199,7 @@ def _sizes(problem: MachineProblem) -> tuple[float, float]:
 
 
 def _levels(
-    problem: MachineProblem, u: Array, asked: Sequence[int], motion: Motion, every: Sequence[MissingForm],
+    problem: MachineProblem, u: Array, asked: Sequence[int], motion: RunMotion, every: Sequence[MissingForm],
     moved: Sequence[int], rms: Array, first: int,
 ) -> tuple[dict[str, float], dict[str, float], Array, Array, dict[int, Array]]:  # fmt: skip
     """The levels of the contacts whose laws are sought at four speeds that were seen: names and speeds, the slowest speed of
