@@ -10,7 +10,7 @@ from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import prepared
-from stribeck.identify.actuator.lacks import RunMotion, forms
+from stribeck.identify.actuator.lacks import RunMotion, missing_forms
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 
@@ -134,7 +134,7 @@ def problem_of(window=None, data=None):
 def slopes(problem):
     """Of all forms, by name and, of forms with several columns, which."""
     u, found = problem.start(), {}
-    for x in forms(problem, u, RunMotion.of(problem, u)):
+    for x in missing_forms(problem, u, RunMotion.of(problem, u)):
         found[x.name, sum(x.name == n for n, _ in found)] = x.slopes
     return found
 

@@ -65,7 +65,7 @@ class RunMotion:
         return np.concatenate([x[name] for x in self.ways])
 
 
-def forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[MissingForm]:
+def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[MissingForm]:
     """Everything that may lack and moves the residuals."""
     r = problem.residuals(u[None])[0]
     every = [
@@ -312,6 +312,6 @@ def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]
     )
 
 
-def told(chosen: Mapping[str, float], every: Sequence[MissingForm]) -> str:
+def forms_in_words(chosen: Mapping[str, float], every: Sequence[MissingForm]) -> str:
     """Forms with their coefficients, in words."""
     return " and ".join(form.tell(chosen[form.name]) for form in every if form.name in chosen)

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.errors import errors
-from stribeck.identify.actuator.lacks import MissingForm, RunMotion, forms
+from stribeck.identify.actuator.drawn import input_errors
+from stribeck.identify.actuator.lacks import MissingForm, RunMotion, missing_forms
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.solve import fine_slopes
+from stribeck.identify.core import search as beam
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, STEEP, Model, ModelLibrary
-from stribeck.identify.core.search import search
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.record import BLOCKS, ROWS
@@ -133,11 +133,11 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
     motion = RunMotion.of(problem, u)
-    every = forms(problem, u, motion)
+    every = missing_forms(problem, u, motion)
     room = (problem.high - problem.low)[starts] * WIDE
     raw = np.column_stack([-r, J[:, asked], *(x.slopes for x in every)])
     clean = _without(J[:, starts] * room, raw)
-    drawn = [_without(J[:, starts] * room, x.T).T for x in errors(problem, u)]
+    drawn = [_without(J[:, starts] * room, x.T).T for x in input_errors(problem, u)]
     first = 1 + len(asked)
     rms = np.maximum(np.sqrt(np.mean(clean**2, axis=0)), 1e-300)
     moved = [i for i in range(len(every)) if rms[first + i] > 0]
@@ -159,7 +159,7 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
         sought=[problem.sought[i] for i in asked], u=u[asked], forms=[every[i] for i in moved], speeds=speeds, levels=levels,
         slopes=slopes, of_forms=of_forms, size=size, top=top, slow=slow, hidden=hidden, scale=scale, J=J, drawn=drawn,
     )  # fmt: skip
-    search(lib)
+    beam.search(lib)
     solved, sse = lib.solve(gram.sum(0))
     out = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
     out.index = next(i for i, m in enumerate(lib.models) if not m[1])

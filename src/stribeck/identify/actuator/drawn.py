@@ -18,7 +18,7 @@ PILOT, DRAWS = 4, 24  # draws that show whether it matters; that then tell a dev
 LITTLE = 0.02  # of the sum of squares that is left: less does not matter
 
 
-def errors(problem: MachineProblem, u: Array) -> list[Array]:
+def input_errors(problem: MachineProblem, u: Array) -> list[Array]:
     """For each source of errors that matters the residuals as it moves them, (draws, residuals)."""
     r = problem.residuals(u[None])[0]
     found = [_by_gaps(problem, u, r)]
