@@ -131,7 +131,8 @@ def _explained(choice: Selection[MachineLibrary]) -> list[str]:
         i for i in np.argsort(score).tolist() if score[i] < score[k] + EQUAL and len(lib.models[i][1]) == len(chosen)
     ]
     words = [
-        told(_coefficients(lib, i, solved[i]), lib.forms) for i in [k, *(i for i in near if i != k)][: 1 + AS_WELL]
+        forms_in_words(_coefficients(lib, i, solved[i]), lib.forms)
+        for i in [k, *(i for i in near if i != k)][: 1 + AS_WELL]
     ]
     return [f"What is left would fall by {100 * (1 - ratio):.2g} % with {'; or as well '.join(words)}."]
 
