@@ -10,6 +10,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator import advise
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
+from stribeck.identify.actuator.lacks import forms_in_words
 from stribeck.identify.actuator.regression import MachineLibrary, regressed
 from stribeck.identify.actuator.result import Group
 from stribeck.identify.core.choice import Selection
