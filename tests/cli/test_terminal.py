@@ -132,6 +132,36 @@ def test_a_log_file_gets_lines_of_progress(monkeypatch):
     assert re.match(r"stribeck: axis: the verdict 25% after \d+ s\n", log.getvalue())
 
 
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        (["check", "dahl", "--parameters", "canudas1995"], "check dahl"),
+        (["export", "dahl", "--parameters", "canudas1995", "--target", "c", "--out", "OUT"], "export to c"),
+        (["run", "FILE", "--out", "OUT"], "stick_slip"),
+        (["sweep", "FILE", "--vary", "plant.mass=1:2:2", "--out", "OUT"], "stick_slip: 2 lanes"),
+        (["explore", "FILE", "--out", "OUT.html"], "writing the page"),
+    ],
+)
+def test_long_commands_show_progress(words, what, tmp_path, monkeypatch):
+    """Whatever may take more than two seconds; a fit, a prediction and a design have tests of their own."""
+    from contextlib import contextmanager
+
+    from stribeck import examples
+    from stribeck.cli import _status, show
+
+    asked = []
+
+    @contextmanager
+    def shown(what):
+        asked.append(what)
+        yield lambda *_: None
+
+    monkeypatch.setattr(show, "_shown", shown)
+    out, file = str(tmp_path / "out"), str(examples.path("stick_slip"))
+    assert _status([word.replace("OUT", out).replace("FILE", file) for word in words]) == 0
+    assert asked == [what]
+
+
 def test_a_terminal_of_ascii_alone():
     found = subprocess.run(
         [sys.executable, "-m", "stribeck", "library", "lugre"], capture_output=True, check=True,

@@ -204,10 +204,11 @@ def _law(
     if problem := laws.trouble(law):
         raise InputError(f"{name!r}: {problem}")
     asked.refuse(Path(name.rpartition(":")[0]), Path(parameters or ""))
-    if tolerated:
-        verdicts = _with_steepness(law, tolerated, bounds, asked.v_max, find_k_v=open_k_v)
-    else:
-        verdicts = decide(law, asked.v_max, level=bounds)
+    with show.progress(f"check {law.name}"):
+        if tolerated:
+            verdicts = _with_steepness(law, tolerated, bounds, asked.v_max, find_k_v=open_k_v)
+        else:
+            verdicts = decide(law, asked.v_max, level=bounds)
     if ":" in name:
         _note_what_makes_no_sense(law, verdicts)
     if asked.verify:
@@ -248,7 +249,8 @@ def _machine(file: Path, assignments: list[str], forces: list[str], trust: bool,
     stated = _forces(forces)
     scenario = show.load(file, assignments, trust)
     asked.refuse(file)
-    found = decide(scenario, asked.v_max, forces=stated)
+    with show.progress(f"check {scenario.name}"):
+        found = decide(scenario, asked.v_max, forces=stated)
     if asked.verify:
         found.verify()
     written = _Written()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import stribeck.export as exports
 from stribeck import laws, parameter_sets
-from stribeck.cli.show import check_file, print_json
+from stribeck.cli.show import check_file, print_json, progress
 from stribeck.errors import InputError, note
 from stribeck.laws.base import Law
 from stribeck.parameter_sets.assignments import Toml
@@ -51,19 +51,20 @@ def export(
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
-    files = exports.export(
-        chosen,
-        target,
-        out,
-        part=part,
-        scenario=rig,
-        step=step,
-        self_test=self_test,
-        origin=origin,
-        fmi=fmi,
-        controller=controller,
-        platforms=platforms,
-    )
+    with progress(f"export to {target}"):
+        files = exports.export(
+            chosen,
+            target,
+            out,
+            part=part,
+            scenario=rig,
+            step=step,
+            self_test=self_test,
+            origin=origin,
+            fmi=fmi,
+            controller=controller,
+            platforms=platforms,
+        )
     if json:
         print_json(_summary(chosen, rig) | {"target": target, "part": part, "files": [str(file) for file in files]})
     else:

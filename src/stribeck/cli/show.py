@@ -15,9 +15,12 @@ from stribeck.errors import InputError, printable
 from stribeck.files import trouble
 
 if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
     from stribeck.scenario import Scenario
 
 _EVERY = 10.0  # s, between two lines of progress in a log file
+_UNSEEN = 0.5  # s, that a command takes without a bar
 _MADE: list[Path] = []  # folders that this command made before it ran, the innermost of each path first
 
 
@@ -140,7 +143,8 @@ def _lines(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
     def write() -> None:
         while not done.wait(_EVERY):
             with suppress(OSError, ValueError):  # the reader has gone
-                print(f"stribeck: {what}: {last[0]} after {monotonic() - started:.0f} s", file=sys.stderr, flush=True)
+                said = f"{last[0]} after" if last[0] else "running for"
+                print(f"stribeck: {what}: {said} {monotonic() - started:.0f} s", file=sys.stderr, flush=True)
 
     Thread(target=write, daemon=True).start()
     try:
@@ -154,31 +158,42 @@ def _bar(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
     """A bar that appears after half a second and moves from then on, whether it is told anything or not."""
     from threading import Timer
 
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    bars: list[tuple[Progress, TaskID]] = []
+    last: list[tuple[float | None, str, str]] = [(None, "", "")]
 
-    columns = (
-        SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), TimeElapsedColumn(),
-        TextColumn("{task.fields[speed]}"),
-    )  # fmt: skip
-    bar = Progress(*columns, console=Console(stderr=True), transient=True)
-    task = bar.add_task(what, total=None, speed="")
-    timer = Timer(0.5, bar.start)
-    timer.daemon = True
-    timer.start()
+    def put(bar: Progress, task: TaskID) -> None:
+        share, text, speed = last[0]
+        total, description = None if share is None else 1.0, f"{what}: {text}" if text else what
+        bar.update(task, completed=share or 0.0, total=total, speed=speed, description=description)
+
+    def start() -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        columns = (
+            SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), TimeElapsedColumn(),
+            TextColumn("{task.fields[speed]}"),
+        )  # fmt: skip
+        bar = Progress(*columns, console=Console(stderr=True), transient=True)
+        bars.append((bar, bar.add_task(what, total=None, speed="")))
+        put(*bars[0])
+        bar.start()
 
     def tell(share: float | None, text: str, speed: str) -> None:
-        total = None if share is None else 1.0
-        bar.update(
-            task, completed=share or 0.0, total=total, speed=speed, description=f"{what}: {text}" if text else what
-        )
+        last[0] = (share, text, speed)
+        for each in bars:
+            put(*each)
 
+    timer = Timer(_UNSEEN, start)
+    timer.daemon = True
+    timer.start()
     try:
         yield tell
     finally:
         timer.cancel()
         timer.join()
-        bar.stop()
+        for bar, _ in bars:
+            bar.stop()
 
 
 def failed(what: str, reason: str | None) -> None:
