@@ -52,7 +52,13 @@ def laws() -> Iterator[str]:
         yield table(
             ("constant", "unit", "meaning", "allowed", "default"),
             [
-                (f"`{n}`", p["unit"], p["meaning"], p["allowed"], p["default"] if not p["required"] else "required")
+                (
+                    f"`{n}`",
+                    p["unit"],
+                    p["meaning"],
+                    p["allowed"].removeprefix("a finite number "),
+                    p["default"] if not p["required"] else "required",
+                )
                 for n, p in law["parameters"].items()
             ],
         ).replace("| None |", "| off |")
@@ -110,7 +116,7 @@ def keys(node: Entry, path: str = "") -> list[tuple[object, ...]]:
     rows: list[tuple[object, ...]] = []
     needed = node.get("required", ())
     for key, entry in node.get("properties", {}).items():
-        if key in ("kind", "folder"):
+        if key in ("kind", "folder") or (key == "name" and "description" not in resolved(entry)):
             continue
         each = resolved(entry)
         meaning = " ".join(str(each.get("description", "")).split())
@@ -185,7 +191,7 @@ def defaults() -> Iterator[str]:
     for name, law in shelf.library().laws.items():
         described: Any = shelf.described(law, name)
         rows += [
-            (f"law `{name}` `{n}`", p["meaning"], p["allowed"], p["default"])
+            (f"law `{name}` `{n}`", p["meaning"], p["allowed"].removeprefix("a finite number "), p["default"])
             for n, p in described["parameters"].items()
             if p["default"] is not None
         ]

@@ -139,26 +139,37 @@ def test_every_block_of_python_is_python_and_names_what_there_is(page):
 @pytest.mark.parametrize(
     "page", sorted([*(DOCS / "tutorials").glob("*.md"), *(DOCS / "howto").glob("*.md")]), ids=lambda p: p.stem
 )
-def test_a_guide_can_be_followed(page, tmp_path, monkeypatch, capsys):
-    """Its files are written, its commands run in their order, its Python too; a file's block begins with its name."""
+def test_a_guide_can_be_followed(page, tmp_path, monkeypatch, capfd):
+    """Its files are written and its commands run in their order; they print what it shows, but for digits and spaces.
+
+    A file's block begins with the file's name. A block of text that begins with a command is not run.
+    """
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "110")
     monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
-    python = blocks(page, "python")
-    for block in (*python, *blocks(page, "toml")):
+    printed = ""
+    for language, block in re.findall(r"^ *```(\w+)\n(.*?)^ *```", page.read_text(encoding="utf-8"), re.S | re.M):
         if named := re.match(r"# (\w+\.(?:py|toml))\n", block):
             Path(named[1]).write_text(block, encoding="utf-8")
-    for line in "".join(blocks(page, "sh")).splitlines():
-        words = shlex.split(line, comments=True)
-        if words and words[0] == "stribeck":
-            assert _status(words[1:]) == 0, line
-        elif words and words[0] != "pip":
-            if shutil.which("cc") is None:
-                pytest.skip("no C compiler")
-            subprocess.run(words, check=True)
-    for block in python:
-        if "import torch" not in block or find_spec("torch"):
+        if language == "sh":
+            for line in block.splitlines():
+                words = shlex.split(line, comments=True)
+                if words and words[0] == "stribeck":
+                    assert _status(words[1:]) == 0, line
+                elif words and words[0] != "pip":
+                    if shutil.which("cc") is None:
+                        pytest.skip("no C compiler")
+                    subprocess.run(words, check=True)
+            printed += plain(" ".join(capfd.readouterr()))
+        elif language == "text" and not re.match(r" *(stribeck|arm-none)", block):
+            assert not (missing := [line for line in block.splitlines() if plain(line) not in printed]), missing
+        elif language == "python" and ("import torch" not in block or find_spec("torch")):
             exec(compile(block, page.name, "exec"), {"__name__": page.stem})
-    capsys.readouterr()
+
+
+def plain(text):
+    """Without what differs from run to run: numbers, and where lines are broken."""
+    return " ".join(re.sub(r"[\d.]+(e[+-]?\d+)?", "#", text).split())
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)

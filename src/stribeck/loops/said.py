@@ -24,10 +24,10 @@ from stribeck.scenario import said as of_scenario
 from stribeck.scenario.moved import moved
 
 _MEANING = {
-    "quiet": "comes to rest and stays there",
-    "creeping": "still moves one way when it should rest",
-    "hunting": "moves to and fro when it should rest",
-    "unstable": "oscillates, and grows until a limit or without end",
+    "quiet": "settles and stays there",
+    "creeping": "still moves in one direction when it should rest",
+    "hunting": "oscillates when it should rest",
+    "unstable": "oscillates with growing amplitude, up to a limit or without end",
     "failed": "could not be simulated to the end",
 }
 _VERDICTS = {"quiet": "QUIET", "creeping": "CREEPS", "hunting": "HUNTS", "unstable": "UNSTABLE", "failed": "FAILED"}
@@ -131,8 +131,8 @@ def _page(found: Design, figures: Sequence[FigureSvg]) -> Document:
 def _verdict(found: Design) -> Chapter:
     j = found.judgement
     text = [
-        "Judged after the signals have come to rest, by simulation of the loop as it is in the file over two hundred of its "
-        f"slowest time constants ({found.loop.slowest:.3g} s while all contacts slide) or more.",
+        "The loop of the file is simulated until its signals are constant, and on over at least two hundred of its slowest "
+        f"time constants ({found.loop.slowest:.3g} s while all contacts slide). The end is judged.",
     ]
     if j.note:
         text.append(f"Note: {j.note}.")

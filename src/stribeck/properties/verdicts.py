@@ -85,7 +85,7 @@ def accepted(verdict: Verdict, law: Law, name: str, v_max: float | None = None) 
     if not verdict.holds:
         return verdict
     refused = refusals(verdict.certificate, law, name, v_max)
-    return undecided(f"a proof was found, but the independent checker refuses it: {refused[0]}") if refused else verdict
+    return undecided(f"a proof was found, but the independent checker rejects it: {refused[0]}") if refused else verdict
 
 
 def ranges_in_words(ranges: Mapping[str, Sequence[float | None]]) -> str:

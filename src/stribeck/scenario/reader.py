@@ -234,7 +234,7 @@ class Reader:
         self._tolerances([state.name for state in system.states])
         if law.jumps_at_rest and not drive.sets_velocity:
             smooth = "k_v" in law.constants()
-            text = f"the force of law '{law.name}' jumps at v = 0, and a body under it cannot come to rest"
+            text = f"the force of law '{law.name}' jumps at v = 0, so a body under it cannot stick"
             text = f"missing: {text}; give k_v > 0 in s/m for a smooth sign" if smooth else f"{show(law.name)}: {text}"
             self.problems.append(("law.k_v" if smooth else "law.name", f"{text}, or use drive.kind = 'velocity'"))
         self._rows(len(system.columns))

@@ -148,7 +148,7 @@ def check_motion(log: Log) -> None:
     if high - low < 2 * _STEADY * abs(middle):
         raise InputError(
             f"{arg('velocity')}: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "
-            "told apart; measure several speeds in both directions"
+            "separated; measure several speeds in both directions"
         )
     if not np.ptp(log.force) > 0:
         raise InputError(f"{arg('force')}: {log.force[0]:.6g} N throughout: there is no friction to fit")

@@ -63,7 +63,7 @@ def why_not(problem: Problem, k: int, u: Array, inner: Array, support: float, al
     if c.log and np.sqrt(THRESHOLD) * deviation > _WIDEST:
         return f"the residuals hardly depend on it{together}"
     if alike:
-        return f"it is hardly told apart from the others{together}"
+        return f"it can hardly be separated from the others{together}"
     return ""
 
 

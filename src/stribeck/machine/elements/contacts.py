@@ -308,7 +308,7 @@ class Contact(BetweenBodies, family=True):
         found = super().wiring(m)
         law = None if self.law is None else self.law.law
         if law is not None and law.jumps_at_rest and any(m.free_leader(x) for x in self.ends):
-            text = f"the force of law '{law.name}' jumps at v = 0, and a body under it cannot come to rest"
+            text = f"the force of law '{law.name}' jumps at v = 0, so a body under it cannot stick"
             if "k_v" in law.constants():
                 found.append((("law", "k_v"), f"missing: {text}; give k_v > 0 for a smooth sign"))
             else:
