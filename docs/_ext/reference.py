@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -197,8 +198,12 @@ def defaults() -> Iterator[str]:
         ]
     for name, command in sorted(typer.main.get_command(commands).commands.items()):  # type: ignore[attr-defined]
         for p in command.params:
+            words = f"`stribeck {name} {max(p.opts, key=len)}`"
+            text = getattr(p, "help", None) or ""
             if p.default not in (None, False, [], ()) and not p.required and not callable(p.default):
-                rows.append((f"`stribeck {name} {max(p.opts, key=len)}`", p.help or "", "", p.default))
+                rows.append((words, text, "", p.default))
+            elif stated := re.search(r"(?:^|[;,] )([^;,]+) unless given", text):
+                rows.append((words, text, "", stated[1]))
     yield table(("where", "meaning", "allowed", "default"), rows)
 
 
