@@ -135,9 +135,13 @@ def test_every_block_of_python_is_python_and_names_what_there_is(page):
                 assert known, name
 
 
+GUIDES = sorted([*(DOCS / "tutorials").glob("*.md"), *(DOCS / "howto").glob("*.md")])
+SLOW = {"hunting", "joint", "fit-a-joint", "fit-a-log", "log-for-identification", "will-it-hunt"}  # they fit or judge
+
+
 @pytest.mark.share(2)
 @pytest.mark.parametrize(
-    "page", sorted([*(DOCS / "tutorials").glob("*.md"), *(DOCS / "howto").glob("*.md")]), ids=lambda p: p.stem
+    "page", [pytest.param(p, marks=[pytest.mark.thorough] * (p.stem in SLOW), id=p.stem) for p in GUIDES]
 )
 def test_a_guide_can_be_followed(page, tmp_path, monkeypatch, capfd):
     """Its files are written and its commands run in their order; they print what it shows, but for digits and spaces.
