@@ -135,7 +135,7 @@ def test_workers_make_the_same_bytes_though_one_is_killed_and_one_has_no_compile
             with_group(killed[0], signal.SIGKILL)
             cluster.worker()
 
-    with pytest.warns(StribeckNote, match="left out: tcp://.* has no C compiler"):
+    with pytest.warns(StribeckNote, match="left out: tcp://.* solves by WebAssembly, not by a C compiler"):
         found = stribeck.sweep(scenario(), LANES, tmp_path, progress=kill, cluster=cluster.address)
     assert killed
     assert found.failed == 0
@@ -183,7 +183,10 @@ def test_a_scheduler_that_is_killed_is_one_line_and_the_sweep_goes_on(here, tmp_
 def test_no_worker_that_can(tmp_path):
     with cluster_in(tmp_path / "cluster") as made:
         made.worker(STRIBECK_CC="none")
-        with pytest.raises(StribeckError, match=r"no worker can make these numbers: tcp://.* has no C compiler"):
+        with pytest.raises(
+            StribeckError,
+            match=r"no worker can make these numbers: tcp://.* solves by WebAssembly, not by a C compiler",
+        ):
             stribeck.sweep(scenario(), LANES, tmp_path / "there", cluster=made.address)
 
 

@@ -23,6 +23,7 @@ from stribeck.arrays import Array
 from stribeck.errors import StribeckError, one_line, said_by
 from stribeck.scenario import Scenario
 from stribeck.scenario.moved import with_files
+from stribeck.simulation.backend import chosen
 from stribeck.simulation.ensemble import simulate_ensemble
 from stribeck.sweeps import tables
 from stribeck.version import __version__
@@ -84,7 +85,14 @@ class Order:
         """As JSON, with the files that the scenario names and the digest of the first lane's file."""
         data, files = with_files(self.scenario.data, self.scenario.folder)
         contents = {name: base64.b64encode(content).decode() for name, content in files.items()}
-        about = {"stribeck": __version__, "data": data, "files": contents, "summary": self.summary, "probe": probe}
+        about = {
+            "stribeck": __version__,
+            "backend": chosen(),
+            "data": data,
+            "files": contents,
+            "summary": self.summary,
+            "probe": probe,
+        }
         return json.dumps(about)
 
 
@@ -110,6 +118,9 @@ def made_by_worker(
         return Refusal(str(get_worker().address), one_line(reason))
 
 
+_NAMES = {"c": "a C compiler", "wasm": "WebAssembly"}
+
+
 @lru_cache(maxsize=8)
 def _order(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
     """The order of a text, built and compared once a process.
@@ -120,6 +131,8 @@ def _order(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
     given = json.loads(text)
     if given["stribeck"] != __version__:
         raise StribeckError(f"has Stribeck {__version__}, not {given['stribeck']}")
+    if (own := chosen()) != given["backend"]:
+        raise StribeckError(f"solves by {_NAMES[own]}, not by {_NAMES[given['backend']]}")
     with ExitStack() as files:
         folder = Path(files.enter_context(tempfile.TemporaryDirectory(prefix="stribeck-")))
         for name, content in given["files"].items():
