@@ -31,6 +31,7 @@ def home(tmp_path, monkeypatch):
     """An empty cache, in this process too."""
     folder = tmp_path / "cache"
     monkeypatch.setenv("STRIBECK_CACHE", str(folder))
+    monkeypatch.setenv("STRIBECK_BACKEND", "auto")  # C is the subject
     monkeypatch.setattr(cache, "_loaded", {})
     monkeypatch.setattr(compiler, "_FLAGS", QUICK)
     return folder

@@ -25,6 +25,7 @@ DATA = rig("lugre_sobczyk", "force", {"kind": "ramp", "rate": 3.0}, 0.7, rows=50
 @pytest.fixture(autouse=True)
 def _fresh(tmp_path, monkeypatch):
     monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("STRIBECK_BACKEND", "auto")  # C is the subject
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setattr(cache, "_loaded", {})
 

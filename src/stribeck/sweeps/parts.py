@@ -23,7 +23,7 @@ from stribeck.arrays import Array
 from stribeck.errors import StribeckError, one_line, said_by
 from stribeck.scenario import Scenario
 from stribeck.scenario.moved import with_files
-from stribeck.simulation.backend import chosen
+from stribeck.simulation import backend
 from stribeck.simulation.ensemble import simulate_ensemble
 from stribeck.sweeps import tables
 from stribeck.version import __version__
@@ -87,7 +87,7 @@ class Order:
         contents = {name: base64.b64encode(content).decode() for name, content in files.items()}
         about = {
             "stribeck": __version__,
-            "backend": chosen(),
+            "backend": backend.chosen(),
             "data": data,
             "files": contents,
             "summary": self.summary,
@@ -131,7 +131,7 @@ def _order(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
     given = json.loads(text)
     if given["stribeck"] != __version__:
         raise StribeckError(f"has Stribeck {__version__}, not {given['stribeck']}")
-    if (own := chosen()) != given["backend"]:
+    if (own := backend.chosen()) != given["backend"]:
         raise StribeckError(f"solves by {_NAMES[own]}, not by {_NAMES[given['backend']]}")
     with ExitStack() as files:
         folder = Path(files.enter_context(tempfile.TemporaryDirectory(prefix="stribeck-")))
