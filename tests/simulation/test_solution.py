@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from stribeck import Scenario, simulate
+from stribeck import Scenario, load, simulate
 from stribeck.simulation import native
 from stribeck.simulation.ensemble import simulate_ensemble
 from tests.simulation.rig import law_table, needs_compiler, pid, rig, solved, spring
@@ -194,3 +194,16 @@ def test_no_line_joins_rows_that_lie_far_apart():
     steps = np.hypot(*np.diff(shown, axis=0).T)
     assert np.isnan(steps).any()
     assert np.nanmax(steps) < 0.08
+
+
+def test_a_machine_shows_its_tracking_error_and_what_its_encoder_reads():
+    from stribeck import examples
+    from stribeck.simulation.drawing import panels, quantities
+
+    machine = load(examples.path("axis_hunts"))
+    encoder = {"kind": "encoder", "on": "slide", "resolution": 1e-5}
+    found = simulate(machine.with_changes({"sensors": {"scale": encoder}, "solve.t_end": 0.5}))
+    np.testing.assert_array_equal(quantities(found)["axis.e"].values, found["slide.y"] - found["axis.r"])
+    shown = {panel.title: panel for panel in panels(found)}
+    assert shown["axis: tracking error"].y == "axis.e"
+    assert shown["slide: position"].beside == ("axis.r", "scale.reading")

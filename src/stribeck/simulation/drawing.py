@@ -122,6 +122,12 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
         found["e"] = Quantity("e", found["y"].unit, "control error y - r", solution["y"] - solution["r"])
     elif "e" in found:
         found["y_d"] = Quantity("y_d", found["y"].unit, "desired position", solution["y"] - solution["e"])
+    for each in solution.scenario.rig.machine.controllers:
+        if each.name and (read := f"{each.measures}.y") in found:  # as the cascade of a piston has e of its own
+            error = solution[read] - solution[f"{each.name}.r"]
+            found.setdefault(
+                f"{each.name}.e", Quantity(f"{each.name}.e", found[read].unit, "tracking error y - r", error)
+            )
     return found
 
 

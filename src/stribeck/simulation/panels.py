@@ -43,14 +43,21 @@ def of_machine(machine: MachineSystem) -> tuple[Panel, ...]:
     """What is worth seeing of a machine, in the order of reading: two panels for each body, contact, motor and controller,
     one for each link and load."""
     found: list[Panel] = []
+    controllers = {each.name for each in machine.controllers}
     followed = {each.measures: each.name for each in machine.controllers} | {x.on: x.name for x in machine.drives}
     for body in machine.bodies:
         if body.tied_to is None:  # what is tied moves in proportion
             tied = [other.name for other in machine.bodies if machine.leader(other.name) is body and other is not body]
             title = f"{body.name} (tied to it: {', '.join(tied)})" if tied else body.name
-            beside = (f"{followed[body.name]}.r",) if body.name in followed else ()
-            also = f", and what {followed[body.name]} is to follow" if beside else ""
+            own = followed.get(body.name)
+            reads = [x.name for x in machine.elements.sensors.values() if x.on == body.name]
+            beside = ((f"{own}.r",) if own else ()) + tuple(f"{name}.reading" for name in reads)
+            also = (f", and what {own} is to follow" if own else "") + "".join(
+                f", and what {name} reads" for name in reads
+            )
             found.append(Panel(f"{body.name}.y", f"{title}: position", also=also, axis="position", beside=beside))
+            if own in controllers:
+                found.append(Panel(f"{own}.e", f"{own}: tracking error"))
             found.append(Panel(f"{body.name}.v", f"{body.name}: velocity"))
             found += [Panel(f"{body.name}.{s.name}", f"{body.name}: {s.meaning}") for s in body.plant.states]
     for contact in machine.contacts:
