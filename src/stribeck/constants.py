@@ -149,3 +149,16 @@ def show(value: object) -> str:
     else:
         text = str(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the output: its name, unit and meaning."""
+
+    name: str
+    unit: str
+    meaning: str
+
+    def of_motion(self, rotary: bool) -> Column:
+        """The column as a linear or a rotary machine has it: torque in N m for force in N."""
+        return Column(self.name, rotary_unit(self.unit), rotary_words(self.meaning)) if rotary else self

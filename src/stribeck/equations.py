@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from stribeck.arrays import Array
-from stribeck.constants import Constant
-from stribeck.drives.base import Column
+from stribeck.constants import Column, Constant
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.expressions.names import Names
 from stribeck.signals.pieces import STRAIGHT

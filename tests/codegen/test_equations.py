@@ -17,22 +17,24 @@ T = 0.7
 
 
 def rates_by_numpy(system, x):
-    """The time derivatives from the laws' and drives' own functions on numbers."""
-    (contact,), drive = system.contacts, system.drive.drive
+    """The time derivatives from the laws' own functions on numbers, and the drives' as docs/scenario.md has them."""
+    (contact,), e = system.contacts, system.elements
     friction = contact.friction.kind
     law = friction.symbolic(lambda name: VALUES[name], contact.friction.form)
-    p = SimpleNamespace(**{n: VALUES[n] for owner, n in system.parameters if owner == "drive"})
-    constants = SimpleNamespace(**{n: VALUES[n] for owner, n in system.parameters if owner == "signal"})
+    constants = SimpleNamespace(**{n: VALUES[n] for owner, n in system.parameters if owner.endswith("signal")})
     kind = system.signals[0].kind
     signal = kind.equation(constants, T) if kind else Segment.equation(Segment(*PIECE), T)
     named = {state.name: value for state, value in zip(system.states, x, strict=True)}
-    y, v = named["y"], signal if drive.sets_velocity else named["v"]
+    y, v = named["y"], named.get("v", signal)
     z = named.get("z", 0.0)
     dz_dt = friction.dz_dt(law, v, z)
     F = friction.friction(law, v, z, dz_dt)
-    own = tuple(named[state.name] for state in drive.states)
-    u = F if drive.sets_velocity else drive.force(p, signal, y, v, own)
-    by_name = dict(zip((state.name for state in drive.states), drive.rates(p, signal, y, v, own), strict=True))
+    by_name = {}
+    if e.controllers:
+        u = VALUES["K_p"] * (signal - y) - VALUES["K_i"] * named["I"] - VALUES["K_d"] * v
+        by_name["I"] = y - signal
+    else:
+        u = VALUES["stiffness"] * (signal - y) if e.links else signal if e.loads else F
     by_name |= {"y": v, "z": dz_dt, "E_in": u * v, "v": (u - F) / VALUES["mass"]}
     by_name["E_dissipated"] = F * v - (VALUES["sigma_0"] * z * dz_dt if friction.has_z else 0.0)
     return np.array([by_name[state.name] for state in system.states], float)

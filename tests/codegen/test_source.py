@@ -70,7 +70,7 @@ def test_depends_on_the_system_alone(law, form):
 def test_says_what_it_is_and_names_what_it_holds():
     text = source(systems(builtin()["lugre_sobczyk"], USUAL)[0])
     assert "Law: lugre_sobczyk" in text
-    assert "/* N/m, bristle stiffness (law.sigma_0) */" in text
+    assert "/* N/m, bristle stiffness (contacts.law.sigma_0) */" in text
     for name in ("g", "S_0", "dz_dt", "F"):
         assert re.search(rf"const real {name} = ", text), name
     assert max(map(len, text.splitlines())) < 250

@@ -14,6 +14,7 @@ from stribeck.control.gains import at_speed, decay, gain_verdict, prove
 from stribeck.control.proof import derive
 from stribeck.laws import BristleLaw
 from stribeck.loops.lyapunov import along
+from stribeck.scenario.cascade import gains_of
 from tests.control.servos import servo, solved
 from tests.simulation.rig import needs_compiler
 
@@ -99,18 +100,18 @@ def test_conditions_of_table_1():
 
 def test_conditions_of_the_example():
     scenario = servo()
-    verdict = gain_verdict(scenario.law, scenario.drive_values, 0.5)
+    verdict = gain_verdict(scenario.law, gains_of(scenario), 0.5)
     assert verdict.exact.largest_speed == pytest.approx(21.6, abs=0.1)
     assert verdict.sufficient.largest_speed == pytest.approx(0.011, abs=0.001)
     speed = verdict.exact.largest_speed
-    assert gain_verdict(scenario.law, scenario.drive_values, 0.999 * speed).exact.holds
-    assert not gain_verdict(scenario.law, scenario.drive_values, 1.001 * speed).exact.holds
+    assert gain_verdict(scenario.law, gains_of(scenario), 0.999 * speed).exact.holds
+    assert not gain_verdict(scenario.law, gains_of(scenario), 1.001 * speed).exact.holds
 
 
 @pytest.mark.parametrize("v_max", [0.5, 30.0, 300.0])
 def test_proposed_gains_hold_with_room(v_max):
     scenario = servo()
-    given = scenario.drive_values
+    given = gains_of(scenario)
     proposed = gain_verdict(scenario.law, given, v_max).proposed
     for name, value in proposed.items():
         verdict = gain_verdict(scenario.law, {**given, name: value}, v_max)

@@ -339,7 +339,7 @@ MISTAKES += [
         "controllers.axis.sampling.period: 1e-12: more than 1e+08 samples until",
     ),
     (
-        {"solve.t_end": 1e300},
+        {"solve.t_end": 1e300, "output.step": 1e299},
         "controllers.axis.sampling.period: 0.005: more than 1e+08 samples until solve.t_end = 1e+300 s",
     ),
 ]

@@ -54,26 +54,12 @@ def test_a_machine_stays_as_it_is():
 
 
 def test_paths():
-    assert machine_path("law.parameters.F_c=1:2") == "contacts.contact.law.parameters.F_c=1:2"
-    assert machine_path("drive.K_p") == "controllers.controller.K_p"
-    assert machine_path("plant.mass") == "bodies.body.mass"
-    assert machine_path("K_p") == "K_p"
-
-
-OWN = """
-from stribeck.plants import Mass
-
-class Heavy(Mass):
-    kind, meaning = "heavy", "a mass by another name"
-"""
-
-
-def test_a_plant_of_ones_own_has_no_table(tmp_path):
-    (tmp_path / "own.py").write_text(OWN)
-    data = tomllib.loads(examples.path("break_away").read_text())
-    data["plant"]["kind"] = "own.py:Heavy"
-    with pytest.raises(InputError, match=r"plant\.kind: 'own.py:Heavy': must be 'mass' or 'pneumatic' in a machine"):
-        as_machine(Scenario(data, folder=tmp_path))
+    pid = Scenario(PID)
+    assert machine_path(pid, "law.parameters.F_c=1:2") == "contacts.contact.law.parameters.F_c=1:2"
+    assert machine_path(pid, "drive.K_p") == "controllers.controller.K_p"
+    assert machine_path(pid, "plant.mass") == "bodies.body.mass"
+    assert machine_path(pid, "plant.initial.z") == "contacts.contact.initial.z"
+    assert machine_path(pid, "K_p") == "K_p"
 
 
 PID = {

@@ -81,7 +81,7 @@ def test_states_that_are_not_there():
     line = "solve.atol.v: 1.0: there is no such state (the states are y)"
     assert problems(edited(VALID["velocity_sine"], "solve", value={"t_end": 1.0, "atol": {"v": 1.0}})) == [line]
     data = edited(VALID["velocity_sine"], "plant.initial", value={"v": 0.5})
-    assert problems(data) == ["plant.initial.v: 0.5: must be left out: the drive sets the velocity"]
+    assert problems(data) == ["plant.initial.v: 0.5: must be left out: the velocity of this body is given"]
     data = edited(VALID["velocity_sine"], "plant.initial", value={"z": 1e-6})
     assert problems(data) == ["plant.initial.z: 1e-06: law 'stribeck' has no z; leave it out"]
 
@@ -129,14 +129,14 @@ def test_mistakes_behind_an_unknown_law_or_kind():
     assert sorted(keys) == sorted(
         [
             "law.name", "law.q", "law.parameters.sigma_0", "law.parameters.F_s", "plant.mass", "plant.q",
-            "drive.kind", "drive.stifness", "drive.signal.kind", "drive.signal.rates",
+            "drive.kind", "drive.stifness", "drive.signal.kind", "drive.signal.rates", "output.step",
         ]
     )  # fmt: skip
     data["drive"] = {"kind": "velocity", "signal": {"kind": "ramp", "rate": 0.1}}
     data["law"] = {"name": "makkar", **MAKKAR}
     data["plant"] = {"mass": 0, "initial": {"z": 1.0}}
     keys = [line.split(": ")[0] for line in problems(data)]
-    assert sorted(keys) == ["output.step", "plant.mass"]
+    assert sorted(keys) == ["output.step", "plant.initial.z", "plant.mass"]
 
 
 def test_a_missing_plant_is_no_mistake_where_the_drive_is_unknown():

@@ -88,7 +88,7 @@ def test_defaults():
     assert scenario.name == "scenario"
     assert (scenario.solve.rtol, scenario.solve.atol) == (1e-8, {})
     assert scenario.output.energy is False
-    assert scenario.initial == {"y": 0.0, "v": 0.0, "z": 0.0}
+    assert scenario.initial == {}  # all of them 0
     assert scenario.mass == 1.0
     assert isinstance(scenario.mass, float)  # the file says 1
 
@@ -107,12 +107,14 @@ def test_values_are_named_by_their_owner():
     scenario = Scenario(VALID["velocity_sine"])
     assert scenario.mass is None  # given, but a moved body needs none
     assert scenario.values() == {
-        **{("law", n): CANUDAS[n] for n in ("F_c", "F_s", "v_s", "sigma_2")}, ("law", "delta"): 1.5,
-        ("law", "k_v"): 1e6, ("signal", "amplitude"): 0.001, ("signal", "frequency"): 1.5, ("signal", "offset"): 0.0015,
-        ("signal", "phase"): 1.57,
+        **{("contacts.law", n): CANUDAS[n] for n in ("F_c", "F_s", "v_s", "sigma_2")},
+        ("contacts.law", "delta"): 1.5, ("contacts.law", "k_v"): 1e6,
+        **{("bodies.velocity.signal", n): VALID["velocity_sine"]["drive"]["signal"][n]
+           for n in ("amplitude", "frequency", "offset", "phase")},
     }  # fmt: skip
     spring = Scenario(SPRING).values()
-    assert (spring["plant", "mass"], spring["drive", "stiffness"], spring["law", "z_ba"]) == (1.0, 2.0, 7e-6)
+    found = spring["bodies", "mass"], spring["links", "stiffness"], spring["contacts.law", "z_ba"]
+    assert found == (1.0, 2.0, 7e-6)
     assert set(spring) == set(Scenario(SPRING).system.parameters)
 
 

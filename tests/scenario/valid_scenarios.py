@@ -92,7 +92,8 @@ ALLOWED_VALUE = {"points": "list", "step": _ANY, "file": "column"}
 OPTIONAL = {
     "name", "law.delta", "law.v_d", "law.smooth_abs", "plant.kind", "plant.initial",
     "plant.initial.y", "plant.initial.v", "plant.initial.z",
-    "drive.signal.offset", "drive.signal.phase", "solve.rtol", "solve.atol", "solve.atol.y", "solve.atol.v",
+    "drive.K_i", "drive.K_d", "drive.signal.offset", "drive.signal.phase",
+    "solve.rtol", "solve.atol", "solve.atol.y", "solve.atol.v",
     "solve.max_steps", "output.energy",
 }  # fmt: skip
 

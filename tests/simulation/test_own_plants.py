@@ -1,4 +1,4 @@
-"""A plant of the user's own: one class in one file, and everything that a single body has."""
+"""A body of the user's own: one class in one file, and everything that a single body has."""
 
 import re
 
@@ -9,43 +9,43 @@ import stribeck
 from stribeck import InputError, Scenario, simulate
 
 FILE = '''
-from stribeck.constants import Constant
-from stribeck.drives.base import Column
-from stribeck.plants import Plant
+from typing import Annotated
+
+from pydantic import Field
+
+from stribeck.machine.element import State
+from stribeck.machine.elements.bodies import Body, Initial
+from stribeck.machine.table import Aside, quantity
 
 
-class Flexible(Plant):
+class Start(Initial):
+    d: float = quantity("m", "how far the load is ahead at t = 0", default=0.0)
+    w: float = quantity("m/s", "how fast it gets ahead at t = 0", default=0.0)
+
+
+class Flexible(Body):
     """A carriage on a rail with a load on a spring and damper."""
 
-    constants = {
-        "mass": Constant("kg", "mass of the carriage", above=0),
-        "load": Constant("kg", "mass of the load", above=0),
-        "stiffness": Constant("N/m", "stiffness between them", above=0),
-        "damping": Constant("N s/m", "damping between them", at_least=0, default=0.0),
-    }
-    states = (Column("d", "m", "how far the load is ahead"), Column("w", "m/s", "how fast it gets ahead"))
+    states = (State("d", "m", "how far the load is ahead"), State("w", "m/s", "how fast it gets ahead"))
+    load: float = quantity("kg", "mass of the load", above=0)
+    stiffness: float = quantity("N/m", "stiffness between them", above=0)
+    damping: float = quantity("N s/m", "damping between them", at_least=0, default=0.0)
+    initial: Annotated[Start | None, Aside()] = Field(None, description="the state at t = 0")
 
-    @staticmethod
-    def acceleration(p, u, F, x=()):
-        return (u - F + p.stiffness * x[0] + p.damping * x[1]) / p.mass
+    def pull(self, x):
+        return self.stiffness * x["d"] + self.damping * x["w"]
 
-    @classmethod
-    def rates(cls, p, y, v, u, F, x):
-        return x[1], -(p.stiffness * x[0] + p.damping * x[1]) / p.load - cls.acceleration(p, u, F, x)
+    def acceleration(self, force, inertia, x):
+        return (force + self.pull(x)) / inertia
 
-    @staticmethod
-    def stored_energy(p, y, v, x):
-        return p.mass * v**2 / 2 + p.load * (v + x[1]) ** 2 / 2 + p.stiffness * x[0] ** 2 / 2
+    def rates(self, y, v, acceleration, x):
+        return {"d": x["w"], "w": -self.pull(x) / self.load - acceleration}
 
-    @staticmethod
-    def lost_power(p, y, v, u, x):
-        return p.damping * x[1] ** 2
+    def stored_energy(self, y, v, inertia, x):
+        return inertia * v**2 / 2 + self.load * (v + x["w"]) ** 2 / 2 + self.stiffness * x["d"] ** 2 / 2
 
-
-class Valve(Flexible):
-    """It wants a voltage."""
-
-    takes = Column("u", "V", "voltage")
+    def lost_power(self, y, v, x):
+        return self.damping * x["w"] ** 2
 '''
 M, L, C, D, PULL = 0.7, 0.4, 30.0, 0.3, 20.0
 
@@ -101,9 +101,8 @@ def test_its_numbers_vary_in_lanes(folder):
     [
         ({"load": -1.0}, "plant.load: -1.0: must be a finite number > 0"),
         ({"lode": 1.0}, "plant.lode: 1.0: unknown key (did you mean 'load'?)"),
-        ({"initial": {"q": 1.0}}, "plant.initial.q: 1.0: unknown key (known here: y, v, z, d, w)"),
-        ({"kind": "own.py:Nope"}, "own.py has no plant 'Nope' (it has Flexible, Valve)"),
-        ({"kind": "own.py:Valve"}, "takes voltage, V, which drive.kind = 'spring' does not give"),
+        ({"initial": {"q": 1.0}}, "plant.initial.q: 1.0: unknown key (known here: y, v, d, w)"),
+        ({"kind": "own.py:Nope"}, "own.py has no body 'Nope' (it has Flexible)"),
     ],
 )
 def test_mistakes(folder, plant, said):

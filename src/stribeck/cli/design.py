@@ -193,8 +193,9 @@ def _print_table(rows: Sequence[Sequence[str]]) -> None:
 
 def _print_servo(scenario: Scenario, found: ServoDesign) -> None:
     from stribeck.control.proof import derive
+    from stribeck.scenario.cascade import gains_of
 
-    d, v, proof = scenario.drive_values, found.gains, found.proof
+    d, v, proof = gains_of(scenario), found.gains, found.proof
     word = {True: "proved", False: "refuted", None: "not decided"}[proof.proven]
     say(f"{scenario.name}: V decreases for |v| <= {v.v_max:.4g} m/s: {word}", 4)
     if proof.reason:

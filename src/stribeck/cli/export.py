@@ -139,7 +139,5 @@ def _at_contact(law: Law, name: str, given: dict[str, Toml]) -> Law:
 
 def _of(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
     """The law of a scenario, of a machine that of a contact, and whether it turns there."""
-    path = law_path(rig, contact)
-    if rig.rig.single:
-        return rig.law, rig.rotary
-    return rig.rig.laws[path], rig.rig.laws[path].rotary
+    law = rig.rig.laws[rig.called.to_machine(law_path(rig, contact))]
+    return law, law.rotary

@@ -10,7 +10,7 @@ from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.form import USUAL, Form
-from stribeck.plants.mass import Mass
+from stribeck.machine.elements.bodies import sum_of_forces
 
 # Words of C that a variable must not have, and names of the generated functions.
 _TAKEN = (
@@ -18,7 +18,7 @@ _TAKEN = (
     | C_FUNCTIONS
     | frozenset(
         """
-    p v z PARAMETERS UNUSED net_force net_force_by_u net_force_by_F
+    p v z PARAMETERS UNUSED sum_of_forces net_force_by_u net_force_by_F
     by_z by_v r_v r_z f_v f_z real mask splat choose abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of
     """.split()  # noqa: SIM905
     )
@@ -74,7 +74,7 @@ def motion_source(law: type[Law], form: Form = USUAL) -> str:
 def _newton() -> list[str]:
     """What accelerates the body, and its derivatives by the drive's force and the friction."""
     u, F = symbol("u"), symbol("F")
-    value = wrap(Mass.net_force(u, F))
+    value = wrap(sum_of_forces(u, F))
 
     def written(of: Expr) -> str:
         return (
@@ -85,7 +85,7 @@ def _newton() -> list[str]:
         f"static inline double net_force_by_{x.value}(void) {{ return {written(derivative(value, x))}; }}"
         for x in (u, F)
     )
-    return [f"static inline double net_force(double u, double F) {{ return {written(value)}; }}", *slopes]
+    return [f"static inline double sum_of_forces(double u, double F) {{ return {written(value)}; }}", *slopes]
 
 
 _ARGUMENTS = "const double *p, double v, double z"

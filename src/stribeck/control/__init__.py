@@ -2,6 +2,4 @@
 
 from stribeck.control.cascade import PressureCascade
 
-__all__ = ["KINDS", "PressureCascade"]
-
-KINDS = {PressureCascade.kind: PressureCascade}
+__all__ = ["PressureCascade"]

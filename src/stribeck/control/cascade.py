@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import ClassVar
 
-from stribeck.constants import Constant
+from stribeck.constants import Column, Constant
+from stribeck.control.cylinder import Cylinder
 from stribeck.control.observer import ETA, SCALES, START, Z_HAT, Adaptation, Observed, adapt, observe
 from stribeck.control.sampled import Sampled, phi_1, tracked, turned
-from stribeck.drives.base import Action, Column, Course, Drive, Motion, course
 from stribeck.expressions.graph import ONE, Expr, derivative, substitute, symbol, total_derivative, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, sqrt, where
 from stribeck.laws.base import Law
 from stribeck.laws.form import USUAL, Form
 from stribeck.laws.values import Constants
-from stribeck.plants.cylinder import Cylinder
 
 MEASURED = ("t", "y", "v", "p_1", "p_2", "acceleration")  # what the controller measures
 
@@ -40,8 +39,46 @@ _ADAPTED = (
 )
 
 
+Course = tuple[Expr, Expr, Expr, Expr]  # a desired position and its first three derivatives
+
+
+def course(position: Expr, t: Expr) -> Course:
+    """A desired position as a function of time, with its derivatives."""
+    speed = derivative(position, t)
+    acceleration = derivative(speed, t)
+    return position, speed, acceleration, derivative(acceleration, t)
+
+
 @dataclass(frozen=True)
-class PressureCascade(Drive):
+class Motion:
+    """What the cascade may measure: the signal, the motion, the pressures and its own states, in their order.
+
+    ``z`` is None under a law without bristles; ``p`` and ``law`` hold the constants of the plant and of the law.
+    """
+
+    r: Value
+    y: Value
+    v: Value
+    plant: tuple[Value, ...] = ()
+    own: tuple[Value, ...] = ()
+    z: Value | None = None
+    F: Value = 0.0
+    acceleration: Value = 0.0
+    p: SimpleNamespace = field(default_factory=SimpleNamespace)
+    law: SimpleNamespace = field(default_factory=SimpleNamespace)
+
+
+@dataclass(frozen=True)
+class Action:
+    """What the cascade does: the voltage of the valve, the rates of its own states, and what it adds to the output."""
+
+    u: Value
+    rates: tuple[Value, ...] = ()
+    shown: dict[str, Value] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PressureCascade:
     """A tracking law for the piston that asks for a pressure difference, and one for the valve that provides it.
 
     Attributes:
@@ -61,9 +98,7 @@ class PressureCascade(Drive):
     meaning: ClassVar[str] = "the signal is the desired position of a pneumatic servo under cascade control, m"
     signal: ClassVar[Column] = Column("y_d", "m", "desired position")
     gives: ClassVar[Column] = Cylinder.takes
-    differentiates: ClassVar[bool] = True
     starts: ClassVar[dict[str, float]] = {scale.name: 1.0 for scale in SCALES}
-    no_energy: ClassVar[str] = "for a servo, whose energy is the column V"
     constants: ClassVar[dict[str, Constant]] = {
         "K_D": Constant("N s/m", "gain of the tracking error s", above=0, example=60.0),
         "K_p": Constant("1/s", "gain of the pressure error", above=0, example=60.0),

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import ClassVar
 
-from stribeck.constants import Constant
-from stribeck.drives.base import Column
+from stribeck.constants import Column, Constant
 from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
 from stribeck.laws.values import Constants, told

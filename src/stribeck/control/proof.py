@@ -12,13 +12,12 @@ from itertools import pairwise
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-from stribeck.control.cascade import PressureCascade
+from stribeck.control.cascade import Course, PressureCascade
+from stribeck.control.cylinder import Cylinder
 from stribeck.control.observer import least_K_D, observe
-from stribeck.drives.base import Course
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw
-from stribeck.plants.cylinder import Cylinder
 
 if TYPE_CHECKING:
     import sympy

@@ -11,7 +11,7 @@ from dataclasses import fields
 from types import SimpleNamespace
 
 from stribeck.codegen.emitted import Added
-from stribeck.drives.base import Column
+from stribeck.constants import Column
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
@@ -91,8 +91,8 @@ def _setup(scenario: Scenario) -> list[Expr]:
         atol = scenario.atol(rig, rtol)
     except TypeError:  # a law of the user's whose scales are no equations: they stay those of the file
         atol = {n: x / scenario.solve.rtol * rtol for n, x in scenario.atol().items()}
-    longest: Value = scenario.signal.longest_step
-    (use,) = system.signals
+    ((use, signal),) = scenario.rig.signals.items()
+    longest: Value = signal.longest_step
     if use.kind:
         own: dict[str, Value] = {name: symbol(f"{use.path}.{name}") for name in use.constants()}
         longest = use.kind(own).longest_step

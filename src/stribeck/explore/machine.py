@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from stribeck.drives.base import Column
+from stribeck.constants import Column
 from stribeck.explore.appendix import machine_relations
 from stribeck.explore.figures import Chart, Series
 from stribeck.explore.measured import Arrays, Measured
@@ -91,7 +91,8 @@ def machine_law(scenario: Scenario) -> dict[str, object]:
 
 
 def _path(scenario: Scenario, law: str, key: str) -> str:
-    return f"{law}.parameters.{key}" if key in scenario.rig.laws[law].machine else f"{law}.{key}"
+    inside = ".parameters" if key in scenario.rig.laws[law].machine else ""
+    return f"{scenario.called.to_file(law)}{inside}.{key}"
 
 
 def machine_data(found: Measured) -> dict[str, object]:

@@ -86,7 +86,8 @@ def moved(arrays: Arrays, numbers: list[Number], values: Mapping[str, float]) ->
 def _written_out(scenario: Scenario) -> Scenario:
     """With the constants in the file where it names a set of them."""
     rig = scenario.rig
-    changes = {f"{path}.parameters.{n}": x for path, law in rig.laws.items() for n, x in law.machine.items()}
+    paths = {scenario.called.to_file(path): law for path, law in rig.laws.items()}
+    changes = {f"{path}.parameters.{n}": x for path, law in paths.items() for n, x in law.machine.items()}
     named = {path: x for path, x in changes.items() if isinstance(_table(scenario.data, path), str)}
     return scenario.with_changes(named) if named else scenario
 
@@ -162,7 +163,7 @@ def _measure(scenario: Scenario, base: Arrays, path: str, value: float, given: N
         number = _narrower(whole, reach)
         effects = _effects(scenario, base, number)
         if effects is not None:
-            of_law = whole.group.removesuffix(".parameters") in scenario.rig.laws
+            of_law = scenario.called.to_machine(whole.group.removesuffix(".parameters")) in scenario.rig.laws
             found = whole if of_law else replace(number, closed=True)  # the page tests a law's own conditions
             return replace(found, effects=effects) if effects or path in _COUNTS else None
     return None

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from stribeck.constants import Constant
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
-from stribeck.scenario.tables import Output, Solve, initial_table
+from stribeck.scenario.tables import Output, Solve
 from stribeck.signals import FileSignal, PointsSignal
 
 MOST_POINTS = 12  # a signal of more points is a curve, not a set of numbers to turn
@@ -49,7 +49,7 @@ def numbers(scenario: Scenario) -> list[Number]:
 
 def of_law(scenario: Scenario) -> list[Number]:
     """The numbers of its law: the law's own, then the machine's."""
-    law, rotary = scenario.law, scenario.rotary
+    law, rotary, (path,) = scenario.law, scenario.rotary, scenario.rig.laws
     values = {**law.values, **law.machine}
     declared = {**law.own_constants(), **PARAMETERS}
     found = []
@@ -57,28 +57,25 @@ def of_law(scenario: Scenario) -> list[Number]:
         value = values.get(name)
         if value is not None and not constant.choices:
             group = "law.parameters" if name in PARAMETERS else "law"
-            target = f"law.{name}" if name in law.numbers(law.form) else ""
+            target = f"{path}.{name}" if name in law.numbers(law.form) else ""
             reach = _STEEP if name == "k_v" else _REACH
             found.append(number_of(group, name, value, constant.of_motion(rotary), 0.0, target, reach))
     return found
 
 
 def _others(scenario: Scenario) -> Iterator[Number]:
-    rotary, scales = scenario.rotary, scenario.law.scales(scenario.law.p)
-    for name, value in scenario.plant_values.items():
-        constant = scenario.plant.constants[name].of_motion(rotary)
-        yield number_of("plant", name, value, constant, 0.0, f"plant.{name}")
-    table = initial_table(scenario.plant, scenario.drive.sets_velocity)
+    scales, to_file = scenario.law.scales(scenario.law.p), scenario.called.to_file
+    e, system = scenario.elements, scenario.system
     sizes = {"y": 10 * scales.length, "v": 10 * scales.speed, "z": scales.length}
-    for name, field in table.model_fields.items():
-        if name == "z" and not scenario.law.has_z:
-            continue
-        words, _, unit = str(field.description).partition(", ")
-        constant = Constant(unit, f"{words} at t = 0").of_motion(rotary)
-        yield number_of("plant.initial", name, scenario.initial.get(name, 0.0), constant, sizes.get(name, 1.0), "")
-    for name, constant in scenario.drive.constants.items():
-        value = scenario.drive_values[name]
-        yield number_of("drive", name, value, constant.of_motion(rotary), 1.0, f"drive.{name}")
+    starts = [*e.bodies[""].own_states(e), *e.contacts[""].own_states(e)]
+    for each in (x for x in e if x.section != "contacts"):
+        for leaf in (x for x in each.leaves(each.path) if ".signal." not in x.path):
+            group, _, name = to_file(leaf.path).rpartition(".")
+            size = 0.0 if each.section == "bodies" else 1.0
+            yield number_of(group, name, leaf.value, system.constant(*leaf.key), size, ".".join(leaf.key))
+        for start in starts if each.section == "bodies" else ():
+            constant = Constant(start.unit, f"{start.meaning} at t = 0")
+            yield number_of("plant.initial", start.name, start.start, constant, sizes.get(start.name, 1.0), "")
     yield from _of_signal(scenario)
     yield from of_run(scenario)
 
@@ -99,16 +96,16 @@ def of_run(scenario: Scenario) -> Iterator[Number]:
 
 
 def _of_signal(scenario: Scenario) -> Iterator[Number]:
-    signal, group = scenario.signal, "drive.signal"
-    drive = scenario.drive
-    unit = drive.signal.of_motion(scenario.rotary).unit
+    signal, group, (use,) = scenario.signal, "drive.signal", scenario.rig.signals
+    speed = next(c.unit for c in scenario.system.columns if c.name == "v")
+    unit = next((column.unit for column, _ in scenario.called.columns), speed)
     table = scenario.data["drive"]["signal"]
     for name, constant in signal.constants.items():
         value = float(table.get(name, constant.default if constant.default is not None else 0.0))
         own = Constant(
             constant.unit.replace("signal", unit), constant.meaning, constant.above, constant.at_least
         )  # fmt: skip
-        yield number_of(group, name, value, own, 1.0, f"signal.{name}" if signal.smooth else "")
+        yield number_of(group, name, value, own, 1.0, f"{use.path}.{name}" if signal.smooth else "")
     if isinstance(signal, PointsSignal) and not isinstance(signal, FileSignal) and len(signal.t) <= MOST_POINTS:
         for i, (t, value) in enumerate(zip(signal.t, signal.value, strict=True)):
             size = float(max(abs(signal.value))) or 1.0

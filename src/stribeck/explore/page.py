@@ -175,9 +175,7 @@ def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) ->
         ],
         "parameters": [".".join(each) for each in system.parameters],
         "states": [state.name for state in system.states],
-        "columns": [
-            {"name": c.name, "unit": c.of_motion(scenario.rotary).unit, "meaning": c.meaning} for c in columns(system)
-        ],
+        "columns": [{"name": c.name, "unit": c.unit, "meaning": c.meaning} for c in columns(system)],
         "relations": needs,
         "conditions": conditions,
         "equations": [each.text for each in equations(kind, form)],
@@ -207,7 +205,8 @@ def _signal(scenario: Scenario) -> dict[str, object]:
 def _tables(scenario: Scenario) -> object:
     """The file's tables but the law, whose numbers stand elsewhere, and a long signal, which does too."""
     tables = {k: v for k, v in scenario.data.items() if k != "law"}
-    if isinstance(scenario.signal, PointsSignal) and len(scenario.signal.t) > MOST_POINTS:
+    signal = scenario.signal
+    if isinstance(signal, PointsSignal) and len(signal.t) > MOST_POINTS:
         drive = tables["drive"]
         tables["drive"] = {**drive, "signal": {k: v for k, v in drive["signal"].items() if k not in ("t", "value")}}
     return _plain(tables)

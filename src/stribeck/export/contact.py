@@ -34,7 +34,7 @@ def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
     Raises:
         InputError: there is no such contact, or none is named where there are several.
     """
-    path, rig = law_path(scenario, contact), scenario.rig
+    path, rig = scenario.called.to_machine(law_path(scenario, contact)), scenario.rig
     law = rig.laws[path]
     (part,) = (each for each in rig.machine.contacts if each.law_path == path)
     if (ratio := rig.values.get((part.path, "ratio"), 1.0)) != 1:

@@ -12,7 +12,7 @@ from typing import TypedDict, TypeGuard, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck import drives, laws
+from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg, nearest
@@ -74,7 +74,7 @@ def _predictor(x: object) -> bool:
         return False
 
 
-_DRIVES = tuple(kind for kind in drives.KINDS if kind != "velocity")  # that of a measured motion is its input
+_DRIVES = ("force", "spring", "pid")  # what moved the body; a measured motion is the input of none
 
 # What each part of the file must be, and that in words.
 _PARTS: dict[str, tuple[Callable[[object], bool], str]] = {

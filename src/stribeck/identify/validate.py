@@ -121,6 +121,6 @@ def _changes(scenario: Scenario, raw: Mapping[str, Array], time: Array) -> dict[
         changes["drive.signal"] = {"kind": "points", "t": time.tolist(), "value": raw["command"].tolist()}
         if "position" in raw:
             changes["plant.initial.y"] = float(raw["position"][0])
-        if "velocity" in raw and scenario.drive.kind != "velocity":
+        if "velocity" in raw and scenario.called.drive != "velocity":
             changes["plant.initial.v"] = float(raw["velocity"][0])
     return changes

@@ -128,8 +128,7 @@ def design(
         raise InputError(f"{arg('v_max')}: must be left out: only a servo (drive.kind = 'cascade') has such a proof")
     if seed < 0:
         raise InputError(f"{arg('seed')}: {seed}: must be a whole number >= 0")
-    if scenario.rig.single:
-        vary = [machine_path(x) for x in vary]
+    vary = [machine_path(scenario, x) for x in vary]
     loop = loop_of(scenario)
     name = _controller(loop, controller)
     ranges = _ranges(loop, vary)

@@ -11,7 +11,6 @@ from functools import cached_property
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.drives.pid import PidDrive
 from stribeck.errors import InputError
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
@@ -62,10 +61,8 @@ def loop_of(scenario: Scenario) -> Loop:
     Raises:
         InputError: there is no controller, or a servo's, whose loop is not judged.
     """
-    if scenario.rig.single and scenario.drive is not PidDrive:
-        raise InputError(
-            f"drive.kind: {scenario.drive.kind!r}: must be 'pid': this asks about a position controller's loop"
-        )
+    if (kind := scenario.called.drive) not in ("", "pid"):
+        raise InputError(f"drive.kind: {kind!r}: must be 'pid': this asks about a position controller's loop")
     scenario = as_machine(scenario)
     if not scenario.rig.machine.controllers:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")

@@ -17,6 +17,7 @@ from stribeck.errors import StribeckError, needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.laws.base import Law
+from stribeck.scenario.cascade import cascade_of, gains_of
 from stribeck.simulation import Solution
 
 _RISE = 1e-9  # of V(0): what is less is the solver's
@@ -94,11 +95,12 @@ def along(solution: Solution) -> Along:
     """
     scenario = solution.scenario
     system = scenario.system
-    servo = system.single and isinstance(system.drive.drive, PressureCascade)
-    if not servo or not len(solution.t):
+    settings = cascade_of(scenario)
+    if settings is None or not len(solution.t):
         raise StribeckError(f"{scenario.name}: V needs the solution of a servo, with rows")
-    saturated = np.abs(solution["u"]) >= scenario.drive_values["u_max"] * (1 - 1e-9)
-    drive, observer = system.drive.drive, scenario.settings.observer
+    gains = gains_of(scenario)
+    saturated = np.abs(solution["u"]) >= gains["u_max"] * (1 - 1e-9)
+    drive, observer = system.drives[0].drive, settings.observer
     assert isinstance(drive, PressureCascade)
     if drive.sampled or observer is None or not observer.has_z or drive.adaptive:
         return Along(solution.t, solution["V"], None, None, saturated, _noise(solution))
@@ -111,14 +113,14 @@ def along(solution: Solution) -> Along:
     function = python_function([*values, "t", *states], [derivative])
     with np.errstate(all="ignore"):
         dV_dt = function(*values.values(), solution.t, *(solution[name] for name in states))[0]
-        bound = _bound(solution, observer, scenario.drive_values)
+        bound = _bound(solution, observer, gains)
     return Along(solution.t, solution["V"], np.asarray(dV_dt), bound, saturated, _noise(solution))
 
 
 def _noise(solution: Solution) -> float:
     scenario = solution.scenario
     v, p_1, p_2, z = (scenario.solve.rtol * float(np.max(np.abs(solution[n]))) for n in ("v", "p_1", "p_2", "z"))
-    gains, mass = SimpleNamespace(**scenario.drive_values), scenario.plant_values["mass"]
+    gains, mass = SimpleNamespace(**gains_of(scenario)), scenario.values()["bodies", "mass"]
     return float(PressureCascade.energy(gains, mass, v, max(p_1, p_2), z))
 
 

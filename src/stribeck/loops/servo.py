@@ -13,7 +13,7 @@ from stribeck.control.proof import derive
 from stribeck.errors import InputError
 from stribeck.loops.lyapunov import Along, along
 from stribeck.scenario import Scenario
-from stribeck.scenario.cascade import CascadeSettings, cascade_of, not_linear
+from stribeck.scenario.cascade import CascadeSettings, cascade_of, gains_of, not_linear
 from stribeck.simulation import Solution, simulate
 
 
@@ -73,7 +73,7 @@ def design_servo(
     """
     controller = check_servo(rig, v_max)
     solution = simulate(rig, progress=None if tell is None else lambda share: tell(share, "the servo's motion"))
-    observer, d = controller.observer, rig.drive_values
+    observer, d = controller.observer, gains_of(rig)
     assert observer is not None
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
     verdict, proof = gain_verdict(observer, d, speed), prove(observer, d, (-speed, speed))
@@ -92,7 +92,7 @@ def check_servo(scenario: Scenario, v_max: float | None) -> CascadeSettings:
     if v_max is not None:
         require_positive("v_max", v_max, "m/s")
     if (controller := cascade_of(scenario)) is None:
-        raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'cascade': only a servo has such gains")
+        raise InputError(f"drive.kind: {scenario.called.drive!r}: must be 'cascade': only a servo has such gains")
     if text := not_linear(controller.observer):
         raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
     return controller
@@ -100,9 +100,9 @@ def check_servo(scenario: Scenario, v_max: float | None) -> CascadeSettings:
 
 def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
     """Whether the speed stays where the gains are good; the path's speed is that of the rows, dy_d/dt = v - s + lambda e."""
-    lag = scenario.drive_values["lambda"] * solution["e"]
+    lag = gains_of(scenario)["lambda"] * solution["e"]
     path = float(np.max(np.abs(solution["v"] - solution["s"] + lag)))
-    return staying(v_max, scenario.plant_values["mass"], path, float(solution["V"][0]), float(lag[0]))
+    return staying(v_max, scenario.values()["bodies", "mass"], path, float(solution["V"][0]), float(lag[0]))
 
 
 def doubts(scenario: Scenario, controller: CascadeSettings) -> tuple[str, ...]:
@@ -112,12 +112,12 @@ def doubts(scenario: Scenario, controller: CascadeSettings) -> tuple[str, ...]:
         found.append(
             "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
         )
-    if controller.model != scenario.plant_values:
+    if controller.model != {n: x for (path, n), x in scenario.values().items() if path == "bodies"}:
         found.append("the controller knows another plant")
     if controller.sampling is not None:
         found.append("the controller is sampled")
     if controller.adaptation is not None:
         found.append("adapted parameters: V has further terms (docs/explanation/servo.md)")
-    if scenario.drive_values.get("supply_droop"):
+    if gains_of(scenario).get("supply_droop"):
         found.append("the supply droops")
     return (*found, "a valve at its limit, and p_1 and p_2 one by one")

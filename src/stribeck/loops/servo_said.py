@@ -16,6 +16,7 @@ from stribeck.loops.servo import ServoDesign
 from stribeck.mouth import page, plots
 from stribeck.mouth.document import Chapter, Document, Figure, FigureSvg, Table
 from stribeck.scenario import said as of_scenario
+from stribeck.scenario.cascade import gains_of
 from stribeck.simulation.drawing import overview
 
 
@@ -37,7 +38,7 @@ def write_servo(found: ServoDesign, summary: Mapping[str, object], folder: Path,
 
 
 def _conditions(found: ServoDesign) -> tuple[list[str], list[Table]]:
-    gains, v, proof = found.solution.scenario.drive_values, found.gains, found.proof
+    gains, v, proof = gains_of(found.solution.scenario), found.gains, found.proof
     rows = [_row("exact condition", v.exact), _row("corrected (21)", v.sufficient)]
     head = ["condition", "holds", "needs K_D at least (N s/m)", "margin", "certifies up to (m/s)"]
     proposed = [[n, f"{gains[n]:.6g}", f"{v.proposed[n]:.6g}"] for n in ("K_D", "K")]

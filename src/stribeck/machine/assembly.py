@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, symbol, total_derivative, wrap
@@ -35,7 +35,7 @@ class Assembly:
 
     Args:
         system: the elements, of symbols.
-        drives: what moves bodies beside controllers: the drive of a file of schema 1, pressure cascades.
+        drives: what moves bodies beside controllers: pressure cascades.
         called: takes the names of intermediate results.
         exact: as an output shows the quantities at one instant.
     """
@@ -149,9 +149,6 @@ class Assembly:
                 self._added(body, ratio * self.motion(leader.name)[1])
         for body in sorted(self.system.bodies.values(), key=lambda each: each.velocity is None):
             body.obey(self)
-        for drive in self.drives:
-            if not self.system.bodies[drive.on].free:  # it sets the velocity
-                self.k[drive.drive.signal.name] = wrap(drive.signal.reference(T).value)
 
     def _added(self, body: Body, v: Expr) -> None:
         """What comes onto a body brings its kinetic energy along, at once where it jumps."""
@@ -164,7 +161,8 @@ class Assembly:
         """The energy of links whose far end is a signal, and of what a signal adds to bodies: where it jumps, it is put in."""
         return None if is_zero(self.far) else self.far
 
-    def outputs(self, columns: Any) -> dict[str, Expr]:
-        """Every column by name."""
-        energy = {"E_in": symbol("E_in"), "E_dissipated": symbol("E_dissipated"), "E_stored": self.stored}
-        return {c.name: wrap({**self.k, **energy}[c.name]) for c in columns}
+    def outputs(self, columns: Iterable[tuple[str, str]]) -> dict[str, Expr]:
+        """Quantities and states by the names of columns, of which each is a pair with the quantity's own name."""
+        states = {name: symbol(name) for name in self.rates}
+        known = {**states, **self.k, "E_stored": self.stored}
+        return {name: wrap(known[own]) for name, own in columns}

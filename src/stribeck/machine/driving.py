@@ -1,4 +1,4 @@
-"""How a body obeys: a mass the sum of forces on it, another plant what its drive gives; and what the drive does.
+"""How the piston of a cylinder obeys the pressures that its cascade asks for; and what the cascade does.
 
 A drive writes its equations with plain names (``y``, ``drive.K_D``, ``segment.u``); in a machine with several bodies they
 become those of its body and of its own tables.
@@ -10,20 +10,20 @@ from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-from stribeck.constants import Constant
-from stribeck.drives.base import Action, Column, Course, Drive, Motion, course
+from stribeck.constants import Column, Constant
+from stribeck.control.cascade import Action, Course, Motion, PressureCascade, course
+from stribeck.control.cylinder import Cylinder
 from stribeck.equations import Sample
 from stribeck.expressions.graph import ZERO, Expr, substitute, symbol, wrap
 from stribeck.expressions.names import Names
-from stribeck.expressions.ops import Value, where
+from stribeck.expressions.ops import Value
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import joined
-from stribeck.plants import Mass
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
-    from stribeck.machine.elements.bodies import Body
     from stribeck.machine.elements.contacts import Contact
+    from stribeck.machine.elements.cylinder import Piston
 
 _T = symbol("t")
 
@@ -33,7 +33,7 @@ class DrivePart:
     """What moves a body, and gives what that takes: a force, or the voltage of a cylinder's valve."""
 
     name: str
-    drive: Drive
+    drive: PressureCascade
     on: str
     signal: SignalUse
 
@@ -65,14 +65,13 @@ class DrivePart:
         return (replace(self.drive.signal, name="r"), self.drive.gives, *own)
 
 
-def act(a: Assembly, body: Body) -> None:
-    """A free body under the forces on it and what its drive does: its rates, what the output shows, and its energy."""
+def act(a: Assembly, body: Piston) -> None:
+    """A piston under the forces on it and what its drive does: its rates, and what the output shows."""
     y, v = a.motion(body.name)
-    drive, plant = a.drive_on(body.name), body.plant
+    drive = a.drive_on(body.name)
     F = wrap(-a.force[body.name])  # what holds it back: friction, links, less the loads
-    inner = tuple(symbol(body.of(state.name)) for state in plant.states)
+    inner = tuple(symbol(body.of(state.name)) for state in body.states)
     p, u = _constants(a, body), ZERO
-    rates: dict[str, Expr] = {}
     if drive is not None:
         action, rename = _action(a, body, drive, F)
         own = {n: rename.one(x) for n, x in vars(_symbols(drive, "drive")).items()}
@@ -84,28 +83,20 @@ def act(a: Assembly, body: Body) -> None:
         first = drive.drive.signal.name if not drive.name else "r"
         signal = wrap(drive.signal.reference(_T).value)
         a.k |= {joined(drive.name, first): signal, **shown, joined(drive.name, "u"): u}
-        rates = {joined(drive.name, s.name): rename.one(x) for s, x in zip(drive.drive.kept, action.rates, strict=True)}
-    acceleration = wrap(plant.acceleration(p, u, F, inner))
-    if (inside := plant.inside(p, y)) is not None:
-        acceleration = wrap(where(inside, acceleration, float("nan")))
-    a.rates[body.of("v")] = acceleration
-    inner_rates = plant.rates(p, y, v, u, F, inner)
-    a.rates |= rates | {body.of(s.name): wrap(x) for s, x in zip(plant.states, inner_rates, strict=True)}
-    if a.system.energy:
-        a.power_in = a.power_in + wrap(u * v)
-        a.lost = a.lost + wrap(plant.lost_power(p, y, v, u, inner))
-        a.stored = a.stored + wrap(plant.stored_energy(p, y, v, inner))
+        a.rates |= {
+            joined(drive.name, s.name): rename.one(x) for s, x in zip(drive.drive.kept, action.rates, strict=True)
+        }
+    rates = Cylinder.rates(p, y, v, u, F, inner)
+    rates_of = {s.name: x for s, x in zip(body.states, rates, strict=True)}
+    body.obey_rates(a, wrap(Cylinder.acceleration(p, u, F, inner)), rates_of)
 
 
-def _constants(a: Assembly, body: Body) -> SimpleNamespace:
-    """A body's constants; its mass is that of all that is tied to it, seen from it."""
-    own: dict[str, Value] = body.constants
-    if "mass" in own or body.plant is Mass:
-        own = {**own, "mass": a.inertia[body.name]}
-    return SimpleNamespace(**own)
+def _constants(a: Assembly, body: Piston) -> SimpleNamespace:
+    """A piston's constants; its mass is that of all that is tied to it, seen from it."""
+    return SimpleNamespace(**{**body.constants, "mass": a.inertia[body.name]})
 
 
-def _action(a: Assembly, body: Body, drive: DrivePart, F: Expr) -> tuple[Action, _Renamed]:
+def _action(a: Assembly, body: Piston, drive: DrivePart, F: Expr) -> tuple[Action, _Renamed]:
     """What a drive does, and how its names become the machine's."""
     called = a.called if not drive.name else None
     rename = _Renamed(drive, body, a.called)
@@ -114,13 +105,13 @@ def _action(a: Assembly, body: Body, drive: DrivePart, F: Expr) -> tuple[Action,
     return drive.drive.act(_symbols(drive, "drive"), motion, called), rename
 
 
-def measured(a: Assembly, body: Body, drive: DrivePart, F: Expr) -> Motion:
+def measured(a: Assembly, body: Piston, drive: DrivePart, F: Expr) -> Motion:
     """What a drive may measure: not what depends on what it does at the same instant."""
     y, v = a.motion(body.name)
-    inner = tuple(symbol(joined(body.name, state.name)) for state in body.plant.states)
+    inner = tuple(symbol(joined(body.name, state.name)) for state in body.states)
     own = tuple(symbol(joined(drive.name, state.name)) for state in drive.drive.kept)
     p = _constants(a, body)
-    before = body.plant.acceleration(p, 0.0, F, inner) if body.plant.states else 0.0
+    before = Cylinder.acceleration(p, 0.0, F, inner)
     contact = contact_of(a, body.name)
     z = None if contact is None or not contact.has_z else a.k[contact.of("z")]
     law = SimpleNamespace() if contact is None else contact.friction.p
@@ -136,7 +127,7 @@ def contact_of(a: Assembly, body: str) -> Contact | None:
 
 def sample_of(a: Assembly, drive: DrivePart, called: Names) -> Sample:
     """What a sampled drive does at its instants."""
-    body = a.system.bodies[drive.on]
+    body: Piston = a.system.bodies[drive.on]  # type: ignore[assignment]
     rename = _Renamed(drive, body, called)
     motion = measured(a, body, drive, wrap(-a.force[body.name]))
     path: Course = course(wrap(drive.signal.reference(_T).value), _T)
@@ -153,12 +144,12 @@ def _symbols(drive: DrivePart, owner: str) -> SimpleNamespace:
 class _Renamed:
     """The plain names of a drive's equations as those of its body, its tables, its states and its memory."""
 
-    def __init__(self, drive: DrivePart, body: Body, called: Names) -> None:
+    def __init__(self, drive: DrivePart, body: Piston, called: Names) -> None:
         self.known: dict[Expr, Expr] = {}
         self.called = called
         if not drive.name:
             return
-        moving = ("y", "v", *(state.name for state in body.plant.states))
+        moving = ("y", "v", *(state.name for state in body.states))
         self.known = {symbol(n): symbol(joined(body.name, n)) for n in moving}
         self.known |= {symbol(s.name): symbol(joined(drive.name, s.name)) for s in drive.drive.kept}
         for owner, constants in drive.drive.tables.items():

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from stribeck.drives.base import Column
+from stribeck.constants import Column
 from stribeck.equations import Events
 from stribeck.expressions.graph import Expr
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Scales
 from stribeck.machine.family import Family
 from stribeck.machine.signal import SignalTable, SignalUse
-from stribeck.machine.table import FileTable, Held, Loc, Refers, annotation, below, joined, quantity, within
+from stribeck.machine.table import FileTable, Held, Loc, Refers, annotation, below, joined, quantity, table_path, within
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
@@ -51,12 +51,12 @@ class Element(Family):
 
     @classmethod
     def _place(cls, values: tuple[object, ...], named: Mapping[str, object]) -> str:
-        return joined(cls.section, str(named.get("name", values[0] if values else "")))
+        return table_path(cls.section, str(named.get("name", values[0] if values else "")))
 
     @property
     def path(self) -> str:
         """Its table."""
-        return f"{self.section}.{self.name}"
+        return table_path(self.section, self.name)
 
     def of(self, word: str, by: str = ".") -> str:
         """What one of its quantities is called: ``gear.f``; ``f`` of an element without a name."""

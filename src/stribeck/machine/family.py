@@ -24,6 +24,7 @@ class Family(FileTable):
     kinds: ClassVar[dict[str, type[Any]]]
     plain: ClassVar[str] = ""  # the kind that a table without ``kind`` has
     elsewhere: ClassVar[tuple[str, ...]] = ()  # kinds whose tables are not read here
+    of_program: ClassVar[bool] = False  # a kind that no file can ask for: ``kind`` is the class itself
 
     def __init_subclass__(cls, family: bool = False, **more: Any) -> None:
         super().__init_subclass__(**more)
@@ -34,7 +35,7 @@ class Family(FileTable):
         if family:
             cls.family, cls.kinds = cls, {}
         kind = cls.model_fields["kind"].default
-        if isinstance(kind, str) and kind and not of_a_file(cls):
+        if isinstance(kind, str) and kind and not cls.of_program and not of_a_file(cls):
             cls.kinds.setdefault(kind, cls)
 
     @classmethod
@@ -45,6 +46,8 @@ class Family(FileTable):
         if "kind" not in data and cls.plain:
             return cls.kinds[cls.plain]
         kind = data.get("kind")
+        if isinstance(kind, type) and issubclass(kind, cls):
+            return kind
         if in_a_file(kind):
             if not reading.executes:
                 raise NotExecuted
@@ -67,6 +70,11 @@ class Family(FileTable):
             guess = nearest(kind, cls.kinds) if isinstance(kind, str) else ""
             text = f"{show(kind)}: must be {allowed}{guess}"
         raise problems_at([*found, (("kind",), text)])
+
+    @classmethod
+    def completed(cls, data: dict[str, Any], reading: Reading) -> dict[str, Any]:
+        """Without the class that the program named."""
+        return {n: x for n, x in data.items() if n != "kind"} if data.get("kind") is cls else data
 
     def to_table(self) -> dict[str, Any]:
         """With the kind, unless that is the plain one."""

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from pydantic_core import core_schema
 
-from stribeck import laws, parameter_sets
+from stribeck import laws
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, nearest
 from stribeck.kinds import in_a_file
@@ -29,27 +29,6 @@ def unknown(table: Mapping[str, object], path: str, known: Iterable[str]) -> lis
     return found
 
 
-def kind_of_table(
-    table: Mapping[str, object],
-    path: str,
-    kinds: Mapping[str, object],
-    keys: Callable[[str], Iterable[str]],
-    problems: list[Problem],
-) -> str | None:
-    """The table's ``kind``; None, and ``problems`` say why, where it is none of these; ``keys``: those of a kind."""
-    kind = table.get("kind")
-    if isinstance(kind, str) and kind in kinds:
-        return kind
-    problems += unknown(table, path, (name for each in kinds for name in keys(each)))
-    allowed = f"one of {', '.join(kinds)}"
-    if "kind" not in table:
-        problems.append((f"{path}.kind", f"missing: must be given ({allowed})"))
-    else:
-        guess = nearest(kind, kinds) if isinstance(kind, str) else ""
-        problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
-    return None
-
-
 class LawReader:
     """Reads one table of a law.
 
@@ -58,18 +37,15 @@ class LawReader:
         path: where it stands.
         folder: where relative paths begin.
         executes: whether a law in a file is executed; else all but the law itself is judged.
+        to_file: a path as the file has it.
     """
 
-    def __init__(self, table: object, path: str, folder: Path, executes: bool = True) -> None:
-        self.table, self.path, self.folder, self.executes = table, path, folder, executes
+    def __init__(
+        self, table: object, path: str, folder: Path, executes: bool = True, to_file: Callable[[str], str] = str
+    ) -> None:
+        self.table, self.path, self.folder, self.executes, self.to_file = table, path, folder, executes, to_file
         self.problems: list[Problem] = []
         self.law: Law | None = None
-
-    @property
-    def rotary(self) -> bool:
-        """Whether the set of parameters that the table names is of a machine that turns."""
-        given = self.table.get("parameters") if isinstance(self.table, dict) else None
-        return isinstance(given, str) and parameter_sets.load(given, self.folder, ()).rotary
 
     def read(self) -> Law | None:
         """The law, or None; ``problems`` then says why."""
@@ -88,7 +64,8 @@ class LawReader:
         paths = {name: f"{path}.parameters.{name}" for name in (*PARAMETERS, *parameters)}
         paths |= {n: f"{path}.{n}" for n in own}
         for name in [name for name in own if name in PARAMETERS or name in parameters]:
-            text = f"belongs in {path}.parameters" if name in PARAMETERS else f"stands in {path}.parameters too"
+            inside = f"{self.to_file(path)}.parameters"
+            text = f"belongs in {inside}" if name in PARAMETERS else f"stands in {inside} too"
             self.problems.append((f"{path}.{name}", f"{show(own.pop(name))}: {text}"))
         has = law.constants() if law is not None else {}
         misspelt = {n: own.pop(n) for n in list(own) if n not in has and nearest(n, ("name", "parameters"))}
@@ -223,10 +200,10 @@ class _Read:
             return Friction.of(value)
         reading = info.context or Reading()
         path = joined(reading.place, self.key)
-        reader = LawReader(value, path, reading.folder, reading.executes)
-        law = reader.read()
-        if reader.problems:
-            below = ((place.removeprefix(path).lstrip("."), text) for place, text in reader.problems)
+        found = LawReader(value, path, reading.folder, reading.executes, reading.to_file)
+        law = found.read()
+        if found.problems:
+            below = ((place.removeprefix(path).lstrip("."), text) for place, text in found.problems)
             raise problems_at([(tuple(key.split(".")) if key else (), text) for key, text in below])
         if law is None:
             return None

@@ -77,9 +77,14 @@ class Elements:
         return next((x for x in self.controllers.values() if x.on == motor), None)
 
     @property
+    def unnamed(self) -> bool:
+        """Whether the elements have no names, as those of a file of schema 1: each is the only one of its section."""
+        return "" in self.bodies
+
+    @property
     def given_alone(self) -> bool:
-        """Whether the velocity of the only body, of a file of schema 1, is given: then the signal itself tells the events."""
-        return any(not name and body.velocity is not None for name, body in self.bodies.items())
+        """Whether the velocity of the only body is given: then the signal itself tells the events."""
+        return self.unnamed and self.bodies[""].velocity is not None
 
     # -- numbers, symbols, lanes ---------------------------------------------------------------------------------------
 
@@ -116,7 +121,7 @@ class Elements:
         sections: dict[str, Any] = {}
         for section in SECTIONS:
             own = getattr(self, section).items()
-            sections[section] = Frozen({name: each.carrying(each.path, carrier) for name, each in own})
+            sections[section] = Frozen({n: x.carrying(x.path, replace(carrier, name=n)) for n, x in own})
         return replace(self, **sections)
 
     # -- natural magnitudes, for the default tolerances ----------------------------------------------------------------

@@ -16,7 +16,7 @@ from stribeck.machine.elements.bodies import Body
 from stribeck.machine.family import NotExecuted
 from stribeck.machine.machine import SECTIONS, Elements
 from stribeck.machine.signal import File
-from stribeck.machine.table import Frozen, Loc, Problem, Reading, below, no_table, problems_of, unknown_key
+from stribeck.machine.table import Frozen, Loc, Problem, Reading, below, no_table, problems_of, table_path, unknown_key
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")
 _WHAT = {"bodies": "body"}  # one of a section, in words; else without its s
@@ -86,7 +86,7 @@ class Draft:
         """The valid elements of a section."""
         found = {}
         for name, table in self.tables[section].items():
-            path = f"{section}.{name}"
+            path = table_path(section, name)
             given = _in_folder(table)
             try:
                 if isinstance(given, dict) and "name" in given:
@@ -103,6 +103,8 @@ class Draft:
 
     def _check_names(self) -> None:
         """Names are letters, digits and underscores, each once in the machine."""
+        if self.reading.unnamed:
+            return
         seen: dict[str, str] = {}
         for section, names in self.names.items():
             for name in names:

@@ -93,8 +93,8 @@ class SignalTable(Family, family=True):
         """In the structure, how equations refer to it: by a name for its pieces and a path for its constants."""
         if not carrier.structure:
             return super().carrying(path, carrier) if self._in_code() else self
-        words = path.split(".")
-        name = f"{words[1]}_{words[3]}" if words[2:3] == ["factors"] else words[1]
+        *_, inside, of, _ = ("", "", *path.split("."))
+        name = f"{carrier.name}_{of}" if inside == "factors" else carrier.name
         return SignalUse(name, path, self._form)
 
 

@@ -1,7 +1,6 @@
 """A machine as one system of equations: M dv/dt = drives - sum of b f over the elements (docs/reference/machines.md).
 
-A law on a plant under a drive (``schema = 1``) is the smallest machine: one body, one contact and one drive, none of
-which needs a name.
+A file of schema 1 is the smallest machine: one body, one contact and what moves the body, none of which has a name.
 """
 
 from __future__ import annotations
@@ -9,12 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from stribeck.arrays import Array
-from stribeck.constants import Constant
-from stribeck.drives.base import Column
+from stribeck.constants import Column, Constant
 from stribeck.equations import Equations, Sample, Watch, Watched
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.names import Names
@@ -46,6 +43,9 @@ class MachineSystem(Equations):
     elements: Elements  # of symbols
     signals: tuple[SignalUse, ...] = ()
     drives: tuple[DrivePart, ...] = field(default=())
+    listed: tuple[
+        tuple[Column, str], ...
+    ] = ()  # the columns but energies, and their quantities, if not every element's own
 
     @property
     def energy(self) -> bool:
@@ -89,18 +89,12 @@ class MachineSystem(Equations):
     @property
     def single(self) -> bool:
         """Whether it is a law on one body under a drive (``schema = 1``), whose columns need no names in front."""
-        return any(not drive.name for drive in self.drives)
+        return self.elements.unnamed
 
     @property
     def by_element(self) -> bool:
         """Whether events are told by the element's name."""
         return not self.single
-
-    @property
-    def drive(self) -> DrivePart:
-        """What moves the one body of a machine without names."""
-        (drive,) = self.drives
-        return drive
 
     # -- what the code generator needs -----------------------------------------------------------------------------
 
@@ -118,10 +112,9 @@ class MachineSystem(Equations):
         """The columns of the output after t."""
         energy = (_E_IN, E_STORED, _E_OUT) if self.energy else ()
         every = (each for section in _COLUMNS for each in getattr(self.elements, section).values())
+        if self.listed:
+            return (*(column for column, _ in self.listed), *energy)
         found = [column for each in every for column in each.columns(self.elements)]
-        if self.single:
-            y, v, *inner, z, F, _ = found
-            return (*self.drive.drive.listed((y, v, z, F), tuple(inner)), *energy)
         for drive in self.drives:
             found += [_of(drive.name, column) for column in drive.columns]
         return (*found, *energy)
@@ -149,8 +142,8 @@ class MachineSystem(Equations):
         return replace(found, unit=found.rotary_unit) if rotary and found.rotary_unit is not None else found
 
     def field(self, owner: str, name: str) -> str:
-        """``mesh_F_c`` for ``contacts.mesh.law`` and F_c."""
-        if "." not in owner:
+        """``mesh_F_c`` for ``contacts.mesh.law`` and F_c; F_c where elements have no names."""
+        if self.elements.unnamed:
             return name
         _, element, *inner = owner.split(".")
         if inner == ["compensation"]:
@@ -167,9 +160,10 @@ class MachineSystem(Equations):
     def heading(self) -> tuple[str, ...]:
         """What this is, for the head of the generated code."""
         e = self.elements
-        if self.single:
+        if e.unnamed:
             law = e.contacts[""].friction.kind
-            return (f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", *self.drive.drive.heading)
+            drives = [text for drive in self.drives for text in drive.drive.heading]
+            return (f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", *drives)
         lines = [f"A machine of {len(e.bodies)} bodies: {', '.join(e.bodies)}."]
         lines += [text for section in SECTIONS for x in getattr(e, section).values() if (text := x.heading(e))]
         lines += [f"{drive.name} on {drive.on}: {text}" for drive in self.drives for text in drive.drive.heading]
@@ -245,9 +239,8 @@ class MachineSystem(Equations):
     def ended(self, values: Mapping[Key, float], t: float, x: Array) -> str | None:
         """Why the equations of a body end in the state x."""
         at = {state.name: float(x[i]) for i, state in enumerate(self.states)}
-        for body in (each for each in self.bodies if each.free):
-            p = SimpleNamespace(**{name: value for (path, name), value in values.items() if path == body.path})
-            if text := body.plant.ended(p, t, at[body.of("y")], at[body.of("v")]):
+        for body in (each for each in self.elements.with_values(values).bodies.values() if each.free):
+            if text := body.ended(t, at[body.of("y")], at[body.of("v")]):
                 return f"{body.name}: {text}" if body.name else text
         return None
 
@@ -258,7 +251,9 @@ class MachineSystem(Equations):
     @cached_property
     def outputs(self) -> dict[str, Expr]:
         """Every column as an expression of t, the states, what sampled controllers hold, and the constants."""
-        return self.assembly(exact=True).outputs(self.columns)
+        energies = [c.name for c in self.columns if c.name.startswith("E_")] if self.energy else []
+        listed = [(c.name, own) for c, own in self.listed] if self.listed else [(c.name, c.name) for c in self.columns]
+        return self.assembly(exact=True).outputs([*listed, *((name, name) for name in energies)])
 
     # -- variants ----------------------------------------------------------------------------------------------------
 
@@ -283,7 +278,8 @@ class MachineSystem(Equations):
 
         sections = {s: through(getattr(self.elements, s)) for s in SECTIONS}
         drives = tuple(replace(drive, signal=opened(drive.signal)) for drive in self.drives)
-        return MachineSystem(replace(self.elements, **sections), tuple(map(opened, self.signals)), drives)
+        signals = tuple(map(opened, self.signals))
+        return replace(self, elements=replace(self.elements, **sections), signals=signals, drives=drives)
 
 
 def _of(name: str, column: Column) -> Column:

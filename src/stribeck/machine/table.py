@@ -32,6 +32,11 @@ def joined(name: str, word: str, by: str = ".") -> str:
     return f"{name}{by}{word}" if name else word
 
 
+def table_path(section: str, name: str) -> str:
+    """The path of an element's table: ``bodies.arm``; ``bodies`` of an element without a name."""
+    return f"{section}.{name}" if name else section
+
+
 @dataclass(frozen=True)
 class Reading:
     """What reading a table needs beside it: where relative paths begin, and whether files of code are executed."""
@@ -40,6 +45,8 @@ class Reading:
     executes: bool = True
     of_file: bool = False  # False: an object that is made in Python, whose folder is not known yet
     place: str = ""  # the path of the element
+    unnamed: bool = False  # whether elements have no names: each is the only one of its section
+    to_file: Callable[[str], str] = str  # a path as the file has it, for what a message says of other keys
 
 
 # -- what a key may hold ---------------------------------------------------------------------------------------------
@@ -246,6 +253,7 @@ class Carrier:
 
     put: Callable[[str, str], Value]
     structure: bool = False
+    name: str = ""  # of the element that is carried
 
 
 SYMBOLS = Carrier(lambda owner, name: symbol(f"{owner}.{name}"), structure=True)

@@ -11,9 +11,10 @@ from stribeck.constants import SHOWN, Constant, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
+from stribeck.machine.elements.bodies import Body, Laden
+from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.loads import Pendulum
-from stribeck.plants import Mass
 from stribeck.properties.checked import check_law, check_varied
 from stribeck.properties.claims import NULL
 from stribeck.properties.model import SIGNS, Model
@@ -24,6 +25,7 @@ from stribeck.properties.verdicts import Verdict, Verdicts, undecided
 from stribeck.properties.worst import Varied
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
+from stribeck.scenario.schema1 import SIGNALS
 
 ONLY = "contact"  # the name of the contact of a single body
 _WORK = 400
@@ -178,10 +180,10 @@ def _affine(force: Expr, by: list[Expr]) -> list[Expr] | None:
 def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerdicts:
     """A law on a single body, or on the piston of a servo."""
     law: Law = scenario.law
-    drive = f"{scenario.drive.kind}: {scenario.drive.meaning}"
+    kind = scenario.called.drive
     found = MachineVerdicts(scenario.name, {ONLY: _of_law(Varied(law, {}), v_max, work)}, {ONLY: {}})
-    found.ports = {"drive": drive}
-    _judge(found, alone=scenario.plant is Mass)
+    found.ports = {"drive": f"{kind}: the signal is the {SIGNALS[kind]}"}
+    _judge(found, alone=type(scenario.elements.bodies[""]) is Body)
     return found
 
 
@@ -193,12 +195,12 @@ def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
     found.ports |= {x.path: "its far end is moved" for x in machine.links if x.far is not None}
     found.ports |= {x.path: f"a force on {x.on} ({x.kind})" for x in machine.loads if type(x) is not Pendulum}
     found.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
-    found.ports |= {
-        b.path: "a cylinder: its gas is an energy of its own" for b in machine.bodies if b.plant is not Mass
-    }
+    gas = "a cylinder: its gas is an energy of its own"
+    found.ports |= {b.path: gas for b in machine.bodies if isinstance(b, Piston)}
     on = [(x.path, x.on) for x in machine.controllers] + [(x.path, x.on) for x in machine.drives]
     found.ports |= {path: f"a controller on {body}: active" for path, body in on}
     found.undecided += [x.path for x in machine.links if type(x) is not Link]
+    found.undecided += [b.path for b in machine.bodies if type(b) not in (Body, Laden, Piston)]
     bodies = {c.ends for c in machine.contacts}
     alone = len(machine.bodies) == 1 and len(machine.contacts) == 1 == len(bodies) and not machine.links
     _judge(found, alone and not found.ranges[machine.contacts[0].name])

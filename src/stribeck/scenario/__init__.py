@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Collection, Mapping
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,22 +12,19 @@ from typing import Any
 from stribeck import memory
 from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
-from stribeck.drives import Drive
 from stribeck.errors import InputError, arg, printable
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.machine.machine import Elements
 from stribeck.machine.system import MachineSystem
-from stribeck.machine.table import FileTable
+from stribeck.machine.table import FileTable, Key, Problem
 from stribeck.parameter_sets import read_toml
 from stribeck.parameter_sets.assignments import parse_assignment, parse_assignments
-from stribeck.plants import Plant
 from stribeck.scenario import tables
 from stribeck.scenario.changes import changed, plain_table, unfolds
-from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.rig import Rig
-from stribeck.scenario.single import rig_of
+from stribeck.scenario.schema1 import Called
 from stribeck.scenario.trust import named
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces
@@ -68,12 +65,10 @@ class Scenario:
         objects = {name: x for name, x in given.items() if _holds_objects(x)}
         reader = Reader(plain_table(given), Path(folder or ""), _trusted(trust), objects)
         _refuse(reader.read())
-        self._set(reader.data, reader.folder, reader.parts)
-
-    def _set(self, data: dict[str, object], folder: Path, parts: Parts) -> None:
-        """Once, when it is made."""
-        known = {n: x for n, x in vars(parts).items() if x is not None and n != "law"}
-        self.__dict__.update(known, data=data, folder=folder, parts=parts)
+        self.__dict__.update(
+            data=reader.data, folder=reader.folder, rig=reader.rig, elements=reader.elements, called=reader.called,
+            solve=reader.solve, output=reader.output,
+        )  # fmt: skip
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{name}: a Scenario does not change; replace({{PATH: VALUE}}) makes another")
@@ -89,14 +84,19 @@ class Scenario:
     def __repr__(self) -> str:
         return f"<Scenario {self.name}: {self.subject}, t_end {self.solve.t_end:g} s>"
 
-    def with_values(self, **values: Any) -> Scenario:
-        """This scenario with other values of law, mass, initial state or signal, of the same structure; not judged. Its
-        ``data`` stay as they are."""
-        if "mass" in values:
-            values["plant_values"] = {**self.plant_values, "mass": values.pop("mass")}
-        other = copy(self)
+    def with_values(
+        self, values: Mapping[Key, float] | None = None, *, initial: Mapping[str, float] | None = None,
+        signal: Signal | None = None, solve: tables.Solve | None = None,
+    ) -> Scenario:  # fmt: skip
+        """This scenario with other run-time constants, another start, another signal (its only one) or another [solve], of
+        the same structure; not judged. Its ``data`` stay as they are."""
+        other, rig = copy(self), self.rig.with_values(values or {})
+        start = rig.initial if initial is None else dict(initial)
+        signals = rig.signals if signal is None else dict.fromkeys(rig.signals, signal)
+        rig = replace(rig, initial=start, signals=signals)
+        known = {n: x for n, x in vars(self).items() if n in ("data", "folder", "called", "solve", "output")}
         other.__dict__.clear()  # what it found out about itself it finds anew
-        other._set(self.data, self.folder, dataclasses.replace(self.parts, **values))
+        other.__dict__.update(known | ({} if solve is None else {"solve": solve}), rig=rig, elements=rig.elements)
         return other
 
     @classmethod
@@ -153,23 +153,16 @@ class Scenario:
 
     data: dict[str, Any]
     folder: Path
-    parts: Parts
-    plant: type[Plant]
-    plant_values: dict[str, float]
-    drive: type[Drive]
-    signal: Signal
-    settings: Settings = Settings()  # what the drive has beside its constants and its signal
-    initial: dict[str, float]
-    drive_values: dict[str, float]
+    rig: Rig
+    elements: Elements
+    called: Called
     solve: tables.Solve
     output: tables.Output
 
-    elements: Elements  # of a machine
-
-    @cached_property
-    def rig(self) -> Rig:
-        """The machine with its values: that of the file, or the smallest of a law on a plant under a drive."""
-        return rig_of(self.parts) if self.parts.rig is None else self.parts.rig
+    @property
+    def initial(self) -> dict[str, float]:
+        """The states at t = 0 that are not 0."""
+        return self.rig.start()
 
     @property
     def law(self) -> Law:
@@ -180,11 +173,14 @@ class Scenario:
         """
         return self.rig.law
 
-    def __getattr__(self, name: str) -> object:
-        """What only a law on a single body has, asked of a machine."""
-        if name in ("drive", "drive_values", "plant", "plant_values", "signal") and self.parts.rig is not None:
-            raise InputError(_only_single(self.name))
-        raise AttributeError(f"'Scenario' object has no attribute {name!r}")
+    @property
+    def signal(self) -> Signal:
+        """The only signal.
+
+        Raises:
+            InputError: there is none, or there are several.
+        """
+        return self.rig.signal
 
     @property
     def mass(self) -> float | None:
@@ -284,16 +280,12 @@ def _holds_objects(section: object) -> bool:
     return isinstance(section, Mapping) and any(isinstance(x, FileTable) for x in section.values())
 
 
-def _only_single(name: str) -> str:
-    return f"{name}: schema = 2: is a machine, and this takes a law on a single body (schema = 1)"
-
-
 def _trusted(trust: bool | Collection[str]) -> Collection[str] | None:
     """Names of laws that may lie anywhere; None: all."""
     return (None if trust else ()) if isinstance(trust, bool) else trust
 
 
-def _refuse(problems: list[tables.Problem]) -> None:
+def _refuse(problems: list[Problem]) -> None:
     if problems:
         raise InputError([f"{path}: {text}" for path, text in problems])
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from types import EllipsisType, SimpleNamespace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -15,11 +15,10 @@ from pydantic import Field
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
-from stribeck.control.cascade import SAMPLING, SWING, SWINGS, PressureCascade
+from stribeck.control.cascade import SAMPLING, SWING, SWINGS, PressureCascade, course
+from stribeck.control.cylinder import Cylinder
 from stribeck.control.observer import Adaptation
 from stribeck.control.sampled import Sampled
-from stribeck.drives import Drive
-from stribeck.drives.base import course
 from stribeck.errors import InputError, NotDifferentiable
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import symbol, wrap
@@ -28,9 +27,7 @@ from stribeck.laws.base import PARAMETERS, BristleLaw, Law
 from stribeck.laws.form import USUAL
 from stribeck.machine.driving import DrivePart
 from stribeck.machine.table import joined
-from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import tables
-from stribeck.scenario.parts import Courses, Parts, Settings
 from stribeck.scenario.tables import Problem
 from stribeck.signals import Signal
 
@@ -43,27 +40,54 @@ _SAMPLES = 4001  # of the path, where it is judged
 _MOST_SWINGS = 25  # turns of the valve in a quarter of a run that need no word
 
 
+class Courses(Protocol):
+    """What a remark is made of: the rows of a solution."""
+
+    @property
+    def t(self) -> Array:
+        """The times, s."""
+
+    @property
+    def held(self) -> Mapping[str, Array]:
+        """What controllers held at these times."""
+
+    def __getitem__(self, name: str, /) -> Array:
+        """A column."""
+
+
 def cascade_of(scenario: Scenario) -> CascadeSettings | None:
-    """What the cascade of a scenario is made of, for what is about that controller; None under another drive."""
-    return scenario.settings if isinstance(scenario.settings, CascadeSettings) else None
+    """What the cascade of a file of schema 1 is made of; None under another drive."""
+    return scenario.rig.settings.get("")
+
+
+def gains_of(scenario: Scenario) -> dict[str, float]:
+    """The gains of that cascade."""
+    return {name: x for (path, name), x in scenario.values().items() if path == "drive"}
+
+
+@cache
+def cascade_table() -> type[tables.StrictTable]:
+    """The model of the table of a cascade; its signal is a table of its own."""
+    kind = PressureCascade
+    fields: tables.Fields = {"kind": (Literal["cascade"], Field(description=kind.meaning))}
+    fields |= {name: tables.number(constant) for name, constant in kind.constants.items()}
+    fields |= CascadeSettings.fields()
+    fields["signal"] = (dict[str, object], Field(description=f"{kind.signal.meaning}, {kind.signal.unit}"))
+    return tables.made("CascadeDrive", fields, kind.meaning)
 
 
 @dataclass(frozen=True)
 class Places:
-    """Where the tables of a servo stand in the file: in one of schema 1 at the top."""
+    """Where the tables of a servo stand in the machine, and where that of the cascade stands in the file."""
 
-    drive: str = "drive"
-    plant: str = "plant"
-
-
-_HERE = Places()
+    drive: str
+    plant: str
+    shown: str
 
 
 @dataclass(frozen=True)
-class CascadeSettings(Settings):
+class CascadeSettings:
     """What the controller is made of, with its values."""
-
-    laws: ClassVar[tuple[str, ...]] = ("observer",)
 
     model: dict[str, float]  # the plant, as the controller takes it to be
     adaptation: dict[str, float] | None
@@ -100,16 +124,16 @@ class CascadeSettings(Settings):
     @classmethod
     def read(
         cls, values: tables.StrictTable | None, table: Mapping[str, object], law: Law | None,
-        plant: object, folder: Path, executes: bool, at: Places = _HERE,
-    ) -> tuple[Settings | None, list[Problem]]:  # fmt: skip
+        plant: object, folder: Path, executes: bool, at: Places,
+    ) -> tuple[CascadeSettings | None, list[Problem]]:  # fmt: skip
         """The observer with the plant's parameters where it gives none, and the rest of [drive]."""
         observer, found, known = None, list[Problem](), True
         if isinstance(own := table.get("observer"), dict):
             known = executes or not in_a_file(own.get("name"))
-            observer, found = read_observer(own, law, folder, f"{at.drive}.observer") if known else (None, [])
+            observer, found = read_observer(own, law, folder, at) if known else (None, [])
         own_values = None if values is None else dict(values)
         if own_values is not None:
-            found += misplaced(own_values, observer if known and not found else ..., at.drive)
+            found += misplaced(own_values, observer if known and not found else ..., at)
         if found or own_values is None or plant is None:
             return None, found
         given = {n: x for n in Cylinder.constants if (x := getattr(own_values["model"], n)) is not None}
@@ -127,12 +151,7 @@ class CascadeSettings(Settings):
         """The name of the observer's law."""
         return self.observer.name if self.observer else NONE
 
-    @classmethod
-    def fullest(cls, kind: type[Drive]) -> Drive:
-        """With an observer that is adapted."""
-        return PressureCascade(BristleLaw, adaptive=True)
-
-    def drive(self, kind: type[Drive], given: Collection[str]) -> Drive:
+    def drive(self, given: Collection[str]) -> PressureCascade:
         """The controller's structure."""
         law, form = (type(self.observer), self.observer.form) if self.observer else (None, USUAL)
         return PressureCascade(law, form, "supply_droop" in given, self.adaptation is not None, self._sampled)
@@ -154,18 +173,14 @@ class CascadeSettings(Settings):
         sampled = self._sampled.numbers if self._sampled else {}
         return found | {(SAMPLING, n): x for n, x in (self.sampling or {}).items() if n in sampled}
 
-    def judge(self, parts: Parts, at: Places = _HERE) -> list[Problem]:
+    def judge(self, law: Law, signal: Signal, plant: Mapping[str, float], t_end: float, at: Places) -> list[Problem]:
         """What is wrong with the time between samples, and with the path."""
-        assert parts.solve is not None
-        assert parts.law is not None
-        assert parts.signal is not None
         found: list[Problem] = []
-        t_end = parts.solve.t_end
         period = self.sampling["period"] if self.sampling is not None else t_end
         if period < t_end / _MOST_INSTANTS:
             text = f"must be at least solve.t_end/{_MOST_INSTANTS:g} ({t_end / _MOST_INSTANTS:g} s)"
             found.append((f"{at.drive}.sample_time", f"{show(period)}: {text}"))
-        return found + _path_problems(SimpleNamespace(**parts.plant_values or {}), parts.law, parts.signal, t_end, at)
+        return found + _path_problems(SimpleNamespace(**plant), law, signal, t_end, at)
 
     def sampling_of(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed, where it samples."""
@@ -178,9 +193,10 @@ class CascadeSettings(Settings):
 
 
 def read_observer(
-    table: dict[str, object], plant: Law | None, folder: Path, path: str
+    table: dict[str, object], plant: Law | None, folder: Path, at: Places
 ) -> tuple[Law | None, list[Problem]]:
     """The law of [drive.observer] with the plant's parameters where it gives none, and what is wrong with it."""
+    path = f"{at.drive}.observer"
     name = table.get("name")
     if "name" not in table:
         return None, [(f"{path}.name", f"missing: must be given (the name of a smooth law, or {NONE!r})")]
@@ -199,7 +215,9 @@ def read_observer(
     values = {**{n: x for n, x in inherited.items() if x is not None}, **given, **own}
     if plant is None:  # what it would have given cannot be told missing
         values = {**{n: 1.0 for n in PARAMETERS if n in has and n not in values}, **values}
-    wrong = [(f"{path}.{n}", f"{show(own[n])}: belongs in {path}.parameters") for n in own if n in PARAMETERS]
+    wrong = [
+        (f"{path}.{n}", f"{show(own[n])}: belongs in {at.shown}.observer.parameters") for n in own if n in PARAMETERS
+    ]
     places = {n: f"{path}.parameters.{n}" for n in (*PARAMETERS, *given)}
     wrong += [(places.get(n, f"{path}.{n}"), text) for n, text in cls.problems(values)]
     if wrong:
@@ -301,11 +319,11 @@ def _course(signal: object, names: tuple[str, ...]) -> Callable[..., tuple[Array
     return python_function(("t", *(f"signal.{n}" for n in names)), path)
 
 
-def misplaced(values: Mapping[str, object], observer: Law | EllipsisType | None, path: str) -> list[Problem]:
+def misplaced(values: Mapping[str, object], observer: Law | EllipsisType | None, at: Places) -> list[Problem]:
     """What the valid table [drive] asks for that does not go together; ``observer`` is ... where it is not known."""
-    found: list[Problem] = []
+    found, path = list[Problem](), at.drive
     if values["sample_time"] is None:
-        text = f"needs {path}.sample_time: without it the controller is continuous and measures exactly"
+        text = f"needs {at.shown}.sample_time: without it the controller is continuous and measures exactly"
         keys = [key for key in ("delay", "noise", "quantisation", "bandwidth") if values[key]]
         found += [(f"{path}.{key}", f"{show(values[key])}: {text}") for key in keys]
     elif (values["noise"] or values["quantisation"]) and values["bandwidth"] is None:

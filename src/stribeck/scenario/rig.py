@@ -20,7 +20,7 @@ from stribeck.machine.machine import NATURAL_LENGTH, Elements
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.system import MachineSystem
 from stribeck.machine.table import joined
-from stribeck.scenario.parts import Settings
+from stribeck.scenario.cascade import CascadeSettings
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
 
@@ -29,7 +29,7 @@ from stribeck.signals.pieces import Pieces, merged, pieces
 class Rig:
     """A machine's structure with the values of its constants, its signals, its laws by table and its initial state.
 
-    ``settings`` is what each drive has beside its constants and its signal, by the drive's name.
+    ``settings`` is what each pressure cascade has beside its constants and its signal, by its name.
     """
 
     machine: MachineSystem
@@ -38,7 +38,7 @@ class Rig:
     laws: dict[str, Law]
     initial: dict[str, float]
     seeds: dict[str, int]
-    settings: dict[str, Settings] = field(default_factory=dict)
+    settings: dict[str, CascadeSettings] = field(default_factory=dict)
 
     @cached_property
     def elements(self) -> Elements:
@@ -66,6 +66,18 @@ class Rig:
             return self.laws[next(iter(contacts.values())).law_path]
         names = ", ".join(contacts) or "none"
         raise InputError(f"contacts: {names}: there must be one contact for this, of a machine that has several")
+
+    @property
+    def signal(self) -> Signal:
+        """The only signal.
+
+        Raises:
+            InputError: there is none, or there are several.
+        """
+        if len(self.signals) == 1:
+            return next(iter(self.signals.values()))
+        names = ", ".join(use.path for use in self.signals) or "none"
+        raise InputError(f"signals: {names}: there must be one signal for this")
 
     @property
     def named_laws(self) -> dict[str, Law]:
@@ -100,25 +112,24 @@ class Rig:
     @property
     def rotary(self) -> bool:
         """Whether the one body without a name turns; else each column says so for itself."""
-        return self.single and self.law.rotary
+        return self.single and self.elements.bodies[""].turns
 
     @property
     def mass(self) -> Value:
         """The mass that the one drive moves without anything between; None where there is no such thing."""
-        if not self.single:
-            return None
-        (body,) = self.elements.bodies.values()
-        own = {name: x for (path, name), x in self.values.items() if path == body.path}
-        return body.plant.inertia(SimpleNamespace(**own))
+        body = self.elements.bodies.get("")
+        return body.heavy if body is not None and body.kind == "body" else None
 
     def damping(self) -> Value:
         """The damping ratio of the one body on its bristles at rest; many bodies and contacts have no such number, and
         infinity stands for it."""
-        mass, law = self.mass, self.laws.get("law")
-        sigma_0 = self.values.get(("law", "sigma_0"))
-        if sigma_0 is None or mass is None or law is None or not law.has_z or self.machine.elements.given_alone:
+        contact, mass = self.elements.contacts.get(""), self.mass
+        if contact is None or mass is None or not contact.has_z:
             return float("inf")
-        given = [self.values.get(place) for place in (("law", "sigma_1"), ("law", "sigma_2"), ("drive", "K_d"))]
+        sigma_0, *given = (self.values.get((contact.law_path, n)) for n in ("sigma_0", "sigma_1", "sigma_2"))
+        if sigma_0 is None:
+            return float("inf")
+        given += [getattr(each, "K_d", None) for each in self.elements.controllers.values()]
         return sum(x for x in given if x is not None) / (2 * sqrt(sigma_0 * mass))
 
     def more_events(self, reached: float) -> list[tuple[float, int]]:

@@ -12,21 +12,21 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from stribeck import drives, laws, parameter_sets, plants
+from stribeck import laws, parameter_sets
 from stribeck.constants import Constant
-from stribeck.control.cascade import PressureCascade
-from stribeck.drives.base import FORCE
+from stribeck.control.observer import ETA, SCALES, Z_HAT
 from stribeck.laws.base import PARAMETERS, Law
-from stribeck.laws.form import USUAL
+from stribeck.machine.elements.contacts import Deflected
+from stribeck.machine.elements.controllers import Pid
+from stribeck.machine.elements.cylinder import Piston
+from stribeck.machine.elements.links import Pull
 from stribeck.machine.law import LAW
 from stribeck.machine.machine import SECTIONS
 from stribeck.machine.reading import family_of
 from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import FileTable
-from stribeck.scenario import servo, tables
-from stribeck.scenario.cascade import NONE
-from stribeck.scenario.drives import DRIVES, drive_table, plants_of, settings
-from stribeck.scenario.single import one_body
+from stribeck.scenario import schema1, servo, tables
+from stribeck.scenario.cascade import NONE, cascade_table
 
 Node = dict[str, Any]
 
@@ -78,7 +78,7 @@ def _body() -> Node:
                 "rotary": {"type": "boolean", "description": "the machine turns: N m for N, rad for m, kg m^2 for kg"},
                 "law": {"$ref": "#/$defs/law"},
                 "plant": {"description": "what friction acts on"},
-                "drive": {"oneOf": [_drive(kind) for kind in DRIVES], "description": "what moves it"},
+                "drive": {"oneOf": [_drive(kind) for kind in schema1.SIGNALS], "description": "what moves it"},
                 "solve": _solve(),
                 "output": _model(tables.Output),
             },
@@ -95,24 +95,25 @@ def _plants() -> Node:
         return {"properties": {"drive": {"properties": {"kind": {"const": kind}}, "required": ["kind"]}}}
 
     own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
-    others = [plant for plant in plants.KINDS.values() if plant.takes == FORCE and plant is not plants.Mass]
-    pushed = [*(_model(tables.plant_table(plant, False)) for plant in others), own]
-    mass = {**_model(tables.plant_table(plants.Mass, False)), "required": []}
+    body, piston = _model(family_of("bodies"))["anyOf"][:2]
+    numbers = body["properties"]["initial"]["properties"]
+    z = {"z": _model(Deflected)["properties"]["z"]}
+    start = _object({**numbers, **z}, [])
+    kind = {"const": schema1.MASS, "description": "a single body"}
+    mass = _object({"kind": kind, "mass": body["properties"]["mass"], "initial": start}, [])
     velocity_is_set = {"properties": {"plant": {"properties": {"initial": {"properties": {"v": False}}}}}}
-    other_kind = {"required": ["kind"], "properties": {"kind": {"not": {"const": plants.Mass.kind}}}}
+    other_kind = {"required": ["kind"], "properties": {"kind": {"not": {"const": schema1.MASS}}}}
     mass_is_needed = {"properties": {"plant": {"anyOf": [{"required": ["mass"]}, other_kind]}}, "required": ["plant"]}
-    found: Node = {
-        "properties": {"plant": {"anyOf": [mass, *pushed]}},
-        "if": driven_by(_moving()),
-        "then": velocity_is_set,
-        "else": mass_is_needed,
-    }
-    for kind, drive in DRIVES.items():
-        if drive.gives != FORCE:
-            nodes = [_model(tables.plant_table(plant, False)) for plant in plants_of(drive).values()]
-            then = {"properties": {"plant": {"anyOf": [*nodes, own]}}, "required": ["plant"]}
-            found = {"if": driven_by(kind), "then": then, "else": found}
-    return found
+    filled = piston["properties"]["initial"]
+    filled = {**filled, "properties": {**filled["properties"], **z}}
+    gas = {n: x for n, x in piston["properties"].items() if n not in schema1.NOT_OF_A_PISTON}
+    cylinder = {**piston, "properties": {**gas, "initial": filled}}
+    pushed: Node = {
+        "properties": {"plant": {"anyOf": [mass, own]}},
+        "if": driven_by("velocity"), "then": velocity_is_set, "else": mass_is_needed,
+    }  # fmt: skip
+    then = {"properties": {"plant": cylinder}, "required": ["plant"]}
+    return {"if": driven_by("cascade"), "then": then, "else": pushed}
 
 
 def machine_schema() -> Node:
@@ -138,16 +139,10 @@ def _family(family: type[FileTable]) -> Node:
 
 def _pressure_cascade() -> Node:
     """The cascade of schema 1 as a controller of a machine."""
-    node = _drive(PressureCascade.kind)
+    node = _drive("cascade")
     node["properties"]["kind"] = {"const": servo.CONTROLLER, "description": "moves the valve of a pneumatic piston"}
     node["properties"]["on"] = {"type": "string", "description": f"a body with kind = {servo.PISTON!r}"}
     return {**node, "required": [*node["required"], "on"]}
-
-
-def _moving() -> str:
-    """The kind of drive that sets the velocity."""
-    (kind,) = (kind for kind, drive in drives.KINDS.items() if drive.sets_velocity)
-    return kind
 
 
 def _object(properties: Node, required: list[str], others: bool | Node = False) -> Node:
@@ -226,24 +221,24 @@ def _somewhere(name: str) -> Node:
 
 
 def _drive(kind: str) -> Node:
-    drive = DRIVES[kind]
-    node = _model(drive_table(kind))
-    for key in settings(drive).laws:
-        node["properties"][key] = {"$ref": "#/$defs/observer"}
-    about = f"{drive.signal.meaning}, {drive.signal.unit}"
-    node["properties"]["signal"] = {"$ref": "#/$defs/signal", "description": about}
-    return node
+    about = schema1.SIGNALS[kind]
+    signal = {"$ref": "#/$defs/signal", "description": about}
+    if kind == "cascade":
+        node = _model(cascade_table())
+        node["properties"] |= {"observer": {"$ref": "#/$defs/observer"}, "signal": signal}
+        return node
+    tables_: dict[str, type[FileTable]] = {"spring": Pull, "pid": Pid}
+    names = schema1.CONSTANTS[kind]
+    numbers = _model(tables_[kind])["properties"] if names else {}
+    named = {"kind": {"const": kind, "description": f"the signal is the {about}"}}
+    own = {**named, **{n: numbers[n] for n in names}, "signal": signal}
+    return _object(own, ["kind", *(n for n in names if "default" not in numbers[n]), "signal"])
 
 
 def _solve() -> Node:
     node = _model(tables.Solve)
-    states: dict[str, None] = {}
-    for drive in DRIVES.values():
-        fullest = settings(drive).fullest(drive)
-        for plant in plants_of(drive).values():
-            system = one_body(laws.BristleLaw, USUAL, fullest, None, not drive.no_energy, plant)
-            states |= dict.fromkeys(state.name for state in system.states)
-    node["properties"]["atol"]["propertyNames"] = {"enum": sorted(states)}
+    names = [s.name for each in (Pid, Piston) for s in each.states] + [s.name for s in (Z_HAT, ETA, *SCALES)]
+    node["properties"]["atol"]["propertyNames"] = {"enum": sorted(["y", "v", "z", *names, "E_in", "E_dissipated"])}
     return node
 
 

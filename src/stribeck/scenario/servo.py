@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from sys import float_info
 from typing import Any
 
 from pydantic import ValidationError
 
 from stribeck.constants import show
 from stribeck.control.cascade import PressureCascade
+from stribeck.control.cylinder import Cylinder
 from stribeck.laws.base import Law
 from stribeck.machine.driving import DrivePart
 from stribeck.machine.element import GROUND
@@ -18,12 +20,9 @@ from stribeck.machine.law import unknown
 from stribeck.machine.machine import Elements
 from stribeck.machine.reading import Draft
 from stribeck.machine.signal import SignalTable, SignalUse
-from stribeck.machine.table import SYMBOLS, Key, Problem, Reading, problems_of
-from stribeck.plants.cylinder import Cylinder
+from stribeck.machine.table import SYMBOLS, Key, Problem, Reading, joined, problems_of, table_path
 from stribeck.scenario import tables
-from stribeck.scenario.cascade import CascadeSettings, Places
-from stribeck.scenario.drives import drive_table
-from stribeck.scenario.parts import Parts, Settings
+from stribeck.scenario.cascade import CascadeSettings, Places, cascade_table
 from stribeck.signals import Signal
 
 PISTON = Cylinder.kind
@@ -43,7 +42,7 @@ class Servos:
 
     problems: list[Problem] = field(default_factory=list)
     drives: list[DrivePart] = field(default_factory=list)
-    settings: dict[str, Settings] = field(default_factory=dict)
+    settings: dict[str, CascadeSettings] = field(default_factory=dict)
     signals: dict[SignalUse, Signal] = field(default_factory=dict)
     values: dict[Key, float] = field(default_factory=dict)
     initial: dict[str, float] = field(default_factory=dict)
@@ -58,7 +57,7 @@ def read(servos: Mapping[str, Mapping[str, Any]], draft: Draft, t_end: object) -
 
 
 def _read(found: Servos, name: str, table: Mapping[str, Any], draft: Draft, t_end: object) -> None:
-    path, on = f"controllers.{name}", table.get("on")
+    path, on = table_path("controllers", name), table.get("on")
     body = draft.tables["bodies"].get(on) if isinstance(on, str) else None
     kind = body.get("kind") if isinstance(body, Mapping) else getattr(body, "kind", None)
     if kind != PISTON:
@@ -71,15 +70,19 @@ def _read(found: Servos, name: str, table: Mapping[str, Any], draft: Draft, t_en
     if other := next((drive for drive in found.drives if drive.on == on), None):
         text = f"{show(on)}: must be another body: {other.path} drives it already"
         found.problems.append((f"{path}.on", text))
-    at, law, before = Places(path, f"bodies.{on}"), _law_of(draft.machine, on), len(found.problems)
+    at, law, before = (
+        Places(path, table_path("bodies", on), draft.reading.to_file(path)),
+        _law_of(draft.machine, on),
+        len(found.problems),
+    )
     piston = draft.machine.bodies.get(on)
-    model, own = drive_table(PressureCascade.kind), {k: x for k, x in table.items() if k not in _NOT_OWN}
+    model, own = cascade_table(), {k: x for k, x in table.items() if k not in _NOT_OWN}
     own["kind"] = PressureCascade.kind
     values, wrong = tables.validate(model, own, path)
     found.problems += unknown(own, path, model.model_fields) or wrong
     settings, more = CascadeSettings.read(values, own, law, piston, draft.reading.folder, draft.reading.executes, at)
     found.problems += more
-    signal, use = _signal(found, table.get("signal"), f"{path}.signal", draft.reading)
+    signal, use = _signal(found, table.get("signal"), name, draft.reading)
     if law is None and not (found.problems or draft.problems):
         text = f"{show(on)}: must have a contact with the ground, whose friction the cascade knows"
         found.problems.append((f"{path}.on", text))
@@ -87,23 +90,22 @@ def _read(found: Servos, name: str, table: Mapping[str, Any], draft: Draft, t_en
         return
     if values is None or law is None or signal is None or use is None:
         return
-    if isinstance(t_end, int | float) and t_end > 0:
-        solve = tables.Solve.model_validate({"t_end": float(t_end)})
-        parts = Parts(law=law, signal=signal, plant_values=piston.constants, solve=solve)
-        found.problems += settings.judge(parts, at)
+    if isinstance(t_end, int | float) and 0 < t_end <= float_info.max:
+        found.problems += settings.judge(law, signal, piston.constants, float(t_end), at)
     given = {n: x for n in PressureCascade.constants if (x := getattr(values, n)) is not None}
-    drive = DrivePart(name, settings.drive(PressureCascade, given), on, use)
+    drive = DrivePart(name, settings.drive(given), on, use)
     found.drives.append(drive)
     found.settings[name], found.signals[use] = settings, signal
     numbers = {**{("drive", n): x for n, x in given.items()}, **settings.values()}
     found.values |= {(drive.table(owner), n): x for (owner, n), x in numbers.items()}
     found.values |= {(use.path, n): float(signal.values[n]) for n in use.constants()}
-    found.initial |= {f"{name}.{n}": x for n, x in drive.drive.starts.items()}
+    found.initial |= {joined(name, n): x for n, x in drive.drive.starts.items()}
 
 
 def _signal(
-    found: Servos, table: object, path: str, reading: Reading
+    found: Servos, table: object, name: str, reading: Reading
 ) -> tuple[Signal | None, SignalUse | None]:  # fmt: skip
+    path = f"{table_path('controllers', name)}.signal"
     if not isinstance(table, Mapping):
         return None, None  # which is told
     try:
@@ -111,7 +113,7 @@ def _signal(
     except ValidationError as error:
         found.problems += problems_of(error, path)
         return None, None
-    return made.built, made.carrying(path, SYMBOLS)
+    return made.built, made.carrying(path, replace(SYMBOLS, name=name))
 
 
 def _law_of(machine: Elements, body: str) -> Law | None:

@@ -1,25 +1,21 @@
-"""The tables of a scenario file as pydantic models; those of drives and signals are made from their declarations."""
+"""The tables of a scenario file that are no elements."""
 
 from __future__ import annotations
 
 import math
-from functools import cache
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
 from stribeck.constants import Constant, kind_of, show
-from stribeck.drives.base import Column
 from stribeck.errors import nearest
-from stribeck.plants import Mass, Plant
 
 Problem = tuple[str, str]  # path, message
 Fields = dict[str, tuple[object, object]]  # the type of each key and its pydantic field
 Table = TypeVar("Table", bound="StrictTable")
 
 RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
-_Y, _V, _Z = Column("y", "m", "position"), Column("v", "m/s", "velocity"), Column("z", "m", "bristle deflection")
 
 
 class StrictTable(BaseModel):
@@ -67,46 +63,6 @@ def number(constant: Constant, left_out: bool = False) -> tuple[object, object]:
     return (float | None if left_out or constant.optional else float, field)
 
 
-def initial_table(plant: type[Plant], moved: bool) -> type[StrictTable]:
-    """The model of [plant.initial]; ``moved``: by a drive that sets the velocity."""
-    columns = [_Y, *(() if moved else (_V,)), _Z, *plant.states]
-    fields: Fields = {
-        c.name: (float, Field(... if c.name in plant.must_start else 0.0, description=f"{c.meaning}, {c.unit}"))
-        for c in columns
-    }
-    return made("Initial", fields, "The state at t = 0.")
-
-
-def plant_table(plant: type[Plant], moved: bool, name: str = "") -> type[StrictTable]:
-    """The model of [plant]; ``moved``: by a drive that sets the velocity, which needs no mass; ``name``: what the kind is
-    called in the file, if not its name."""
-    kind: object = plant
-    model: type[StrictTable] = _plant_table(kind, moved, name or plant.kind)
-    return model
-
-
-@cache
-def _plant_table(plant: object, moved: bool, name: str) -> type[StrictTable]:
-    assert isinstance(plant, type)
-    assert issubclass(plant, Plant)
-    initial = initial_table(plant, moved)
-    if needed := plant.must_start:
-        text = f"the state at t = 0, with {', '.join(needed[:-1])} and {needed[-1]}"
-        start: tuple[object, object] = (initial, Field(description=text))
-    else:
-        start = (initial, Field(default_factory=initial))
-    fields: Fields = {
-        "kind": (Literal[name], Field(name if plant is Mass else ..., description=plant.meaning)),
-        **{name: _unused(constant) if moved else number(constant) for name, constant in plant.constants.items()},
-        "initial": start,
-    }
-    return made("Plant", fields)
-
-
-def _unused(constant: Constant) -> tuple[object, object]:
-    return (float | None, Field(None, gt=constant.above, description=f"{constant.meaning}, {constant.unit} (not used)"))
-
-
 def given_table(name: str, about: str, constants: dict[str, Constant], all_optional: bool) -> tuple[object, object]:
     """A table of constants that may be left out."""
     fields: Fields = {n: number(c, left_out=all_optional) for n, c in constants.items()}
@@ -145,8 +101,6 @@ def _problem(details: ErrorDetails, model: type[StrictTable], path: str) -> Prob
     full = f"{path}.{name}" + "".join(f"[{part}]" for part in where if isinstance(part, int))
     if kind == "extra_forbidden":
         known = list(_declared(model, where[:-1])["properties"])
-        if name == "initial.v":
-            return full, f"{show(value)}: must be left out: the drive sets the velocity"
         guess = nearest(str(where[-1]), known) or f" (known here: {', '.join(known)})"
         return full, f"{show(value)}: unknown key{guess}"
     declared = _declared(model, where)

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.constants import rotary_words
-from stribeck.control import PressureCascade
-from stribeck.drives import Drive
 from stribeck.mouth import plots
 from stribeck.mouth.document import Figure as Picture
 from stribeck.mouth.quantities import Quantity, Scale, scale
@@ -46,9 +44,6 @@ _CASCADE = (
     Panel("F", "friction force", also=", and what the controller assumes", axis="force", beside=("F_hat",), alone=True),
     Panel("F", "friction against velocity", x="v", near_rest=True),
 )
-_OF_DRIVE: dict[type[Drive], tuple[Panel, ...]] = {
-    PressureCascade: _CASCADE
-}  # where a drive has more to see than a force
 
 
 def panels(solution: Solution) -> tuple[Panel, ...]:
@@ -56,8 +51,8 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     known = {"t", *(column.name for column in solution.columns)}
     if not solution.scenario.rig.single:
         return of_machine(solution.scenario.rig.machine)
-    if (own := _OF_DRIVE.get(solution.scenario.drive)) is not None:
-        return own
+    if "V" in known:
+        return _CASCADE
     if "I" in known:
         error = Panel("e", "control error after the transient", settled=True)
         first = [Panel("y", "position", also=", and its setpoint", axis="position", beside=("r",)), error]

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stribeck import memory
 from stribeck.arrays import Array
-from stribeck.drives.base import Column
+from stribeck.constants import Column
 from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, nearest
 from stribeck.scenario import Scenario
@@ -99,7 +99,7 @@ class Ensemble:
     @property
     def columns(self) -> tuple[Column, ...]:
         """The columns after t: name, unit and meaning."""
-        return tuple(c.of_motion(self.scenario.rotary) for c in self.scenario.system.columns)
+        return self.scenario.system.columns
 
     @cached_property
     def _columns(self) -> dict[str, Array]:

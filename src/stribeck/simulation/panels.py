@@ -59,7 +59,7 @@ def of_machine(machine: MachineSystem) -> tuple[Panel, ...]:
             if own in controllers:
                 found.append(Panel(f"{own}.e", f"{own}: tracking error"))
             found.append(Panel(f"{body.name}.v", f"{body.name}: velocity"))
-            found += [Panel(f"{body.name}.{s.name}", f"{body.name}: {s.meaning}") for s in body.plant.states]
+            found += [Panel(f"{body.name}.{s.name}", f"{body.name}: {s.meaning}") for s in body.states]
     for contact in machine.contacts:
         force, slip = f"{contact.name}.F", f"{contact.name}.w"
         found.append(Panel(force, f"{contact.name}: friction, {contact.friction.kind.name}"))

@@ -27,7 +27,7 @@ _WORDS = {"slip": "|v| rises through v_s (slip)", "stick": "|v| falls through v_
 def run(solution: Solution) -> Document:
     """A run: what happened, largest and last numbers, events, plots, laws and the file."""
     scenario, stats = solution.scenario, solution.stats
-    about = f"law {scenario.law.name}, drive {scenario.drive.kind}" if scenario.rig.single else scenario.subject
+    about = f"law {scenario.law.name}, drive {scenario.called.drive}" if scenario.rig.single else scenario.subject
     facts = [
         f"{solution.status}: {about}; {len(solution.t)} rows of {scenario.rows}",
         f"{stats['accepted']} steps ({stats['rejected']} rejected) in {1e3 * stats['seconds']:.1f} ms, {stats['solver']}",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.drives.base import Column
+from stribeck.constants import Column
 from stribeck.errors import nearest, needed
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
@@ -61,7 +61,7 @@ class Solution:
     @cached_property
     def columns(self) -> tuple[Column, ...]:
         """The columns after t: name, unit and meaning."""
-        return tuple(c.of_motion(self.scenario.rotary) for c in self.scenario.system.columns)
+        return self.scenario.system.columns
 
     @cached_property
     def _columns(self) -> dict[str, Array]:

@@ -56,17 +56,19 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
         InputError: a path is none that can be varied, or its values are no arrays of numbers of equal length.
     """
     given, rig = arrays(values), scenario.rig
-    if any(drive.drive.differentiates for drive in rig.machine.drives):
+    if rig.machine.drives:
         return LaneByLane(scenario, values)  # what its controller knows of the plant changes with the plant
     known = machine_places(scenario)
-    if rig.single or all(path in known for path in given):
+    if all(path in known for path in given):
         return Variations(scenario, values)
     try:  # constants that are off, such as a play that is not given
         scenario = scenario.with_changes({path: float(x[0]) for path, x in given.items() if path not in known})
     except InputError:
-        return LaneByLane(scenario, values)
+        return (Variations if rig.single else LaneByLane)(scenario, values)
     known = machine_places(scenario)
-    return (Variations if all(path in known for path in given) else LaneByLane)(scenario, values)
+    unknown = [path for path in given if path not in known]
+    numbers = not rig.single or all(path.startswith("law.") for path in unknown)  # which a law may leave unused
+    return (LaneByLane if unknown and numbers else Variations)(scenario, values)
 
 
 class Variations:
@@ -86,9 +88,7 @@ class Variations:
         self.shift = {path.removeprefix(_SHIFT): x for path, x in given.items() if path.startswith(_SHIFT)}
         self.values = {path: x for path, x in given.items() if not path.startswith(_SHIFT)}
         self.played: Mapping[str, Sequence[Signal]] = {}  # by the path of a signal, what it is in each lane
-        off = {f"law.{name}" for name, x in scenario.law.values.items() if x is None} if scenario.rig.single else set()
-        on = dict.fromkeys(off & self.values.keys(), 1.0)
-        self.scenario = scenario.with_changes(on) if on else scenario  # the lanes have their own values
+        self.scenario = scenario
         self.rig, self.places = self.scenario.rig, machine_places(self.scenario)
         if unknown := [path for path in self.values if path not in self.places]:
             raise InputError([f"{path}: cannot be varied{_guess(path, self.places)}" for path in unknown])
@@ -317,7 +317,7 @@ class LaneByLane:
 
     def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
         self.scenario, self.values = scenario, arrays(values)
-        if unknown := [text for text in self._wrong(0) if "unknown key" in text]:
+        if unknown := [text for text in self._wrong(0) if "unknown key" in text or "no such" in text]:
             raise InputError(unknown)
 
     def __len__(self) -> int:

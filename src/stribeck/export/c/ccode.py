@@ -17,7 +17,7 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.laws.evaluation import steady_force
 from stribeck.laws.values import Constants
-from stribeck.plants.mass import Mass
+from stribeck.machine.elements import bodies
 
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
 DIALECT = Dialect(
@@ -174,7 +174,7 @@ def expression(node: Expr, names: Iterable[str]) -> str:
 def net_force() -> dict[str, str]:
     """What accelerates a body under the drive's force u and the friction F, and its derivative by F, in C."""
     u, F = symbol("u"), symbol("F")
-    value = wrap(Mass.net_force(u, F))
+    value = wrap(bodies.sum_of_forces(u, F))
     return {"value": expression(value, ("u", "F")), "by_F": expression(derivative(value, F), ("u", "F"))}
 
 

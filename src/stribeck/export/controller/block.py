@@ -8,9 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from stribeck.constants import Constant, which_controller
+from stribeck.constants import Column, Constant, which_controller
 from stribeck.control.sampled import SAMPLING
-from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, c_condition
 from stribeck.export.request import ascii_only, identifier, made_by, valued

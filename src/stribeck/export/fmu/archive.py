@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping
-from types import SimpleNamespace
 from typing import Unpack
 
 from stribeck.errors import InputError
@@ -24,7 +23,7 @@ from stribeck.export.fmu.description import (
 from stribeck.export.request import Request
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.laws.base import Scales
-from stribeck.plants.mass import Mass
+from stribeck.machine.elements.bodies import MASS, sum_of_forces
 
 
 def files(request: Request) -> dict[str, str | bytes]:
@@ -113,7 +112,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
         c = f"e.rate[{i}]"
         add(name, unit, f"rate of {name[4]}", "local", c, derivative_of=state, settable=False, calculated_from=known)
     if body:
-        add("mass", "kg", Mass.constants["mass"].meaning, "parameter", "m->mass", start=mass, minimum=0.0)
+        add("mass", "kg", MASS.meaning, "parameter", "m->mass", start=mass, minimum=0.0)
     if bad := [
         key for key in request.constants if key not in law.inputs and key in {variable.name for variable in found}
     ]:
@@ -126,7 +125,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
 
 def _acceleration() -> dict[str, str]:
     mass, u, F = symbol("mass"), symbol("u"), symbol("F")
-    value = wrap(Mass.acceleration(SimpleNamespace(mass=mass), u, F))
+    value = wrap(sum_of_forces(u, F) / mass)
     names = ("mass", "u", "F")
     return {
         "value": expression(value, names),

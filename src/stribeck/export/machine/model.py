@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from stribeck.codegen import PORTABLE, parameter_names, with_columns
-from stribeck.constants import Constant
-from stribeck.drives.base import Column
+from stribeck.constants import Column, Constant
 from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import c_condition
 from stribeck.export.request import ascii_only, identifier, made_by, valued

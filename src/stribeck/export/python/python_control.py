@@ -13,7 +13,7 @@ from stribeck.errors import InputError
 from stribeck.export.optional import package
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
-from stribeck.plants.mass import Mass
+from stribeck.machine.elements.bodies import MASS, sum_of_forces
 
 if TYPE_CHECKING:
     import control
@@ -24,7 +24,7 @@ _RTOL = 1e-8
 def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem:
     """See :meth:`stribeck.laws.Law.to_control`."""
     ct: ModuleType = package("control", "tools")
-    if mass is not None and (text := Mass.constants["mass"].problem(mass)):
+    if mass is not None and (text := MASS.problem(mass)):
         raise InputError(f"mass: {show(mass)}: {text}")
     plant = SimpleNamespace(mass=mass)
 
@@ -37,7 +37,7 @@ def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem
 
     def derivatives(t: float, x: Value, u: Value, params: dict[str, Value]) -> Value:
         v, rate, force = quantities(x, u, params)
-        body = [] if mass is None else [v, Mass.acceleration(plant, u[0], force)]
+        body = [] if mass is None else [v, sum_of_forces(u[0], force) / plant.mass]
         return np.array([*body, *([rate] if law.has_z else [])], float)
 
     def outputs(t: float, x: Value, u: Value, params: dict[str, Value]) -> Value:

@@ -140,9 +140,8 @@ class RigProblem(Problem):
         push = driving - (self._beside(rows, values) if self.kind == "force" else 0.0)
         some = np.append(np.arange(0, len(time) - 1, 2), len(time) - 1) if self.coarse else slice(None)
         signal = PointsSignal(time[some], push[some])
-        solution = simulate(
-            self.scenarios[number].with_values(law=law, mass=values["mass"], initial=initial, signal=signal)
-        )
+        numbers = {("contacts.law", n): x for n, x in law.p.numbers.items()} | {("bodies", "mass"): values["mass"]}
+        solution = simulate(self.scenarios[number].with_values(numbers, initial=initial, signal=signal))
         found = solution[self.column]
         return found if solution.status == "done" and np.isfinite(found).all() else None
 

@@ -3,27 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from stribeck.constants import show
-from stribeck.drives.base import Column
-from stribeck.expressions.graph import symbol
-from stribeck.expressions.ops import Value
+from stribeck.constants import Column, Constant, show
+from stribeck.expressions.graph import Expr, symbol, wrap
+from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Scales
-from stribeck.machine.driving import act
-from stribeck.machine.element import Element, State, ratio_constant
+from stribeck.machine.element import NONE, Element, Own, State, ratio_constant
 from stribeck.machine.signal import SignalTable, SignalUse
 from stribeck.machine.table import Aside, FileTable, Loc, Problem, Refers, quantity
-from stribeck.plants import Mass, Plant
 from stribeck.signals.sums import least_of
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
     from stribeck.machine.machine import Elements
     from stribeck.machine.reading import Draft
+
+
+MASS = Constant("kg", "mass of the body", above=0, rotary_unit="kg m^2")
+
+
+def sum_of_forces(u: Value, F: Value) -> Value:
+    """What accelerates a body, N: the force u on it less the friction force F."""
+    return u - F
 
 
 class Initial(FileTable):
@@ -44,10 +49,13 @@ def _velocity(value: object) -> object:
 
 
 class Body(Element, family=True):
-    """A body: ``mass`` (kg) moves straight, ``inertia`` (kg m^2) turns; one whose ``velocity`` is given obeys no force."""
+    """A body: ``mass`` (kg) moves straight, ``inertia`` (kg m^2) turns; one whose ``velocity`` is given obeys no force.
+
+    A body of your own derives from this class, declares its constants and its ``states``, and overrides ``acceleration``,
+    ``rates`` and ``stored_energy`` (and what else of the equations differs).
+    """
 
     section, plain = "bodies", "body"
-    plant: ClassVar[type[Plant]] = Mass  # what it is beside a mass, such as the piston of a cylinder
     kind: str = Field("body", exclude=True)
     mass: float | None = quantity("kg", "mass of a body that moves straight", above=0, optional=True)
     inertia: float | None = quantity("kg m^2", "moment of inertia of a body that turns", above=0, optional=True)
@@ -69,11 +77,6 @@ class Body(Element, family=True):
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # of Python alone, as in FileTable
 
     @property
-    def path(self) -> str:
-        """Its table; that of a file of schema 1 is ``plant``."""
-        return f"bodies.{self.name}" if self.name else "plant"
-
-    @property
     def turns(self) -> bool:
         """Whether it turns: rad and N m."""
         return self.inertia is not None or self.rotary is True
@@ -87,11 +90,6 @@ class Body(Element, family=True):
     def more(self) -> SignalTable | None:
         """The signal of what is added to it, where it has one."""
         return None
-
-    @property
-    def constants(self) -> dict[str, Value]:
-        """What its plant's equations take beside the mass."""
-        return {}
 
     @property
     def free(self) -> bool:
@@ -124,15 +122,49 @@ class Body(Element, family=True):
             found.append(("initial", f"{show(dict(self.initial))}: {text}"))
         return found
 
+    # -- its equations -------------------------------------------------------------------------------------------------
+
+    def acceleration(self, force: Value, inertia: Value, x: Own = NONE) -> Value:
+        """dv/dt in m/s^2 (rad/s^2) under the force on the body, friction among it, N (N m); ``inertia`` is that of the body
+        and of all that is tied to it."""
+        return force / inertia
+
+    def rates(self, y: Value, v: Value, acceleration: Value, x: Own) -> Own:
+        """The time derivatives of its own states, beside y and v."""
+        return NONE
+
+    def stored_energy(self, y: Value, v: Value, inertia: Value, x: Own = NONE) -> Value:
+        """Kinetic and potential energy, J."""
+        return inertia * v**2 / 2
+
+    def lost_power(self, y: Value, v: Value, x: Own) -> Value:
+        """What is dissipated beside friction, W."""
+        return 0.0
+
+    def inside(self, y: Value) -> Value | None:
+        """Where the equations hold, as a condition; None: everywhere. The solver stops where they end."""
+        return None
+
+    def ended(self, t: float, y: float, v: float) -> str | None:
+        """Why the equations ended there, in words."""
+        return None
+
+    def state_scales(self, length: Value, speed: Value, force: Value) -> Own:
+        """Natural magnitudes of its own states, for the default tolerances: by their units unless overridden."""
+        known = {"m": length, "m/s": speed, "N": force}
+        return {s.name: known.get(s.unit, 1.0) for s in self.states}
+
+    # -- how it takes part ---------------------------------------------------------------------------------------------
+
     def own_states(self, m: Elements) -> tuple[State, ...]:
-        """Position and velocity, unless it is tied to another or its velocity is given."""
+        """Position and velocity, unless it is tied to another or its velocity is given; and what else it has."""
         y, v = self._motion()
         return (y, v, *self._inner()) if self.free else (y,) if self.tied_to is None else ()
 
     def _inner(self) -> tuple[State, ...]:
-        """The states of its plant."""
-        states = self.plant.states if self.velocity is None else ()
-        return tuple(State(s.name, s.unit, s.meaning, getattr(self.initial, s.name, 0.0)) for s in states)
+        """Its own states beside these, and where they start."""
+        states = self.states if self.velocity is None else ()
+        return tuple(replace(s, start=getattr(self.initial, s.name, s.start)) for s in states)
 
     def _motion(self) -> tuple[State, State]:
         length = "rad" if self.turns else "m"
@@ -140,7 +172,7 @@ class Body(Element, family=True):
         return State("y", length, "position", y), State("v", f"{length}/s", "velocity", v)
 
     def columns(self, m: Elements) -> list[Column]:
-        """Position and velocity, and the states of its plant."""
+        """Position and velocity, and its own states."""
         return [Column(self.of(s.name), s.unit, s.meaning) for s in (*self._motion(), *self._inner())]
 
     def equations(self, a: Assembly) -> None:
@@ -160,16 +192,32 @@ class Body(Element, family=True):
         v = a.motion(self.name)[1]
         a.rates[self.of("y")] = v
         if self.velocity is None:
-            act(a, self)
+            self.obey_force(a)
         else:  # what drives it supplies the forces on it
             a.power_in = a.power_in - a.force[self.name] * v
+
+    def obey_force(self, a: Assembly) -> None:
+        """The rates under the forces on it, and its energy."""
+        (y, v), force, inertia = a.motion(self.name), a.force[self.name], a.inertia[self.name]
+        x = {s.name: a.state(self, s.name) for s in self.states}
+        acceleration = wrap(self.acceleration(force, inertia, x))
+        self.obey_rates(a, acceleration, self.rates(y, v, acceleration, x))
+        if a.system.energy:
+            a.lost = a.lost + wrap(self.lost_power(y, v, x))
+            a.stored = a.stored + wrap(self.stored_energy(y, v, inertia, x))
+
+    def obey_rates(self, a: Assembly, acceleration: Expr, rates: Own) -> None:
+        """Take the rates, as far as the equations hold."""
+        if (inside := self.inside(a.motion(self.name)[0])) is not None:
+            acceleration = wrap(where(inside, acceleration, float("nan")))
+        a.rates[self.of("v")] = acceleration
+        a.rates |= {self.of(n): wrap(rate) for n, rate in rates.items()}
 
     def natural(self, scales: Mapping[str, Scales], m: Elements) -> dict[str, Value]:
         """Those of its contacts."""
         own = scales[self.name]
-        sizes = self.plant.state_scales(SimpleNamespace(**self.constants), own.length, own.speed, own.force)
-        inner = {self.of(s.name): x for s, x in zip(self.plant.states, sizes, strict=True)}
-        return {self.of("y"): own.length, self.of("v"): own.speed, **inner}
+        inner = self.state_scales(own.length, own.speed, own.force).items()
+        return {self.of("y"): own.length, self.of("v"): own.speed, **{self.of(n): x for n, x in inner}}
 
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
         """Bodies that are tied in a ring, each ring once."""

@@ -10,8 +10,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from stribeck import signals
-from stribeck.constants import Constant, kind_of, show
-from stribeck.drives.base import Column
+from stribeck.constants import Column, Constant, kind_of, show
 from stribeck.equations import SLIP_AND_STICK, Events
 from stribeck.errors import nearest
 from stribeck.expressions.graph import ZERO, Expr, derivative, wrap
@@ -192,14 +191,9 @@ class Contact(BetweenBodies, family=True):
     )
 
     @property
-    def path(self) -> str:
-        """Its table; in a file of schema 1 the law alone stands at the top."""
-        return f"contacts.{self.name}" if self.name else ""
-
-    @property
     def law_path(self) -> str:
         """The table of its law."""
-        return f"{self.path}.law" if self.name else "law"
+        return f"{self.path}.law"
 
     @property
     def friction(self) -> Friction:
@@ -310,7 +304,12 @@ class Contact(BetweenBodies, family=True):
         if law is not None and law.jumps_at_rest and any(m.free_leader(x) for x in self.ends):
             text = f"the force of law '{law.name}' jumps at v = 0, so a body under it cannot stick"
             if "k_v" in law.constants():
-                found.append((("law", "k_v"), f"missing: {text}; give k_v > 0 for a smooth sign"))
+                found.append(
+                    (
+                        ("law", "k_v"),
+                        f"missing: {text}; give k_v > 0 in s/m for a smooth sign, or a velocity",
+                    )
+                )
             else:
                 found.append((("law", "name"), f"{show(law.name)}: {text}"))
         return found

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from stribeck.constants import show
-from stribeck.drives.base import Column
+from stribeck.constants import Column, show
 from stribeck.equations import Events, Sample
 from stribeck.expressions.graph import ZERO, Expr, derivative, symbol, wrap
 from stribeck.expressions.names import Names
@@ -22,7 +21,18 @@ from stribeck.machine.friction import compensation
 from stribeck.machine.law import CompensatedLaw, Friction
 from stribeck.machine.observed import observed
 from stribeck.machine.signal import SignalTable
-from stribeck.machine.table import Carrier, ConstantLeaf, FileTable, Held, Loc, Problem, Refers, joined, quantity
+from stribeck.machine.table import (
+    Carrier,
+    ConstantLeaf,
+    FileTable,
+    Held,
+    Loc,
+    Problem,
+    Refers,
+    joined,
+    quantity,
+    table_path,
+)
 from stribeck.signals.pieces import Reference
 
 if TYPE_CHECKING:
@@ -143,7 +153,7 @@ class Controller(Element, family=True):
         """The table of the law that its compensation takes: its own, or the contact's."""
         c = self.compensation
         assert c is not None
-        return f"contacts.{c.contact}.law" if c.law is None else f"{self.path}.compensation.law"
+        return f"{table_path('contacts', str(c.contact))}.law" if c.law is None else f"{self.path}.compensation.law"
 
     def form_states(self) -> tuple[State, ...]:
         """Its own states in this form of its equations."""

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from stribeck.constants import show
+from stribeck.control.cylinder import Cylinder
 from stribeck.expressions.ops import Value
+from stribeck.machine import driving
+from stribeck.machine.element import Own, State
 from stribeck.machine.elements.bodies import Body
 from stribeck.machine.table import Aside, FileTable, Problem, given_as, quantity
-from stribeck.plants import Plant
-from stribeck.plants.cylinder import Cylinder
+
+if TYPE_CHECKING:
+    from stribeck.machine.assembly import Assembly
 
 _C = Cylinder.constants
 
@@ -29,8 +33,8 @@ class Filled(FileTable):
 class Piston(Body):
     """The piston of a pneumatic cylinder between two chambers of gas, which a valve fills and empties."""
 
-    plant: ClassVar[type[Plant]] = Cylinder
     kind: Literal["pneumatic"] = "pneumatic"
+    states = tuple(State(c.name, c.unit, c.meaning) for c in Cylinder.states)
     mass: float = given_as(_C["mass"])
     area: float = given_as(_C["area"])
     stroke: float = given_as(_C["stroke"])
@@ -47,8 +51,24 @@ class Piston(Body):
 
     @property
     def constants(self) -> dict[str, Value]:
-        """See :class:`Body`."""
+        """What the equations of the gas take."""
         return {n: getattr(self, n) for n in _C}
+
+    def obey_force(self, a: Assembly) -> None:
+        """The rates under the pressures of the chambers, which a valve fills and empties."""
+        driving.act(a, self)
+
+    def inside(self, y: Value) -> Value | None:
+        """The equations end where the piston meets a cover."""
+        return Cylinder.inside(SimpleNamespace(**self.constants), y)
+
+    def ended(self, t: float, y: float, v: float) -> str | None:
+        """At which cover the piston is."""
+        return Cylinder.ended(SimpleNamespace(**self.constants), t, y, v)
+
+    def state_scales(self, length: Value, speed: Value, force: Value) -> Own:
+        """The pressures that make the friction force."""
+        return {s.name: force / self.area for s in self.states}
 
     def wrong(self) -> list[Problem]:
         """What a piston does not have; a start outside the stroke, and pressures that cannot be."""

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from stribeck.constants import kind_of, show
-from stribeck.drives.base import Column
+from stribeck.constants import Column, kind_of, show
 from stribeck.equations import Events
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.ops import Value, clip
@@ -158,3 +157,20 @@ class StagedSpring(Link):
         k, s = self._stiffer(d)
         energy = super().stored_energy(d, x) + k * s**2 / 2
         return energy if self.preload is None else energy + self.preload * d
+
+
+class Pull(Link):
+    """A spring whose far end a signal moves, as ``drive.kind = "spring"`` of schema 1 has it: its work on the body is put
+    in, and what it stores is not counted."""
+
+    of_program = True
+    kind: str = Field("spring", exclude=True)
+    stiffness: float = quantity("N/m", "stiffness of the spring", above=0, rotary_unit="N m/rad")
+
+    def equations(self, a: Assembly) -> None:
+        """Pull the body."""
+        d, w, _ = a.along(self)
+        f = a.show(self.of("f"), self.force(d, w))
+        a.k[self.of("x")] = wrap(a.reference(self.far).value)
+        a.push(self.end, f)
+        a.power_in = a.power_in + f * a.motion(self.end)[1]

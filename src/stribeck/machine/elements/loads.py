@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from stribeck.constants import show
-from stribeck.drives.base import Column
+from stribeck.constants import Column, show
 from stribeck.expressions.graph import wrap
 from stribeck.expressions.ops import Value, clip, cos, larger, sin
 from stribeck.machine.element import NONE, BodyName, Element, Own, force_unit

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from stribeck.drives.base import Column
+from stribeck.constants import Column
 from stribeck.expressions.graph import ZERO, wrap
 from stribeck.expressions.ops import Value, clip
 from stribeck.laws.base import Scales

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
-from stribeck.drives.base import Column
+from stribeck.constants import Column
 from stribeck.expressions.ops import Value, floor
 from stribeck.machine.element import BodyName, Element, ratio_constant
 from stribeck.machine.table import quantity

@@ -77,7 +77,7 @@ class Tolerated:
                 found.append(f"{arg(other)}: missing: must be given with {arg(one)}")
         if all(getattr(self, name) is None for name in _TOLERANCES):
             found.append(f"missing: a tolerance: at least one of {', '.join(map(arg, _TOLERANCES))}")
-        if self.position_error is not None and self.scenario is not None and self.scenario.drive.sets_velocity:
+        if self.position_error is not None and self.scenario is not None and self.scenario.elements.given_alone:
             found.append(
                 f"{arg('scenario')}: its drive sets the velocity, so the position does not depend on the law: use another"
             )

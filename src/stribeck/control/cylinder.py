@@ -6,23 +6,22 @@ from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import ClassVar
 
-from stribeck.constants import Constant, show
-from stribeck.drives.base import Column
+from stribeck.constants import Column, Constant, show
 from stribeck.expressions.ops import Value, atan, both, clip, cos, sin, where
-from stribeck.plants.base import Own, Plant
 
+Own = tuple[Value, ...]  # the pressures
 _LEAST_GAIN = 1.0  # Pa/s by opening; an open valve gives some 1e6
 _AT_COVER = 1e-6  # share of the stroke within which the piston is at a cover
 
 
-class Cylinder(Plant):
+class Cylinder:
     """A piston between two chambers of gas, which a valve fills from the supply and empties to the atmosphere."""
 
-    kind, meaning = "pneumatic", "a pneumatic cylinder with a servo-valve"
-    takes = Column("u", "V", "valve voltage")
-    states = (Column("p_1", "Pa", "pressure in chamber 1"), Column("p_2", "Pa", "pressure in chamber 2"))
-    must_start = ("y", "p_1", "p_2")
-    straight = "the piston of a cylinder does not turn"
+    kind: ClassVar[str] = "pneumatic"
+    takes: ClassVar[Column] = Column("u", "V", "valve voltage")
+    states: ClassVar[tuple[Column, ...]] = (
+        Column("p_1", "Pa", "pressure in chamber 1"), Column("p_2", "Pa", "pressure in chamber 2"),
+    )  # fmt: skip
     constants: ClassVar[dict[str, Constant]] = {
         "mass": Constant("kg", "mass of piston and load", above=0, example=2.9),
         "area": Constant("m^2", "cross-section of the piston", above=0, example=4.19e-4),
@@ -39,7 +38,7 @@ class Cylinder(Plant):
     }
 
     @staticmethod
-    def acceleration(p: SimpleNamespace, u: Value, F: Value, x: Own = ()) -> Value:
+    def acceleration(p: SimpleNamespace, u: Value, F: Value, x: Own) -> Value:
         """dv/dt in m/s^2 under the chambers' pressures and the friction force F (the paper's eq. 10)."""
         p_1, p_2 = x
         return (p.area * (p_1 - p_2) - F) / p.mass
@@ -63,11 +62,6 @@ class Cylinder(Plant):
         if abs(y - cover) > _AT_COVER * p.stroke:
             return None
         return f"the piston reached the end of its stroke, y = {cover:g} m, at t = {t:.6g} s with v = {v:.4g} m/s"
-
-    @classmethod
-    def state_scales(cls, p: SimpleNamespace, length: float, speed: float, force: float) -> tuple[float, ...]:
-        """The pressures that make the friction force."""
-        return (force / p.area, force / p.area)
 
     @staticmethod
     def problems(p: SimpleNamespace, initial: Mapping[str, float]) -> list[tuple[str, str]]:

@@ -1,0 +1,238 @@
+"""A file of schema 1 as tables of schema 2: the first act of loading. Nothing after it knows schema 1.
+
+Its elements have no names, for each is the only one of its section: what a machine calls ``body.y`` is ``y`` here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from stribeck import parameter_sets
+from stribeck.constants import Column, kind_of, show
+from stribeck.errors import InputError, nearest
+from stribeck.kinds import in_a_file
+from stribeck.laws.base import Law
+from stribeck.machine.elements.bodies import MASS as OF_BODY
+from stribeck.machine.law import unknown
+from stribeck.machine.table import Problem, no_table, table_path
+
+Table = Mapping[str, object]
+Sections = dict[str, dict[str, dict[str, object]]]
+TOP = ("schema", "name", "rotary", "law", "plant", "drive", "solve", "output")
+SIGNALS = {
+    "force": "force on the body, N",
+    "spring": "position of the spring's far end, m",
+    "pid": "setpoint, m",
+    "velocity": "velocity, m/s",
+    "cascade": "desired position, m",
+}  # by kind of drive
+CONSTANTS = {"force": (), "spring": ("stiffness",), "pid": ("K_p", "K_i", "K_d"), "velocity": ()}
+MASS, PNEUMATIC = "mass", "pneumatic"  # the kinds of plants
+_STARTS = {MASS: ("y", "v", "z"), PNEUMATIC: ("y", "v", "p_1", "p_2", "z")}
+NOT_OF_A_PISTON = ("inertia", "tied_to", "ratio", "velocity", "rotary", "name")
+# The columns that a drive adds, and what the machine calls their quantities.
+_COLUMNS = {
+    "force": ((Column("u", "N", "force on the body"), "f"),),
+    "spring": (
+        (Column("x", "m", "position of the spring's far end"), "x"),
+        (Column("u", "N", "force of the spring on the body"), "f"),
+    ),
+    "pid": (
+        (Column("r", "m", "setpoint"), "r"),
+        (Column("u", "N", "force of the controller on the body"), "u"),
+        (Column("I", "m s", "integral of y - r"), "I"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Called:
+    """What a file calls otherwise than the machine that it becomes.
+
+    Attributes:
+        paths: pairs of the machine's path and the file's; the first that a path begins with counts.
+        columns: those that the drive adds, with the names of their quantities in the machine.
+        drive: its kind; empty for a file of schema 2.
+    """
+
+    paths: tuple[tuple[str, str], ...] = ()
+    columns: tuple[tuple[Column, str], ...] = ()
+    drive: str = ""
+
+    def to_file(self, path: str) -> str:
+        """A machine's path as the file has it."""
+        return _swapped(path, self.paths)
+
+    def to_machine(self, path: str) -> str:
+        """A file's path as the machine has it."""
+        return _swapped(path, tuple((file, machine) for machine, file in self.paths))
+
+
+def _swapped(path: str, pairs: tuple[tuple[str, str], ...]) -> str:
+    for old, new in pairs:
+        if path == old or path.startswith((f"{old}.", f"{old}[")):
+            return new + path.removeprefix(old)
+    return path
+
+
+@dataclass(frozen=True)
+class ElementNames:
+    """What the body, the contact and what moves the body are called; nothing in a file of schema 1."""
+
+    body: str = ""
+    contact: str = ""
+    mover: str = ""
+
+
+def turns(data: Table, folder: Path) -> bool:
+    """Whether the body of such a file turns: it says so, or its set of parameters does."""
+    law = data.get("law")
+    if "rotary" in data:
+        return data["rotary"] is True
+    named = law.get("parameters") if isinstance(law, Mapping) else None
+    if not isinstance(named, str):
+        return isinstance(law, Law) and law.rotary
+    try:
+        return parameter_sets.load(named, folder, ()).rotary
+    except InputError:  # which the law's table says
+        return False
+
+
+def translated(data: Table, rotary: bool, names: ElementNames | None = None) -> tuple[Sections, Called, list[Problem]]:
+    """The sections of the machine, what the file calls its things, and what is wrong with the file's own frame; all else is
+    judged as in a machine.
+
+    Args:
+        data: the tables of the file.
+        rotary: whether the body turns.
+        names: of the elements.
+    """
+    found = list[Problem]()
+    if not isinstance(given := data.get("rotary", False), bool):
+        found.append(("rotary", f"{show(given)}: must be true or false, not {kind_of(given)}"))
+    drive, kind = _drive(data, found)
+    plant = _plant(data, kind, found)
+    if kind == "cascade" and rotary:
+        found.append(("rotary", "true: must be left out: the piston of a cylinder does not turn"))
+    at, hidden = names or ElementNames(), names is None
+    body, start = _body(plant, kind, rotary, found)
+    if "law" not in data:
+        found.append(("law", "missing: the table [law] must be given (with name and parameters)"))
+    law = {"law": data["law"]} if "law" in data else {}
+    contact = {"from": at.body, **law, **({"initial": start} if start else {})}
+    sections: Sections = {"bodies": {at.body: body}, "contacts": {at.contact: contact}}
+    own = {n: x for n, x in drive.items() if n not in ("kind", "signal") and x is not None}
+    signal = {"signal": drive["signal"]} if "signal" in drive else {}
+    bodies, contacts = table_path("bodies", at.body), table_path("contacts", at.contact)
+    paths = [
+        (f"{contacts}.initial.z", "plant.initial.z"), (f"{bodies}.initial", "plant.initial"),
+        (f"{contacts}.initial", "plant.initial"), (f"{contacts}.law", "law"),
+        *([(f"{bodies}.inertia", "plant.mass")] if rotary else []), (bodies, "plant"),
+    ]  # fmt: skip
+    if kind == "velocity":
+        sections["bodies"][at.body] = {
+            "velocity": signal, **{n: x for n, x in body.items() if n == "initial"}, **({"rotary": True} if rotary else {})
+        }  # fmt: skip
+        paths = [(f"{bodies}.velocity.signal", "drive.signal"), (f"{bodies}.velocity", "drive"), *paths]
+    elif kind == "spring":
+        spring = {"from": signal, "to": at.body, **own}
+        sections["links"] = {at.mover: {"kind": _pull(), **spring} if hidden else spring}
+        links = table_path("links", at.mover)
+        paths += [(f"{links}.from.signal", "drive.signal"), (links, "drive")]
+    elif kind == "pid" or (kind == "cascade" and "kind" in body):
+        words = {"kind": "pid" if kind == "pid" else "pressure_cascade", "on": at.body}
+        sections["controllers"] = {at.mover: {**words, **signal, **own}}
+        paths.append((table_path("controllers", at.mover), "drive"))
+    elif kind == "force" or signal:
+        sections["loads"] = {at.mover: {"on": at.body, "kind": "signal", **signal, **own}}
+        paths.append((table_path("loads", at.mover), "drive"))
+    columns = tuple((c.of_motion(rotary), name) for c, name in _COLUMNS.get(kind, ()))
+    return sections, Called(tuple(paths), columns, kind), found
+
+
+def _pull() -> type:
+    from stribeck.machine.elements.links import Pull  # costs some milliseconds, which other drives need not pay
+
+    return Pull
+
+
+def _of_cascade() -> list[str]:
+    from stribeck.scenario.cascade import cascade_table
+
+    return list(cascade_table().model_fields)
+
+
+def _drive(data: Table, found: list[Problem]) -> tuple[dict[str, object], str]:
+    """[drive] with the keys that it may have, and its kind; empty where it has none that is known."""
+    table = data.get("drive")
+    if not isinstance(table, Mapping):
+        text = f"missing: the table [drive] must be given (with kind, one of {', '.join(SIGNALS)}, and signal)"
+        found.append(("drive", text if table is None else no_table(table)))
+        return {}, ""
+    kind = table.get("kind")
+    if not (isinstance(kind, str) and kind in SIGNALS):
+        every = dict.fromkeys(("kind", *(n for each in CONSTANTS.values() for n in each), "signal", *_of_cascade()))
+        found += unknown({n: x for n, x in table.items() if n not in every}, "drive", every)
+        allowed = f"one of {', '.join(SIGNALS)}"
+        guess = nearest(kind, SIGNALS) if isinstance(kind, str) else ""
+        text = f"{show(kind)}: must be {allowed}{guess}" if "kind" in table else f"missing: must be given ({allowed})"
+        found.append(("drive.kind", text))
+        return {"signal": table["signal"]} if "signal" in table else {}, ""
+    if "signal" not in table:
+        found.append(("drive.signal", f"missing: must be given ({SIGNALS[kind]})"))
+    if kind not in CONSTANTS:  # a controller whose table says what it may have
+        if "on" in table:
+            found.append(("drive.on", f"{show(table['on'])}: unknown key"))
+        return {n: x for n, x in table.items() if n != "on"}, kind
+    known = ("kind", *CONSTANTS[kind], "signal")
+    found += unknown(table, "drive", known)
+    return {n: x for n, x in table.items() if n in known}, kind
+
+
+def _plant(data: Table, drive: str, found: list[Problem]) -> dict[str, object]:
+    """[plant] with the keys that it may have."""
+    table = data.get("plant")
+    if not isinstance(table, Mapping):
+        if table is not None:
+            found.append(("plant", no_table(table)))
+        elif drive not in ("", "velocity"):
+            found.append(("plant", "missing: the table [plant] must be given (with mass)"))
+        return {"mass": 1.0}  # in its place
+    table = {n: x for n, x in table.items() if x is not None}
+    kind, allowed = table.get("kind"), PNEUMATIC if drive == "cascade" else MASS
+    if in_a_file(kind) and drive != "cascade":
+        return table
+    if (kind is not None or drive == "cascade") and kind != allowed:
+        text = f"{show(kind)}: must be {allowed!r}" if kind is not None else f"missing: must be given ({allowed})"
+        found.append(("plant.kind", text))
+    if drive == "cascade":
+        foreign = {n: x for n, x in table.items() if n in NOT_OF_A_PISTON}
+        found += unknown(foreign, "plant", ())
+        return {n: x for n, x in table.items() if n not in foreign} | {"kind": PNEUMATIC}
+    found += unknown(table, "plant", ("kind", "mass", "initial"))
+    if "mass" not in table and drive != "velocity":
+        if drive:  # whether a mass must be given depends on the drive
+            found.append(("plant.mass", "missing: must be given (mass of the body, kg)"))
+        table["mass"] = 1.0
+    return {n: x for n, x in table.items() if n in ("mass", "initial")}
+
+
+def _body(plant: Table, drive: str, rotary: bool, found: list[Problem]) -> tuple[dict[str, object], dict[str, object]]:
+    """The table of the body, and where the bristles start."""
+    body, start = dict(plant), plant.get("initial")
+    if drive == "velocity" and "mass" in body and (text := OF_BODY.problem(body["mass"])):
+        found.append(("plant.mass", f"{show(body['mass'])}: {text}"))
+    if rotary and "mass" in body:
+        body["inertia"] = body.pop("mass")
+    if not isinstance(start, Mapping):
+        return body, {}
+    known = _STARTS.get(str(plant.get("kind", MASS)))
+    if known is not None:
+        found += unknown(start, "plant.initial", [n for n in known if n != "v" or drive != "velocity"] + (
+            ["v"] if drive == "velocity" and "v" in start else []
+        ))  # fmt: skip
+        start = {n: x for n, x in start.items() if n in known}
+    body["initial"] = {n: x for n, x in start.items() if n != "z"}
+    return body, {n: x for n, x in start.items() if n == "z"}
