@@ -92,6 +92,20 @@ def test_a_fixed_number_that_is_wrong_is_named_and_in_the_ranges(tmp_path, noise
         assert any("sigma_2 fixed at 4.4 and rather " in n for n in told.notes), told.notes
 
 
+def test_a_wrong_constant_that_spoils_another_is_the_one_that_is_named(tmp_path):
+    """sigma_0 30000 for 20000 moved v_s out of its interval, and another constant was blamed."""
+    record(tmp_path / "a.csv", body(amplitude=5.0))
+    record(tmp_path / "b.csv", body(amplitude=3.0), seed=1)
+    law = "contacts.guide.law.parameters."
+    truth = {f"{law}v_s": 0.02, f"{law}F_s": 1.3, F_C: 1.0, MASS: 1.0}
+    wanted = {n: {"low": x / 5, "high": 5 * x} for n, x in truth.items()}
+    told = fit_machine(body(sigma_0=3e4), logs(tmp_path, ["a.csv", "b.csv"], wanted), starts=3, baselines=False)
+    ranges = {n: told.parameters[n].range for n in truth}
+    assert all(low < truth[n] < high for n, (low, high) in ranges.items()), ranges
+    (note,) = [n for n in told.notes if n.startswith("What is left would fall")]
+    assert f"{law}sigma_0 fixed at 3e+04 and rather " in note
+
+
 def test_the_shorter_of_two_recordings_is_told(tmp_path):
     record(tmp_path / "a.csv", body())
     record(tmp_path / "b.csv", body(), change=lambda x: {n: column[:60] for n, column in x.items()})

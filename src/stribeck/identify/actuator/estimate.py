@@ -23,7 +23,7 @@ POOR = 0.25  # of a column's changes: a fit that leaves more misses
 _FIRST = 0.05  # of a column's changes: the noise to begin with
 _WEIGHTINGS = 8  # a poor start may need some: each lets the search see more
 _SETTLED = 0.05
-_OFF, _GROWN = 1e-6, 10.0  # of the position's changes; times a start's error: friction and inertia alone keep it below
+_OFF, _GROWN = 1e-6, 100.0  # of the position's changes; times a start's error: then less than the noise decides
 _DOUBTED = 2.0  # times: more may be another minimum, unless so many starts came to this one
 _AGREEING = 3
 _TRIED_ON = 1.2  # times: more is looked for then; noise that is white leaves 1.0, to some hundredths
@@ -228,8 +228,9 @@ def estimate(
     whole = BestPoint(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
     if found.stopped or whole_only:
         return _weighted(whole, given, keep)
-    if not asked and (whole.missed() or (beyond_noise(problem, found.u, 1, _TRIED_ON) and unstable(problem, found.u))):
-        whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep)
+    grows = not asked and unstable(problem, found.u)
+    if grows or (not asked and whole.missed()):
+        whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep, grows)
     whole = _weighted(whole, given, keep)
     return _joined(whole, given, keep) if whole.windowed and not whole.stopped else whole
 
@@ -322,7 +323,7 @@ def _whole(
 
 def _in_stretches(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], named: set[str],
-    whole: BestPoint, begin: dict[str, float], work: Work, keep: Keep | None,
+    whole: BestPoint, begin: dict[str, float], work: Work, keep: Keep | None, grows: bool,
 ) -> BestPoint:  # fmt: skip
     """Multiple shooting: each stretch begins in a state of its own, so that no error grows from one end to the other."""
     window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH * 2)
@@ -331,11 +332,13 @@ def _in_stretches(
     found = search(problem, 1, 0, point_of(problem, begin), _kept(problem, keep))
     parts = BestPoint(problem, found.u, found, whole.notes, True)
     left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
-    if all(not left[c][0] > _MUCH * right[c][0] for c in left):
+    least = 1 / _AS_WELL if grows else _MUCH  # what nobody measures may be known from the whole alone
+    if all(not left[c][0] > least * right[c][0] for c in left):
         return whole
+    why = "errors grow fast in this motion" if grows else "whole recordings cannot be followed from their start"
     parts.notes.append(
-        f"whole recordings cannot be followed from their start: they are fitted in {len(runs)} stretches of about "
-        f"{window:.2g} s, each with a start of its own; errors are those within stretches"
+        f"{why}: recordings are fitted in {len(runs)} stretches of about {window:.2g} s, each with a start of its own; errors "
+        "are those within stretches"
     )
     return parts
 
