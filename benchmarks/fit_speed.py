@@ -15,9 +15,9 @@ from measure import RESULTS, machine, write
 
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.plan import motion
+from stribeck.identify.synthetic import Sensors, experiment
 from stribeck.laws import find
-from stribeck.rig.plan import motion
-from stribeck.rig.synthetic import Sensors, experiment
 
 TRUTH = {"sigma_0": 1e6, "sigma_1": 1e3, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
 SECONDS, STEP, FINER = 25.0, 1e-3, 4

@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 
 from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.plan import Test, motion
+from stribeck.identify.synthetic import Experiment, Sensors, experiment
 from stribeck.laws import find
-from stribeck.rig.plan import Test, motion
-from stribeck.rig.synthetic import Experiment, Sensors, experiment
 
 LAWS: dict[str, dict[str, float]] = {
     "lugre": {},

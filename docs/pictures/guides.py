@@ -189,7 +189,7 @@ def draw_own_law(file: Path) -> None:
 
 def draw_plan(file: Path) -> None:
     """The motions of 'stribeck fit --plan stroke=0.05,speed=0.1,force=50'."""
-    from stribeck.rig.plan import Limits, programme
+    from stribeck.identify.plan import Limits, programme
 
     tests = programme(Limits(stroke=0.05, speed=0.1, force=50.0))
     figure, plots = plt.subplots(1, 3, figsize=(6.4, 2.2), layout="constrained")

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
+from stribeck.identify.plan import Test, motion
+from stribeck.identify.synthetic import Sensors, experiment
 from stribeck.laws import find
-from stribeck.rig.plan import Test, motion
-from stribeck.rig.synthetic import Sensors, experiment
 
 TRUTH = {"sigma_0": 1e6, "sigma_1": 1e3, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
 STEP, FINER = 1e-3, 4

@@ -10,8 +10,8 @@ import pytest
 
 import stribeck
 from stribeck import InputError, Scenario, examples, laws
+from stribeck.identify.synthetic import experiment
 from stribeck.laws import BristleLaw, Claims, Scales
-from stribeck.rig.synthetic import experiment
 
 TABLES = {
     "plant": {"mass": 1.0},

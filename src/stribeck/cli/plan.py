@@ -12,9 +12,9 @@ from stribeck.cli import show
 from stribeck.cli.shared import given_options
 from stribeck.errors import InputError
 from stribeck.files import together
-from stribeck.rig import report
-from stribeck.rig.plan import Limits, programme
-from stribeck.rig.synthetic import LABEL
+from stribeck.identify import plan_files
+from stribeck.identify.plan import Limits, programme
+from stribeck.identify.synthetic import LABEL
 from stribeck.scenario import parse_assignment, parse_assignments
 
 _WITH_PLAN = ("plan", "simulate", "law", "set_", "seed", "out", "json")
@@ -36,20 +36,20 @@ def plan(
     if len(laws) > 1:
         raise InputError("--law: given twice: a synthetic rig has one law")
     limits, law = _limits(text), laws[0] if laws else "lugre"
-    constants = report.numbers(list(parse_assignments(assignments).items()))
-    experiment = report.simulated(limits, law, constants, seed) if simulate else None
+    constants = plan_files.numbers(list(parse_assignments(assignments).items()))
+    experiment = plan_files.simulated(limits, law, constants, seed) if simulate else None
     tests, files = programme(limits), list[str]()
     if out is not None:
         show.check_folder(out)
-        with together(out, last="programme.csv", older=report.SYNTHETIC) as place:
-            written = report.write_rig(limits, place)
-            written += report.write_simulated(experiment, place) if experiment is not None else []
+        with together(out, last="programme.csv", older=plan_files.SYNTHETIC) as place:
+            written = plan_files.write_rig(limits, place)
+            written += plan_files.write_simulated(experiment, place) if experiment is not None else []
         files = [str(out / name) for name in written]
     if json:
         truth = None if experiment is None else {"law": law, "constants": experiment.law.values, "label": LABEL}
         show.print_json({"tests": [asdict(t) for t in tests], "synthetic": truth, "files": files})
     else:
-        print(report.csv(report.HEAD, report.table(tests)), end="")
+        print(plan_files.csv(plan_files.HEAD, plan_files.table(tests)), end="")
     for file in files:
         print(f"wrote {file}", file=sys.stderr)
     return 0

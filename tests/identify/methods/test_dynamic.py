@@ -9,7 +9,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from stribeck.identify.models.problem import Tie
-from stribeck.rig.synthetic import Slider
+from stribeck.identify.synthetic import Slider
 from tests.identify import rig
 
 RIG = {"mass": 0.0, "starts": 3}

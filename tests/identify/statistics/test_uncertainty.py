@@ -13,7 +13,7 @@ from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from stribeck.identify.statistics import correlated, uncertainty
-from stribeck.rig.synthetic import LABEL
+from stribeck.identify.synthetic import LABEL
 from tests.identify import rig
 
 BENCHMARKS = Path(__file__).parent.parent.parent.parent / "benchmarks"

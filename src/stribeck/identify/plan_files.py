@@ -12,10 +12,10 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.expressions.ops import Value
 from stribeck.files import write_text, write_with
+from stribeck.identify.plan import SMALLEST, Limits, Test, motion, programme
+from stribeck.identify.synthetic import LABEL, Experiment, Sensors, experiment
 from stribeck.mouth import plots
 from stribeck.mouth.document import FigureSvg
-from stribeck.rig.plan import SMALLEST, Limits, Test, motion, programme
-from stribeck.rig.synthetic import LABEL, Experiment, Sensors, experiment
 
 HEAD = (
     "test",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.rig.synthetic import Sensors, Slider, experiment
+from stribeck.identify.synthetic import Sensors, Slider, experiment
 from tests.simulation.rig import needs_compiler
 
 pytestmark = needs_compiler

@@ -1,1 +1,0 @@
-"""What to measure on a rig, and a synthetic one."""
