@@ -324,8 +324,9 @@ for turn in range(turns):
 """
 
 
-def test_processes_that_build_at_once(tmp_path):
+def test_processes_that_build_at_once(tmp_path, monkeypatch):
     """Processes that find the same empty cache at the same instant, several times over."""
+    monkeypatch.setenv("STRIBECK_BACKEND", "c")
     turns = 4
 
     def start(me):

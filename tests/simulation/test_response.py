@@ -8,6 +8,9 @@ import stribeck
 from stribeck.errors import BuildError
 from stribeck.laws import find
 from stribeck.simulation.response import Response
+from tests.simulation.rig import needs_compiler
+
+pytestmark = needs_compiler
 
 PARAMETERS = {"sigma_0": 1e6, "sigma_1": 1e3, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
 OWN = {

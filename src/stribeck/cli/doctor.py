@@ -72,7 +72,7 @@ def doctor(json: Json = False) -> int:
             "compiler": compiler, "backend": backend or None, "cache": cache, "self_test": test,
         })  # fmt: skip
         return 0 if test["passed"] else 1
-    none = trouble or "none: WebAssembly solves, in about twice the time"
+    none = trouble or "none: WebAssembly solves, in about half as much time again"
     state = "writable" if cache["writable"] else "NOT writable: every process compiles anew"
     kept = f"{cache['folder']}, {state}, {cache['systems']} systems, {cache['bytes'] / 1e6:.1f} MB"
     for name, text in {

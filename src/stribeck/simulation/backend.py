@@ -1,7 +1,7 @@
 """What solves a scenario: C by the machine's compiler where there is one, else WebAssembly by Wasmtime.
 
-Both compute the same equations in the same order. C takes about half the time and its bits depend on the compiler; those of
-WebAssembly are the same everywhere.
+Both compute the same equations in the same order. C takes about two thirds of the time, and its bits depend on the
+compiler; those of WebAssembly are the same everywhere.
 """
 
 from __future__ import annotations
@@ -68,7 +68,9 @@ def solver(scenario: Scenario) -> Built:
         except (BuildError, OSError) as error:
             if os.environ.get(VARIABLE) == "c":
                 raise BuildError(f"compiling failed: {' '.join(str(error).split())}") from None
-            note(f"compiling failed ({' '.join(str(error).split())}): solving by WebAssembly, in about twice the time")
+            note(
+                f"compiling failed ({' '.join(str(error).split())}): solving by WebAssembly, in half as much time again"
+            )
     from stribeck.simulation import wasm  # not where C is used: its emitter takes a while to import
 
     system = wasm.system_module(scenario.system)

@@ -6,7 +6,6 @@ import subprocess
 import sys
 from contextlib import nullcontext
 
-import h5py
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -48,6 +47,7 @@ def _write(kind, path):
     elif kind == "mat5":
         savemat(path, {name: x[:, None] for name, x in columns.items()} | {"gain": 2.5})
     else:
+        h5py = pytest.importorskip("h5py")
         with h5py.File(path, "w", userblock_size=512) as file:
             for name, x in columns.items():
                 file[name] = x[None, :]
