@@ -27,7 +27,7 @@ MOTION, FORCE = 1e2, 1e4  # times solve.rtol, of the peaks: what is promised of 
 # the terms that follow it (benchmarks/promise.py).
 _LEAST_PEAK = 1e-3
 _STEP_IN_FORCE, _DENSE_IN_FORCE = 1e2, 1e3  # times solve.rtol
-_DENSE = MOTION  # the terms that follow the last are smaller
+_DENSE = 0.4 * MOTION  # of the last term: those that follow may amount to more than it
 _ROUNDING = 1e3  # times solve.rtol: a tenth of what is promised of F, as rounding of some steps adds up
 # Passes with tighter tolerances: the first may measure a wrong peak of F, the next one then starts from the right one.
 MOST_PASSES = 3
