@@ -18,7 +18,7 @@ _TAKEN = (
     | C_FUNCTIONS
     | frozenset(
         """
-    p v z PARAMETERS UNUSED sum_of_forces net_force_by_u net_force_by_F
+    p v z PARAMETERS UNUSED net_force net_force_by_u net_force_by_F
     by_z by_v r_v r_z f_v f_z real mask splat choose abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of
     """.split()  # noqa: SIM905
     )
@@ -85,7 +85,7 @@ def _newton() -> list[str]:
         f"static inline double net_force_by_{x.value}(void) {{ return {written(derivative(value, x))}; }}"
         for x in (u, F)
     )
-    return [f"static inline double sum_of_forces(double u, double F) {{ return {written(value)}; }}", *slopes]
+    return [f"static inline double net_force(double u, double F) {{ return {written(value)}; }}", *slopes]
 
 
 _ARGUMENTS = "const double *p, double v, double z"
