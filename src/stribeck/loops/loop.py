@@ -115,7 +115,8 @@ def _table(data: object, path: str) -> dict[str, object]:
 def _held(signal: Signal, t_end: float) -> dict[str, object]:
     """The same course up to t_end, and its value there from then on."""
     if signal.smooth:
-        waves = max(1.0, 0.125 / signal.longest_step * t_end)
+        fastest = 0.125 / signal.longest_step if isinstance(signal, SumSignal) else float(signal.values["frequency"])
+        waves = max(1.0, fastest * t_end)
         t = np.linspace(0.0, t_end, math.ceil(waves * _POINTS) + 1)
         return {"kind": "spline", "t": t.tolist(), "value": signal.at(t).tolist()}
     s = signal.segments
