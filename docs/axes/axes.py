@@ -19,7 +19,7 @@ import numpy as np
 from machines import MACHINES
 
 import stribeck
-from stribeck.loops.said import best
+from stribeck.loops.written import best
 
 FITTED = ("F_c", "F_s", "v_s", "sigma_2")
 

@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 from examples.paper import report
-from stribeck.cli import show
+from stribeck.cli.output import OutputFolder
+from stribeck.cli.progress import stages
 from stribeck.errors import StribeckError
 
 
@@ -17,15 +18,12 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("stribeck-report"), help="folder for the report")
     out: Path = parser.parse_args().out
     try:
-        show.check_folder(out)
-        with show.stages("report") as tell:
+        with OutputFolder(out), stages("report") as tell:
             summary = report.write(out, tell)
     except StribeckError as error:
-        show.take_back()
         print(error, file=sys.stderr)
         return 2 if isinstance(error, ValueError) else 1
     except KeyboardInterrupt:
-        show.take_back()
         print("interrupted", file=sys.stderr)
         return 130
     print(f"open {summary['files'][0]}")

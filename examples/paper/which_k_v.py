@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from examples.paper.common import Chapter, Done
 from stribeck import examples, laws
+from stribeck.mouth import plots
 from stribeck.mouth.document import Table
+from stribeck.properties.said import errors_against_k_v
 from stribeck.properties.steepness import Steepness, Tolerated, smallest_steepness
-from stribeck.properties.steepness_figure import steepness_figure
 from stribeck.scenario import Scenario
 
 _TOLERATED: dict[str, object] = {
@@ -38,11 +39,12 @@ def chapter(done: Done) -> Chapter:
         "stribeck check lugre_sobczyk --parameters canudas1995 --creep 1e-6 --steady-error 0.01 --speed 1e-4 ... answers for a "
         "machine of your own.",
     )
-    shown = steepness_figure(
-        advices, "which_k_v",
+    caption = (
         "What is tolerated (grey) against k_v, for the paper's law and the majorant law; the dots are the smallest k_v that meet "
-        "it. Table 1; creep and presliding at 0.95 F_s, the position in the limit cycle of Fig. 9.",
-    )  # fmt: skip
+        "it. Table 1; creep and presliding at 0.95 F_s, the position in the limit cycle of Fig. 9."
+    )
+    with plots.style():
+        shown = plots.finish(errors_against_k_v(advices), "which_k_v", caption)
     numbers = {name: advice.to_dict() for name, advice in advices.items()}
     return Chapter("which_k_v", "Which k_v?", text, [Table(head, rows)], [shown], numbers)
 

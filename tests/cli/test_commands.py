@@ -90,7 +90,7 @@ def test_library_lists_all_with_equations(stribeck):
     assert lugre["guarantees"]["passive"]["if"]["text"] == "σ₁ (F_s - F_c) <= σ₂ F_c"
     assert set(data["parameter_sets"]["canudas1995"]) == {"title", "source", "motion", "values", "undetermined"}
     text = stribeck("library").out
-    assert all(f"{name}: " in text for part in (builtin(), parameters(), machine_sets()) for name in part)
+    assert all(f"  {name} " in text for part in (builtin(), parameters(), machine_sets()) for name in part)
 
 
 @pytest.mark.share(3)

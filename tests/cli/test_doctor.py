@@ -37,7 +37,7 @@ def test_a_healthy_installation_passes(stribeck):
     assert (status, found["backend"], found["self_test"]["passed"]) == (0, "c", True)
     assert found["self_test"]["deviation"] < 1e-6
     assert found["compiler"]["version"]
-    assert "self-test  passed" in stribeck("doctor").out
+    assert "self-test passed" in stribeck("doctor").out
 
 
 def test_without_a_compiler_it_says_what_solves(stribeck, monkeypatch):
@@ -64,4 +64,4 @@ def test_what_cannot_be_found_out_is_a_line_and_not_the_end(stribeck, monkeypatc
     status, found = told(stribeck)
     assert (status, found["backend"]) == (1, None)
     assert found["self_test"]["reason"] == "InputError: STRIBECK_BACKEND: 'zig': must be auto, c or wasm"
-    assert "self-test  FAILED: InputError" in stribeck("doctor").out
+    assert "self-test FAILED: InputError" in stribeck("doctor").out

@@ -306,12 +306,11 @@ def test_streams_that_the_shell_has_closed(scenario):
 
 def test_a_library_that_cannot_be_loaded(stribeck, scenario, monkeypatch):
     """Where no memory is left for one, or its file is damaged; it was a traceback."""
-    from stribeck.cli import show
 
     def missing(*args, **named):
         raise ImportError("x.so: failed to map segment from shared object")
 
-    monkeypatch.setattr(show, "load", missing)
+    monkeypatch.setattr("stribeck.cli.options.load_scenario", missing)
     found = stribeck("run", scenario)
     assert (found.status, found.out) == (1, "")
     assert found.err == "stribeck: a library cannot be loaded: x.so: failed to map segment from shared object\n"

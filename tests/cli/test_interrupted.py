@@ -225,44 +225,6 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
     assert content(out) == {}
 
 
-IMPORTS = """
-import signal, sys, time
-sys.path.insert(0, sys.argv.pop())
-from stribeck import cli
-from stribeck.mouth import page as pages
-cli._LONGEST_IMPORT = 0.5
-def slow(*args):
-    import swallows
-    print("imported", flush=True)
-    time.sleep(600)
-pages.write = slow
-cli.main(sys.argv[1:])
-"""
-SWALLOWS = """
-import os, signal, time
-try:
-    os.kill(os.getpid(), signal.{name})
-    os.kill(os.getpid(), signal.{name})
-    time.sleep({seconds})
-except {all}:
-    pass
-"""
-
-
-@needs_signals
-@pytest.mark.parametrize(("name", "seconds"), [("SIGINT", 0.01), ("SIGTERM", 0.01), ("SIGINT", 600)])
-def test_a_signal_while_a_library_is_imported_is_not_lost(name, seconds, scenario, tmp_path):
-    """1 of 12 was, in libraries that catch all that comes while they look for others; one that never ends is left."""
-    caught = "BaseException" if seconds < 1 else "ImportError"
-    (tmp_path / "swallows.py").write_text(SWALLOWS.format(name=name, seconds=seconds, all=caught))
-    command = [sys.executable, "-c", IMPORTS, "run", str(scenario), "--out", str(tmp_path / "out"), str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
-    assert done.returncode == 128 + getattr(signal, name), done.stderr
-    assert done.stderr in ("stribeck: interrupted\n", "stribeck: terminated\n")
-    assert (done.stdout == "imported\n") == (seconds < 1)
-    assert content(tmp_path / "out") == {}
-
-
 def test_lanes_one_by_one_end_soon(monkeypatch, scenario):
     """Single runs in threads look whether anybody still wants them."""
     from stribeck.simulation import ensemble
@@ -297,7 +259,7 @@ def test_a_check_that_ends_while_it_writes_leaves_the_older_result_whole(stribec
     assert stribeck("check", "lugre", *asked).status == 0
     before = content(tmp_path / "out")
     assert {"report.html", "passive.toml"} <= set(before)
-    monkeypatch.setattr("stribeck.properties.said.write_check", _ends)
+    monkeypatch.setattr("stribeck.mouth.page.write", _ends)
     assert stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked).status != 0
     assert content(tmp_path / "out") == before
 
@@ -419,21 +381,3 @@ def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, m
     assert _status(words) == 130
     assert "bodies.a.mass" in capsys.readouterr().out
     assert content(tmp_path / "machine") == {}
-
-
-@needs_signals
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_while_an_object_is_taken_away(number):
-    """It was printed as a traceback and lost: the command went on, after SIGTERM for 5 s."""
-    code = (
-        "import os, signal, sys, time\n"
-        "from stribeck import cli\n"
-        "class Last:\n"
-        f"    def __del__(self): os.kill(os.getpid(), {int(number)}); time.sleep(0.2)\n"
-        "def command(words):\n"
-        "    last = Last(); del last; time.sleep(3); print('went on'); return 0\n"
-        "cli._status = command\n"
-        "cli.main([])\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "")

@@ -102,7 +102,7 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert errors["force"]["unit"] == "N"
     page = Page(tmp_path / "page" / "validation.html")
     assert page.pictures == 2
-    assert page.rows(["of", "error"])["position"][0].startswith(f"{1e12 * errors['position']['rms']:.3g} pm, ")
+    assert page.rows(["of", "rms error"])["position"][0] == f"{1e12 * errors['position']['rms']:.3g} pm"
     other = stribeck(
         "predict", log, "--machine", tmp_path / "rig.toml", *columns, "--set", "law.parameters.F_c=1.2", "--json"
     )

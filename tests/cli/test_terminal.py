@@ -97,7 +97,7 @@ def test_progress_moves_though_nothing_is_told(monkeypatch):
     import io
     import time
 
-    from stribeck.cli import show
+    from stribeck.cli import progress as show
 
     class Terminal(io.StringIO):
         def isatty(self):
@@ -119,7 +119,7 @@ def test_a_log_file_gets_lines_of_progress(monkeypatch):
     import io
     import time
 
-    from stribeck.cli import show
+    from stribeck.cli import progress as show
 
     log = io.StringIO()
     monkeypatch.setattr(sys, "stderr", log)
@@ -147,7 +147,8 @@ def test_long_commands_show_progress(words, what, tmp_path, monkeypatch):
     from contextlib import contextmanager
 
     from stribeck import examples
-    from stribeck.cli import _status, show
+    from stribeck.cli import _status
+    from stribeck.cli import progress as show
 
     asked = []
 

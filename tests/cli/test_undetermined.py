@@ -78,8 +78,6 @@ def test_python_allows_it_too(fitted):
 def test_a_fit_that_ctrl_c_stops_is_written_and_marked(stribeck, fitted, tmp_path, monkeypatch):
     from contextlib import contextmanager
 
-    from stribeck.cli import show
-
     told = []
 
     def tell(share):
@@ -91,7 +89,7 @@ def test_a_fit_that_ctrl_c_stops_is_written_and_marked(stribeck, fitted, tmp_pat
     def progress(what):
         yield tell
 
-    monkeypatch.setattr(show, "progress", progress)
+    monkeypatch.setattr("stribeck.cli.fit.progress", progress)
     log = rig.held_at(0.05)
     np.savez(tmp_path / "log.npz", t=log.time, y=log.position, F=log.force)
     columns = ("--time", "t", "--position", "y", "--force", "F", "--mass", 0)

@@ -6,7 +6,7 @@ import pytest
 
 import stribeck as library
 from stribeck import InputError, examples
-from stribeck.cli.options import option, said
+from stribeck.cli.words import option, said
 from stribeck.errors import Line, StribeckNote, arg, note
 
 
@@ -87,5 +87,5 @@ def test_a_law_with_z_that_claims_nothing_is_not_said_to_have_no_state(stribeck,
     source += "class Own(LuGre):\n    claims = Claims()\n"
     (tmp_path / "own.py").write_text(source)
     found = stribeck("library", f"{tmp_path}/own.py:Own")
-    assert "claims     none stated" in found.out
+    assert "claims: none stated" in found.out
     assert "no internal state" in stribeck("library", "stribeck").out

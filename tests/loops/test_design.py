@@ -176,9 +176,9 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     assert tomllib.loads((tmp_path / "out" / "machine.toml").read_text())["controllers"]["hold"]["K_p"] == 200.0
     page = Page(tmp_path / "out" / "report.html")
     assert "comes to rest" in page.text
-    errors = page.rows(["move", "peak", "rms"])
+    errors = page.rows(["move", "peak error", "rms"])
     assert {move: row[0] for move, row in errors.items()} == {
-        m: human(e["peak"], "m") for m, e in found["errors"].items()
+        m.replace("_", " "): human(e["peak"], "m") for m, e in found["errors"].items()
     }
     boundary = page.rows(["path", "boundary"])["controllers.hold.K_i"]
     assert float(boundary[0]) == pytest.approx(found["boundaries"][-1]["value"], rel=1e-5)

@@ -136,7 +136,7 @@ def test_runs_that_failed_stand_in_the_figure_of_verdicts(verdicts, shown):
     found = [SimpleNamespace(verdict=verdict) for verdict in verdicts]
     turned = SimpleNamespace(path="bodies.a.mass", low=0.0, high=1.0)
     line = SimpleNamespace(found=found, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
-    assert (">failed<" in design_figures.line(line, 0).svg) is shown
+    assert (">failed<" in plots.drawn(design_figures.line(line, 0)).svg) is shown
 
 
 def test_matplotlib_says_nothing_of_its_own_folders(tmp_path):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stribeck.cli import show
 from stribeck.cli.fit import print_estimates
-from stribeck.cli.shared import given_options
+from stribeck.cli.options import given_options
+from stribeck.cli.output import OutputFolder, command_line, print_json
+from stribeck.cli.progress import progress
 from stribeck.errors import InputError, refuse_twice
 from stribeck.identify.actuator import MachineFit, fit_machine
 from stribeck.identify.actuator.page import FILES, number_or_open, write_machine_fit
@@ -36,40 +38,46 @@ def check_options(context: typer.Context) -> None:
         )
 
 
-def fit(
-    machine: Sequence[Path], logs: Path | None, laws: Sequence[str], assignments: Sequence[str], unknown: Sequence[str],
-    transfer: Path | None, starts: int, seed: int, out: Path | None, json: bool,
-) -> int:  # fmt: skip
+@dataclass(frozen=True)
+class RecordingsOptions:
+    """A machine, its recordings, and what is sought, as the command line has them."""
+
+    machine: Sequence[Path]
+    logs: Path | None
+    laws: Sequence[str]
+    assignments: Sequence[str]
+    unknown: Sequence[str]
+    transfer: Path | None
+
+
+def fit(sought: RecordingsOptions, *, starts: int, seed: int, out: Path | None, json: bool) -> int:
     """Read, fit, print, write."""
+    machine, logs = sought.machine, sought.logs
     if logs is None:
-        given = "--unknown" if transfer is None else f"--transfer: {str(transfer)!r}"
+        given = "--unknown" if sought.transfer is None else f"--transfer: {str(sought.transfer)!r}"
         raise InputError(f"{given}: needs --logs")
     if len(machine) != 1:
         raise InputError(f"DATA: {len(machine)} files: with --logs there must be one, the machine's")
-    if out is not None:
-        show.check_folder(out, [machine[0], logs], FILES)
-    scenario = Scenario.load(machine[0], parse_assignments(assignments))
-    with show.progress("fit") as tell:
-        found = fit_machine(
-            scenario, logs, laws=_laws(laws), unknown=_unknown(unknown), transfer_to=transfer, starts=starts, seed=seed,
-            progress=tell, folder=out,
-        )  # fmt: skip
-    summary, files = found.to_json(), list[str]()
-    try:
-        if out is not None:
-            files = write_machine_fit(
-                found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder, logs
-            )
-    except KeyboardInterrupt:  # while the page is drawn: what was found is said
-        _tell(found, summary, files, json)
-        raise
-    _tell(found, summary, files, json)
+    with OutputFolder(out, [machine[0], logs], FILES):
+        scenario = Scenario.load(machine[0], parse_assignments(sought.assignments))
+        with progress("fit") as share:
+            found = fit_machine(
+                scenario, logs, laws=_laws(sought.laws), unknown=_unknown(sought.unknown), transfer_to=sought.transfer,
+                starts=starts, seed=seed, progress=share, folder=out,
+            )  # fmt: skip
+        summary, files = found.to_json(), list[str]()
+        title = f"{scenario.name} fitted to {logs.name}"
+        try:
+            if out is not None:
+                files = write_machine_fit(found, out, command_line(), title, scenario.folder, logs)
+        finally:  # while the page is drawn, too: what was found is said
+            _tell(found, summary, files, json)
     return {"done": 0, "stopped": 130}.get(found.status, 1)
 
 
 def _tell(fit: MachineFit, summary: Mapping[str, object], files: list[str], json: bool) -> None:
     if json:
-        show.print_json({**summary, "files": files})
+        print_json({**summary, "files": files})
     else:
         _print(fit, files)
 

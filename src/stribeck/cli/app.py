@@ -6,17 +6,17 @@ from copy import copy
 
 from typer import Typer
 
-from stribeck.cli.shared import PlainCommand, app
+from stribeck.cli.options import app
 
 # isort: off
 from stribeck.cli import run as run
 from stribeck.cli import sweep as sweep
-from stribeck.cli.commands import scenarios as scenarios
+from stribeck.cli import new as new
 from stribeck.cli import explore as explore
 from stribeck.cli import check as check
 from stribeck.cli import design as design
-from stribeck.cli.commands import export as export
-from stribeck.cli import exchange as exchange
+from stribeck.cli import export as export
+from stribeck.cli import import_ as import_
 from stribeck.cli import library as library
 from stribeck.cli import fit as fit
 from stribeck.cli import predict as predict
@@ -26,14 +26,9 @@ from stribeck.cli import doctor as doctor
 __all__ = ["app", "with_command"]
 
 
-for _each in app.registered_commands:
-    _each.cls = PlainCommand
-
-
 def with_command(name: str) -> Typer:
     """The command with this one alone, whose options are then all that is made; with all where there is no such one."""
-    found = [c for c in app.registered_commands if c.callback is not None and (c.name or c.callback.__name__) == name]
-    if not found:
+    if not (found := [each for each in app.registered_commands if each.name == name]):
         return app
     only = copy(app)
     only.registered_commands = found

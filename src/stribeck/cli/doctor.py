@@ -7,11 +7,14 @@ import platform
 import sys
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
-from typing import TypedDict, TypeVar
+from typing import TYPE_CHECKING, TypedDict, TypeVar
 
-from stribeck.cli.shared import Json, app
+from stribeck.cli.options import Json, command
+from stribeck.cli.output import tell
 from stribeck.errors import BuildError, one_line, said_by
-from stribeck.mouth.terminal import say
+
+if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
 
 T = TypeVar("T")
 
@@ -50,11 +53,10 @@ class SelfTest(TypedDict):
     reason: str | None
 
 
-@app.command(epilog="Example: stribeck doctor --json")
+@command("doctor", "stribeck doctor --json")
 def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""
     import stribeck
-    from stribeck.cli.show import print_json
 
     backend, why_none = _tried(_backend, "")
     compiler, trouble = _tried(_compiler, CompilerFound(command=None, version=None))
@@ -66,25 +68,30 @@ def doctor(json: Json = False) -> int:
     packages = {name: _version(name) for name in _PACKAGES}
     python = f"{platform.python_version()} ({sys.executable})"
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
-    if json:
-        print_json({
-            "stribeck": stribeck.__version__, "python": python, "machine": machine, "packages": packages,
-            "compiler": compiler, "backend": backend or None, "cache": cache, "self_test": test,
-        })  # fmt: skip
-        return 0 if test["passed"] else 1
+    data = {
+        "stribeck": stribeck.__version__, "python": python, "machine": machine, "packages": packages, "compiler": compiler,
+        "backend": backend or None, "cache": cache, "self_test": test,
+    }  # fmt: skip
     none = trouble or "none: WebAssembly solves, in about half as much time again"
     state = "writable" if cache["writable"] else "NOT writable: every process compiles anew"
     kept = f"{cache['folder']}, {state}, {cache['systems']} systems, {cache['bytes'] / 1e6:.1f} MB"
-    for name, text in {
-        "stribeck": stribeck.__version__, "python": python, "machine": machine,
+    rows = {
+        "python": python, "machine": machine,
         "packages": ", ".join(f"{name} {found or 'not installed'}" for name, found in packages.items()),
         "compiler": none if compiler["command"] is None else f"{compiler['command']}: {compiler['version']}",
         "backend": {"c": "C", "wasm": "WebAssembly"}.get(backend, f"none: {why_none}"),
         "cache": f"unknown: {unknown}" if unknown else kept,
-        "self-test": _told(test),
-    }.items():  # fmt: skip
-        say(text, 11, f"{name:11}")
+    }  # fmt: skip
+    tell(lambda: _document(f"stribeck {stribeck.__version__}", _told(test), rows), data if json else None, None)
     return 0 if test["passed"] else 1
+
+
+def _document(title: str, lead: str, rows: dict[str, str]) -> Document:
+    """What was found, in rows."""
+    from stribeck.mouth.document import Chapter, Document, Table
+
+    table = Table(["part", "what was found"], [list(row) for row in rows.items()], prose=True)
+    return Document(title, lead, (), [Chapter("installation", "Installation", tables=[table])])
 
 
 def _tried(what: Callable[[], T], otherwise: T) -> tuple[T, str]:
@@ -167,5 +174,5 @@ def _self_test() -> SelfTest:
 def _told(t: SelfTest) -> str:
     verdict = "passed" if t["passed"] else "FAILED"
     if t["deviation"] is None:
-        return f"{verdict}: {t['reason']}"
-    return f"{verdict}: {t['solver']} {t['milliseconds']:.1f} ms, {t['deviation']:.1e} of the peaks from {t['against']}"
+        return f"self-test {verdict}: {t['reason']}"
+    return f"self-test {verdict}: {t['solver']} {t['milliseconds']:.1f} ms, {t['deviation']:.1e} of the peaks from {t['against']}"

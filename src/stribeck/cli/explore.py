@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli import show
-from stribeck.cli.shared import Json, Set, Trust, Undetermined, app, place
+from stribeck.cli.options import Json, Set, Trust, Undetermined, command, place
+from stribeck.cli.output import check_file, command_line, tell
+from stribeck.cli.progress import progress
 from stribeck.errors import InputError
 
+if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
 
-@app.command(epilog="Example: stribeck explore my_rig.toml --out my_rig.html")
+
+@command("explore", "stribeck explore my_rig.toml --out my_rig.html")
 def explore(
     what: Annotated[
         str | None,
@@ -55,14 +59,19 @@ def explore(
         out = report / "explore.html" if report is not None else Path(f"{_file_name(scenario.name)}.html")
     if out.is_dir():
         raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
-    show.check_file("--out", out, *([Path(what)] if what is not None else []))
-    with show.progress("writing the page") as tell:
-        write(scenario, out, law, show.command_line(), tell, made.intervals, made.measured)
-    if json:
-        show.print_json({"status": "done", "scenario": scenario.name, "files": [str(out)]})
-    else:
-        print(f"{scenario.name}: open {out} in a browser ({out.stat().st_size / 1e6:.2f} MB, it needs no network)")
+    check_file("--out", out, *([Path(what)] if what is not None else []))
+    with progress("writing the page") as share:
+        write(scenario, out, law, command_line(), share, made.intervals, made.measured)
+    page = out
+    data = {"status": "done", "scenario": scenario.name}
+    tell(lambda: _document(scenario.name, page), data if json else None, [str(out)])
     return 0
+
+
+def _document(name: str, page: Path) -> Document:
+    from stribeck.mouth.document import Document
+
+    return Document(name, f"a page of {page.stat().st_size / 1e6:.2f} MB that needs no network; open it in a browser")
 
 
 def _file_name(name: str) -> str:

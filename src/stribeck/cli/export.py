@@ -2,74 +2,145 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-import stribeck.export as exports
-from stribeck import laws, parameter_sets
-from stribeck.cli.show import check_file, print_json, progress
+import typer
+
+from stribeck.cli.options import ADVANCED, ControllerName, Json, Trust, Undetermined, command, place
+from stribeck.cli.output import check_file, print_json
+from stribeck.cli.progress import progress
 from stribeck.errors import InputError, note
-from stribeck.laws.base import Law
-from stribeck.parameter_sets.assignments import Toml
-from stribeck.scenario import Scenario, parse_assignments
-from stribeck.simulation.comparison import law_path
+
+if TYPE_CHECKING:
+    from stribeck.laws.base import Law
+    from stribeck.parameter_sets.assignments import Toml
+    from stribeck.scenario import Scenario
 
 
+@dataclass(frozen=True)
+class PartOptions:
+    """What is exported, and of what."""
+
+    part: Annotated[
+        str | None,
+        typer.Option(
+            "--part",
+            metavar="PART",
+            help="law, body, observer, controller, compensator or machine; law unless given, of a machine file machine.",
+        ),
+    ] = None
+    scenario: Annotated[
+        Path | None,
+        typer.Option(
+            "--scenario",
+            metavar="FILE",
+            rich_help_panel=ADVANCED,
+            help="Scenario that gives mass, controller, and the law unless LAW is given.",
+        ),
+    ] = None
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="Contact of the machine whose friction is exported.")
+    ] = None
+    controller: ControllerName = None
+
+
+@dataclass(frozen=True)
+class ToolOptions:
+    """What the tool that takes the export asks for."""
+
+    step: Annotated[
+        float | None,
+        typer.Option(
+            "--step",
+            metavar="S",
+            rich_help_panel=ADVANCED,
+            help="Time step of the target (s); the loss of accuracy is reported.",
+        ),
+    ] = None
+    self_test: Annotated[
+        bool, typer.Option("--self-test", rich_help_panel=ADVANCED, help="Add a program that tests the C.")
+    ] = False
+    fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="FMI version of an FMU: 3 or 2.")] = 3
+    platforms: Annotated[
+        str,
+        typer.Option(
+            "--platforms",
+            metavar="here|all",
+            rich_help_panel=ADVANCED,
+            help="Binaries of an FMU: here, or all for Windows and macOS too (takes minutes at first).",
+        ),
+    ] = "here"
+
+
+@command("export", "stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
-    law: str | None,
-    target: str,
-    out: Path,
-    parameters: str | None,
-    assignments: list[str],
-    part: str | None,
-    scenario: Path | None,
-    contact: str | None,
-    step: float | None,
-    self_test: bool,
-    fmi: int,
-    json: bool,
-    trust: bool,
-    controller: str | None = None,
-    platforms: str = "here",
-) -> int:
-    """Write the files, and say which."""
+    target: Annotated[
+        str,
+        typer.Option(
+            "--target", metavar="NAME", help="c, fmu, isaaclab, mjwarp, mujoco, mujoco_plugin, newton or table."
+        ),
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", metavar="PATH", parser=place, help="Folder for c, mujoco and mujoco_plugin; a file for other targets."
+        ),
+    ],
+    of: PartOptions,
+    tool: ToolOptions,
+    law: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="LAW",
+            help="Law, FILE.py:NAME, or a machine file; the scenario's law unless given.",
+        ),
+    ] = None,
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="SET", help="Built-in parameter set or TOML file.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Set a constant, such as k_v=1e7 (of a machine: links.gear.gap=0)."),
+    ] = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:  # fmt: skip
+    """Write a law, a controller or a machine for another tool: C, FMU, MuJoCo, Isaac Lab, Newton, a table."""
+    from stribeck.export import SAMPLED, TARGETS
+    from stribeck.export import export as write
+    from stribeck.scenario import Scenario
+
+    part, scenario, contact = of.part, of.scenario, of.contact
     if law is not None and law.endswith(".toml"):
         if scenario is not None:
             raise InputError(f"LAW: {law!r}: must be left out, or a law: --scenario names a scenario already")
         scenario, law = Path(law), None
-    if (known := exports.TARGETS.get(target)) is not None and not known.folder:
+    if (known := TARGETS.get(target)) is not None and not known.folder:
         named = (str(scenario or ""), (law or "").rpartition(":")[0], parameters or "")
         check_file("--out", out, *map(Path, named), parents=True)
     rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
     if part is None:
-        whole = rig is not None and not rig.rig.single and law is None and contact is None
-        part = "machine" if whole else "law"
-    chosen: Law | None
-    if part == "machine" or part in exports.SAMPLED:
-        chosen, rig = None, _whole(part, law, parameters, contact, assignments, rig)
+        part = "machine" if rig is not None and not rig.rig.single and law is None and contact is None else "law"
+    chosen: Law | None = None
+    if part == "machine" or part in SAMPLED:
+        rig = _whole(rig, part, set_ or [], {"LAW": law, "--parameters": parameters, "--contact": contact})
     else:
-        chosen = _law(law, parameters, assignments, rig, contact)
+        chosen = _law(law, parameters, set_ or [], rig, contact)
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
     with progress(f"export to {target}"):
-        files = exports.export(
-            chosen,
-            target,
-            out,
-            part=part,
-            scenario=rig,
-            step=step,
-            self_test=self_test,
-            origin=origin,
-            fmi=fmi,
-            controller=controller,
-            platforms=platforms,
-        )
+        files = write(
+            chosen, target, out, part=part, scenario=rig, step=tool.step, self_test=tool.self_test, origin=origin, fmi=tool.fmi,
+            controller=of.controller, platforms=tool.platforms,
+        )  # fmt: skip
     if json:
         print_json(_summary(chosen, rig) | {"target": target, "part": part, "files": [str(file) for file in files]})
     else:
-        for file in files:
-            print(f"wrote {file}")
+        print("\n".join(f"wrote {file}" for file in files))
     return 0
 
 
@@ -81,16 +152,14 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
     return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.values().items()}}
 
 
-def _whole(
-    part: str,
-    law: str | None,
-    parameters: str | None,
-    contact: str | None,
-    assignments: list[str],
-    rig: Scenario | None,
-) -> Scenario | None:
-    """A machine with the changes of --set; everything is taken from it."""
-    given = {"LAW": law, "--parameters": parameters, "--contact": contact}
+def _whole(rig: Scenario | None, part: str, assignments: list[str], given: dict[str, str | None]) -> Scenario | None:
+    """A machine with the changes of --set; everything is taken from it.
+
+    Raises:
+        InputError: anything of a law is ``given``.
+    """
+    from stribeck.scenario import parse_assignments
+
     if wrong := [f"{n}: {x!r}: must be left out: part '{part}' takes all from the file" for n, x in given.items() if x]:
         raise InputError(wrong)
     return rig.with_changes(parse_assignments(assignments)) if rig is not None else None
@@ -101,6 +170,10 @@ def _law(
 ) -> Law:
     """The law with the constants of the set, else of the scenario's law (of a machine that of a contact), and what --set
     adds."""
+    from stribeck import laws, parameter_sets
+    from stribeck.export import contact_law
+    from stribeck.scenario import parse_assignments
+
     own_law, rotary_body = _of(rig, contact) if rig is not None else (None, False)
     if name is None:
         if own_law is None:
@@ -112,7 +185,7 @@ def _law(
     if parameters is not None:
         values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters, needs=()).rotary
     elif rig is not None and own_law is not None:
-        if (whole := exports.contact_law(rig, contact)).inputs:
+        if (whole := contact_law(rig, contact)).inputs:
             return _at_contact(whole, name, given)
         own = found.own_constants()
         values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in own}
@@ -139,5 +212,7 @@ def _at_contact(law: Law, name: str, given: dict[str, Toml]) -> Law:
 
 def _of(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
     """The law of a scenario, of a machine that of a contact, and whether it turns there."""
+    from stribeck.simulation.comparison import law_path
+
     law = rig.rig.laws[rig.called.to_machine(law_path(rig, contact))]
     return law, law.rotary

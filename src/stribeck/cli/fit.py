@@ -4,27 +4,16 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli import record, show
-from stribeck.cli.record import (
-    Acceleration,
-    Command,
-    Data,
-    Force,
-    GainOrName,
-    Load,
-    Position,
-    Pressure,
-    Run,
-    Time,
-    UnitOrSI,
-    Velocity,
-)  # fmt: skip
-from stribeck.cli.shared import ADVANCED, Json, Out, app
+from stribeck.cli import record
+from stribeck.cli.options import ADVANCED, Json, Out, command
+from stribeck.cli.output import OutputFolder, command_line, print_json
+from stribeck.cli.progress import progress
 from stribeck.errors import InputError
 from stribeck.mouth.terminal import say
 
@@ -36,190 +25,161 @@ if TYPE_CHECKING:
 _READ = 0.05  # of the work
 _NOTES = 5  # on the screen; the page and --json have all
 _LAWS = 3  # in the headline
-Laws = Annotated[
-    list[str] | None,
-    typer.Option("--law", metavar="NAME", help="Law to fit; of several, or without it, the best is chosen."),
-]
-Mass = Annotated[
-    float | None,
-    typer.Option("--mass", rich_help_panel=ADVANCED, metavar="M", help="Mass (kg, or kg m^2); fitted unless given."),
-]
-Method = Annotated[
-    str | None,
-    typer.Option(
-        "--method",
-        rich_help_panel=ADVANCED,
-        metavar="METHOD",
-        help="static or dynamic (by simulation); dynamic for laws with bristles unless given.",
-    ),
-]
-Given = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        rich_help_panel=ADVANCED,
-        metavar="KEY=VALUE",
-        help="Give a constant instead of fitting it, such as k_v=1e6; may be repeated.",
-    ),
-]
-Free = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--free",
-        rich_help_panel=ADVANCED,
-        metavar="KEY",
-        help="Fit a constant that has a default, such as k_v; may be repeated.",
-    ),
-]
-Terms = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--term",
-        metavar="TERM",
-        help="Further term of the force, such as stiffness, or delay; may be repeated.",
-    ),
-]
-Cutoff = Annotated[
-    float | None,
-    typer.Option(
-        "--cutoff",
-        rich_help_panel=ADVANCED,
-        metavar="HZ",
-        help="Cut-off frequency of the motion's filter (Hz); chosen from the data unless given; 0: no filter.",
-    ),
-]
-Starts = Annotated[
-    int, typer.Option("--starts", rich_help_panel=ADVANCED, min=1, help="Number of starts of a fit by simulation.")
-]
-Seed = Annotated[int, typer.Option("--seed", rich_help_panel=ADVANCED, min=0, help="Seed of the starts.")]
-Output = Annotated[
-    str,
-    typer.Option(
-        "--output",
-        rich_help_panel=ADVANCED,
-        metavar="WHAT",
-        help="Measured signal that a simulation must match: force, velocity or position.",
-    ),
-]
-Drive = Annotated[
-    str | None,
-    typer.Option(
-        "--drive",
-        rich_help_panel=ADVANCED,
-        metavar="KIND[:KEY=VALUE,...]",
-        help="What drives the body with --output velocity or position: force, pid or spring.",
-    ),
-]
-Logs = Annotated[
-    Path | None,
-    typer.Option("--logs", metavar="LOGS.toml", help="Recordings and unknowns of the machine DATA."),
-]
-Sought = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--unknown",
-        rich_help_panel=ADVANCED,
-        metavar="PATH=LOW:HIGH",
-        help="Further unknown beside [unknown] of LOGS.toml; may be repeated.",
-    ),
-]
-Transfer = Annotated[
-    Path | None,
-    typer.Option(
-        "--transfer",
-        rich_help_panel=ADVANCED,
-        metavar="LOGS.toml",
-        help="Recordings of another unit or day; numbers that moved are listed.",
-    ),
-]
-
-Plan = Annotated[
-    str | None,
-    typer.Option(
-        "--plan",
-        metavar="stroke=M,speed=M/S,force=N[,deflection=M]",
-        help="Print what to measure within these limits of the rig. deflection: F_c/sigma_0, if known.",
-    ),
-]
-Simulate = Annotated[
-    bool,
-    typer.Option(
-        "--simulate",
-        rich_help_panel=ADVANCED,
-        help="With --plan and --out: also write a synthetic log (of --law, --set, --seed).",
-    ),
-]
 
 
-NoForms = Annotated[
-    bool,
-    typer.Option(
-        "--no-forms", rich_help_panel=ADVANCED, help="Fit the law alone, without forms for missing effects (static)."
-    ),
-]
-NoWeight = Annotated[
-    bool, typer.Option("--no-weight", rich_help_panel=ADVANCED, help="Leave out the weight of a rotary joint (static).")
-]
-Filter = Annotated[
-    str | None,
-    typer.Option(
-        "--filter", metavar="published", rich_help_panel=ADVANCED,
-        help="Use the published inverse-dynamics procedure: Butterworth filter, decimation, the law alone (static).",
-    ),
-]  # fmt: skip
-Speeds = Annotated[
-    list[float] | None,
-    typer.Option(
-        "--speed", metavar="M/S", rich_help_panel=ADVANCED, help="Also estimate the friction at this speed (static)."
-    ),
-]
+def _advanced(name: str, metavar: str, text: str) -> typer.models.OptionInfo:
+    """An option that few need."""
+    option: typer.models.OptionInfo = typer.Option(name, metavar=metavar, rich_help_panel=ADVANCED, help=text)
+    return option
 
 
-@app.command(epilog="Example: stribeck fit log.csv --time t --position y --force F --out fit")
+@dataclass(frozen=True)
+class How:
+    """How to fit a law to a log."""
+
+    term: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--term", metavar="TERM", help="Further term of the force, such as stiffness, or delay; may be repeated."
+        ),
+    ] = None
+    mass: Annotated[float | None, _advanced("--mass", "M", "Mass (kg, or kg m^2); fitted unless given.")] = None
+    method: Annotated[
+        str | None,
+        _advanced(
+            "--method", "METHOD", "static or dynamic (by simulation); dynamic for laws with bristles unless given."
+        ),
+    ] = None
+    set_: Annotated[
+        list[str] | None,
+        _advanced("--set", "KEY=VALUE", "Give a constant instead of fitting it, such as k_v=1e6; may be repeated."),
+    ] = None
+    free: Annotated[
+        list[str] | None,
+        _advanced("--free", "KEY", "Fit a constant that has a default, such as k_v; may be repeated."),
+    ] = None
+    no_forms: Annotated[
+        bool,
+        typer.Option(
+            "--no-forms",
+            rich_help_panel=ADVANCED,
+            help="Fit the law alone, without forms for missing effects (static).",
+        ),
+    ] = False
+    no_weight: Annotated[
+        bool,
+        typer.Option("--no-weight", rich_help_panel=ADVANCED, help="Leave out the weight of a rotary joint (static)."),
+    ] = False
+    filter_: Annotated[
+        str | None,
+        _advanced(
+            "--filter",
+            "published",
+            "Use the published inverse-dynamics procedure: Butterworth filter, decimation, the law alone (static).",
+        ),
+    ] = None
+    speed: Annotated[
+        list[float] | None, _advanced("--speed", "M/S", "Also estimate the friction at this speed (static).")
+    ] = None
+    cutoff: Annotated[
+        float | None,
+        _advanced(
+            "--cutoff",
+            "HZ",
+            "Cut-off frequency of the motion's filter (Hz); chosen from the data unless given; 0: no filter.",
+        ),
+    ] = None
+    starts: Annotated[
+        int, typer.Option("--starts", rich_help_panel=ADVANCED, min=1, help="Number of starts of a fit by simulation.")
+    ] = 20
+    seed: Annotated[int, typer.Option("--seed", rich_help_panel=ADVANCED, min=0, help="Seed of the starts.")] = 0
+    output: Annotated[
+        str,
+        _advanced("--output", "WHAT", "Measured signal that a simulation must match: force, velocity or position."),
+    ] = "force"
+    drive: Annotated[
+        str | None,
+        _advanced(
+            "--drive",
+            "KIND[:KEY=VALUE,...]",
+            "What drives the body with --output velocity or position: force, pid or spring.",
+        ),
+    ] = None
+
+    def options(self) -> FitOptions:
+        """The same as the library has it.
+
+        Raises:
+            InputError: a value is not allowed.
+        """
+        from stribeck.identify.options import FitOptions
+
+        return FitOptions(
+            mass=self.mass,
+            method=self.method,
+            constants=record.constants(self.set_ or []),
+            free=tuple(self.free or ()),
+            terms=tuple(self.term or ()),
+            starts=self.starts,
+            seed=self.seed,
+            output=self.output,
+            drive=record.drive(self.drive),
+            forms=not self.no_forms,
+            filter=self.filter_,
+            weight=not self.no_weight,
+            speeds=tuple(self.speed or ()),
+        )
+
+
+@command("fit", "stribeck fit log.csv --time t --position y --force F --out fit")
 def fit(
     context: typer.Context,
-    data: Data = None,
-    law: Laws = None,
-    time: Time = None,
-    position: Position = None,
-    velocity: Velocity = None,
-    force: Force = None,
-    force_gain: GainOrName = None,
-    unit: UnitOrSI = None,
-    term: Terms = None,
-    logs: Logs = None,
-    plan: Plan = None,
-    acceleration: Acceleration = None,
-    load: Load = None,
-    pressure: Pressure = None,
-    command: Command = None,
-    run: Run = None,
-    mass: Mass = None,
-    method: Method = None,
-    set_: Given = None,
-    free: Free = None,
-    no_forms: NoForms = False,
-    no_weight: NoWeight = False,
-    filter_: Filter = None,
-    speed: Speeds = None,
-    cutoff: Cutoff = None,
-    starts: Starts = 20,
-    seed: Seed = 0,
-    output: Output = "force",
-    drive: Drive = None,
-    unknown: Sought = None,
-    transfer: Transfer = None,
-    simulate: Simulate = False,
+    columns: record.ColumnsOfALog,
+    how: How,
+    data: record.Data = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option("--law", metavar="NAME", help="Law to fit; of several, or without it, the best is chosen."),
+    ] = None,
+    logs: Annotated[
+        Path | None,
+        typer.Option("--logs", metavar="LOGS.toml", help="Recordings and unknowns of the machine DATA."),
+    ] = None,
+    plan: Annotated[
+        str | None,
+        typer.Option(
+            "--plan",
+            metavar="stroke=M,speed=M/S,force=N[,deflection=M]",
+            help="Print what to measure within these limits of the rig. deflection: F_c/sigma_0, if known.",
+        ),
+    ] = None,
+    unknown: Annotated[
+        list[str] | None,
+        _advanced("--unknown", "PATH=LOW:HIGH", "Further unknown beside [unknown] of LOGS.toml; may be repeated."),
+    ] = None,
+    transfer: Annotated[
+        Path | None,
+        _advanced("--transfer", "LOGS.toml", "Recordings of another unit or day; numbers that moved are listed."),
+    ] = None,
+    simulate: Annotated[
+        bool,
+        typer.Option(
+            "--simulate",
+            rich_help_panel=ADVANCED,
+            help="With --plan and --out: also write a synthetic log (of --law, --set, --seed).",
+        ),
+    ] = False,
     out: Out = None,
     json: Json = False,
 ) -> int:
     """Fit a law to a measured log, or a machine to its recordings (--logs), with a 95 % interval, a model
     range and a state for each."""
+    laws, assignments = law or [], how.set_ or []
     if plan is not None:
         from stribeck.cli import plan as planning
 
         return planning.plan(
-            context, plan, simulate=simulate, laws=law or [], assignments=set_ or [], seed=seed, out=out, json=json
+            context, plan, simulate=simulate, laws=laws, assignments=assignments, seed=how.seed, out=out, json=json
         )
     if simulate:
         raise InputError("--simulate: goes with --plan, which is not given")
@@ -229,67 +189,60 @@ def fit(
         from stribeck.cli import actuator
 
         actuator.check_options(context)
-        return actuator.fit(data, logs, law or [], set_ or [], unknown or [], transfer, starts, seed, out, json)
-    from stribeck.identify.options import FitOptions
-
-    columns = {
-        "time": time, "position": position, "velocity": velocity, "acceleration": acceleration, "force": force,
-        "load": load, "pressure": pressure, "run": run, "command": command,
-    }  # fmt: skip
-    options = FitOptions(
-        mass, method, record.constants(set_ or []), tuple(free or ()), tuple(term or ()), starts, seed, output,
-        record.drive(drive), not no_forms, filter_, not no_weight, tuple(speed or ()),
-    )  # fmt: skip
-    names = columns, unit or [], force_gain
-    return _fit_log(data, law or [], names, cutoff=cutoff, options=options, out=out, json=json)
+        sought = actuator.RecordingsOptions(data, logs, laws, assignments, unknown or [], transfer)
+        return actuator.fit(sought, starts=how.starts, seed=how.seed, out=out, json=json)
+    return _fit_log(data, laws, columns, how, out=out, json=json)
 
 
 def _fit_log(
-    data: list[Path], laws: list[str], names: tuple[dict[str, str | None], list[str], str | None], *,
-    cutoff: float | None, options: FitOptions, out: Path | None, json: bool,
-) -> int:  # fmt: skip
+    data: list[Path], laws: list[str], columns: record.ColumnsOfALog, how: How, *, out: Path | None, json: bool
+) -> int:
     """Read the log, fit, write what was asked for, print the estimates."""
     from stribeck.identify import api as fitting
 
-    columns = record.columns(*names)
-    how = fitting.preparation(laws, options, cutoff)
-    if out is not None:
-        show.check_folder(out)
-    try:
-        with show.progress("fit") as tell:
-            log = fitting.log_of(data, columns, how)
-            if tell is not None:
-                tell(_READ)
-            result = fitting.fit_log(log, laws, options, _rest_of(tell))
-    except KeyboardInterrupt:
-        print("stribeck: nothing was found yet", file=sys.stderr)
-        raise
-    written: list[str] = []
-    summary = result.to_json()
-    summary["data"] = {
-        "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
-    }  # fmt: skip
-    try:
-        if out is not None:
-            from stribeck.files import seen_from, together
-            from stribeck.identify.report.files import FITS, write_numbers, write_report
-
-            reading = fitting.reading(data, columns, how, options) | {"files": [seen_from(out, path) for path in data]}
-            named = show.command_line(), ", ".join(p.name for p in data)
-            with together(out, last="parameters.toml", older={**FITS, "report.html": ""}) as place:
-                written = [str(out / name) for name in write_numbers(result, place, *named, reading)]
-            with together(out, last="report.html") as place:  # drawing takes seconds, and may be stopped
-                written += [str(out / name) for name in write_report(result, place, *named)]
-    except BaseException:  # while the page is drawn: what was found is said
-        _tell(result, log, data, summary, written, json)
-        raise
-    _tell(result, log, data, summary, written, json)
+    names, options = columns.read(), how.options()
+    reading = fitting.preparation(laws, options, how.cutoff)
+    with OutputFolder(out):
+        try:
+            with progress("fit") as share:
+                log = fitting.log_of(data, names, reading)
+                share(_READ)
+                result = fitting.fit_log(log, laws, options, _rest_of(share))
+        except KeyboardInterrupt:
+            print("stribeck: nothing was found yet", file=sys.stderr)
+            raise
+        written: list[str] = []
+        summary = result.to_json()
+        summary["data"] = {
+            "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
+        }  # fmt: skip
+        try:
+            if out is not None:
+                told = fitting.reading(data, names, reading, options)
+                _write(result, data, told, out, written)
+        finally:  # while the page is drawn, too: what was found is said
+            _tell(result, log, data, summary, written, json)
     return 130 if result.status == "stopped" else 0
+
+
+def _write(result: Fit, data: list[Path], reading: dict[str, object], out: Path, written: list[str]) -> None:
+    """Write the numbers, then the page, whose drawing takes seconds and may be stopped; ``written`` gets the paths."""
+    from stribeck.files import seen_from, together
+    from stribeck.identify.report.files import FITS, write_numbers, write_report
+
+    about = reading | {"files": [seen_from(out, path) for path in data]}
+    named = command_line(), ", ".join(p.name for p in data)
+    with together(out, last="parameters.toml", older={**FITS, "report.html": ""}) as place:
+        names = write_numbers(result, place, *named, about)
+    written += [str(out / name) for name in names]
+    with together(out, last="report.html") as place:
+        names = write_report(result, place, *named)
+    written += [str(out / name) for name in names]
 
 
 def _tell(result: Fit, log: Log, data: list[Path], summary: dict[str, object], written: list[str], json: bool) -> None:
     if json:
-        show.print_json({**summary, "files": written})
+        print_json({**summary, "files": written})
         return
     print(_headline(result, data))
     print()
@@ -352,6 +305,6 @@ def _number(x: float, e: Estimate) -> str:
     return f"{x:.{places}f}" if 0 <= places <= 5 and "e" not in text else text
 
 
-def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | None:
+def _rest_of(tell: Callable[[float], None]) -> Callable[[float], None]:
     """The progress of what follows the reading."""
-    return None if tell is None else lambda share: tell(_READ + (1 - _READ) * share)
+    return lambda share: tell(_READ + (1 - _READ) * share)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Annotated
 
-from stribeck import examples
-from stribeck.cli import show
+import typer
+
+from stribeck.cli.options import command, place
+from stribeck.cli.output import check_file
 from stribeck.errors import InputError
-from stribeck.files import write_text
 
 # What to do with an example, where that is not to run it.
 _NEXT = {
@@ -34,8 +36,24 @@ _HELP = """\
 """
 
 
-def new(name: str, out: Path | None, show_list: bool, schema: bool) -> int:
-    """Write the example called ``name``, or one to start from under that name; or what editors check such files with."""
+@command("new", "stribeck new my_rig")
+def new(
+    name: Annotated[
+        str, typer.Argument(metavar="[NAME]", help="Name of the file, or of a built-in example.")
+    ] = "my_rig",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="File to write; NAME.toml unless given.")
+    ] = None,
+    show_list: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
+    schema: Annotated[
+        bool,
+        typer.Option("--schema", help="Write the JSON Schema, with which editors complete and check scenario files."),
+    ] = False,
+) -> int:
+    """Write a commented scenario file to start from."""
+    from stribeck import examples
+    from stribeck.files import write_text
+
     if show_list:
         for example in examples.names():
             first = examples.path(example).read_text(encoding="utf-8").splitlines()[0]
@@ -68,6 +86,7 @@ def new(name: str, out: Path | None, show_list: bool, schema: bool) -> int:
 
 
 def _schema(out: Path | None) -> int:
+    from stribeck.files import write_text
     from stribeck.scenario import schema
 
     target = out or Path(schema.FILE)
@@ -78,6 +97,6 @@ def _schema(out: Path | None) -> int:
 
 
 def _check(path: Path) -> None:
-    show.check_file("--out", path)
+    check_file("--out", path)
     if path.exists():
         raise InputError(f"--out: {str(path)!r}: exists already; must be a new file")

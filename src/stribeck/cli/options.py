@@ -1,25 +1,202 @@
-"""The options of a command in place of the arguments that the library's messages name."""
+"""The command itself, and the options that several of its commands have."""
 
 from __future__ import annotations
 
-from stribeck.errors import Line
+import inspect
+import os
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
-# Where an option is not called as the argument: the rest is --argument with dashes.
-_WORDS = {
-    "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA",
-    "forces": "--force", "laws": "--law", "folder": "--out",
-}  # fmt: skip
-_POSITIONAL = {"law": ("check", "export"), "scenario": ("run", "sweep", "design")}
+import typer
+from typer.core import TyperCommand
+
+import stribeck
+from stribeck.errors import InputError
+
+if TYPE_CHECKING:
+    from stribeck.scenario import Scenario
+
+ADVANCED = "Advanced"  # the section of --help for options that few need
+F = TypeVar("F", bound=Callable[..., int])
+
+app = typer.Typer(
+    help="Friction models that you can simulate, prove, fit and ship.",
+    epilog="Example: stribeck new my_rig; stribeck run my_rig.toml --out first",
+    no_args_is_help=True,
+    rich_markup_mode=None,  # plain help: nothing folds within a word
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 
 
-def option(name: str, command: str) -> str:
-    """What gives an argument on the command line: ``--set k_v`` for ``constants.k_v``."""
-    name, _, key = name.partition(".")
-    if command in _POSITIONAL.get(name, ()):
-        return name.upper()
-    return _WORDS.get(name, "--" + name.replace("_", "-")) + (f" {key}" if key else "")
+class PlainCommand(TyperCommand):
+    """A command whose plain --help shows the options that most need first, then each other section."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write arguments and options, a section for each panel."""
+        sections: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
+        for parameter in self.get_params(ctx):
+            if (record := parameter.get_help_record(ctx)) is not None:
+                usual = "Arguments" if parameter.param_type_name == "argument" else "Options"
+                panel = getattr(parameter, "rich_help_panel", None) or usual
+                sections.setdefault(panel, []).append(record)
+        for title, records in sections.items():
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
 
 
-def said(line: str, command: str) -> str:
-    """A line of a message as the command says it."""
-    return line.naming(lambda name: option(name, command)) if isinstance(line, Line) else line
+def command(name: str, example: str) -> Callable[[F], F]:
+    """Make a function a command; a dataclass among its parameters stands for an option each of its fields."""
+
+    def register(function: F) -> F:
+        app.command(name, epilog=f"Example: {example}", cls=PlainCommand)(_spread(function))
+        return function
+
+    return register
+
+
+def _spread(function: Callable[..., int]) -> Callable[..., int]:
+    """The function with the fields of its dataclasses as parameters."""
+    kinds = get_type_hints(function, include_extras=True)
+    groups: dict[str, Any] = {n: kind for n, kind in kinds.items() if is_dataclass(kind)}
+
+    def called(**given: Any) -> int:
+        made = {n: kind(**{f.name: given.pop(f.name) for f in fields(kind)}) for n, kind in groups.items()}
+        return function(**made, **given)
+
+    parameters = []
+    for name, parameter in inspect.signature(function).parameters.items():
+        own = [parameter.replace(annotation=kinds[name], kind=parameter.KEYWORD_ONLY)]
+        if (kind := groups.get(name)) is not None:
+            hints = get_type_hints(kind, include_extras=True)
+            own = [
+                inspect.Parameter(
+                    f.name, parameter.KEYWORD_ONLY, annotation=hints[f.name],
+                    default=parameter.empty if f.default is MISSING else f.default,
+                )
+                for f in fields(kind)
+            ]  # fmt: skip
+        parameters += own
+    called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    called.__annotations__ = {p.name: p.annotation for p in parameters}
+    called.__name__, called.__doc__ = function.__name__, function.__doc__
+    return called
+
+
+def written_to(text: str) -> str:
+    """Where a command writes: an empty path would be the current folder."""
+    if not str(text):
+        raise typer.BadParameter("'': must be a path")
+    return text
+
+
+def place(text: str) -> Path:
+    """The same as a path."""
+    return Path(written_to(text))
+
+
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", parser=place, help="Folder for the results; created if missing.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as one JSON object.")]
+ControllerName = Annotated[
+    str | None,
+    typer.Option("--controller", metavar="NAME", help="Name of the controller; needed if the machine has several."),
+]
+Trust = Annotated[
+    bool,
+    typer.Option(
+        "--trust",
+        rich_help_panel=ADVANCED,
+        help="Allow the scenario to run laws (FILE.py:NAME) from outside its folder.",
+    ),
+]
+
+
+def _allow(allowed: bool) -> None:
+    from stribeck.parameter_sets import allow_undetermined
+
+    allow_undetermined(allowed)
+
+
+Undetermined = Annotated[
+    bool,
+    typer.Option(
+        "--allow-undetermined", callback=_allow, rich_help_panel=ADVANCED,
+        help="Accept values of a fit that its data do not determine.",
+    ),
+]  # fmt: skip
+
+
+def _solve_by(context: typer.Context, asked: str | None) -> None:
+    if asked is None:
+        return
+    from stribeck.simulation.backend import BACKENDS, VARIABLE
+
+    if asked not in BACKENDS:
+        raise InputError(f"--backend: {asked!r}: must be {', '.join(BACKENDS[:-1])} or {BACKENDS[-1]}")
+    before = os.environ.get(VARIABLE, "")
+    os.environ[VARIABLE] = asked  # workers of a sweep take it from there
+    context.call_on_close(partial(os.environ.__setitem__, VARIABLE, before))
+
+
+Backend = Annotated[
+    str | None,
+    typer.Option(
+        "--backend", metavar="NAME", callback=_solve_by, rich_help_panel=ADVANCED,
+        help="What solves: c (needs a compiler), wasm (the same bits on every processor), or auto: c if it is there.",
+    ),
+]  # fmt: skip
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),
+]
+
+
+@dataclass(frozen=True)
+class ScenarioOptions:
+    """A scenario file, and what is changed in it."""
+
+    scenario: Annotated[
+        Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario or machine file; 'stribeck new' writes one.")
+    ]
+    set_: Set = None
+    trust: Trust = False
+    _undetermined: Undetermined = False
+    _backend: Backend = None
+
+    def load(self) -> Scenario:
+        """The scenario with every --set applied."""
+        return load_scenario(self.scenario, self.set_ or [], self.trust)
+
+
+def load_scenario(path: Path, assignments: list[str], trust: bool) -> Scenario:
+    """A scenario file with assignments applied."""
+    from stribeck.scenario import Scenario, parse_assignments
+
+    return Scenario.load(path, parse_assignments(assignments), trust=trust)
+
+
+def given_options(context: typer.Context) -> dict[str, str]:
+    """The options on the command line: each parameter's name and how the option is written."""
+    options = {p.name: p.opts[0] for p in context.command.params if p.param_type_name == "option" and p.name}
+    sources = {name: context.get_parameter_source(name) for name in options}
+    return {name: options[name] for name, source in sources.items() if source and source.name == "COMMANDLINE"}
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"stribeck {stribeck.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass

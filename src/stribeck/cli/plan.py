@@ -8,8 +8,8 @@ from pathlib import Path
 
 import typer
 
-from stribeck.cli import show
-from stribeck.cli.shared import given_options
+from stribeck.cli.options import given_options
+from stribeck.cli.output import OutputFolder, print_json
 from stribeck.errors import InputError
 from stribeck.files import together
 from stribeck.identify import plan_files
@@ -40,14 +40,13 @@ def plan(
     experiment = plan_files.simulated(limits, law, constants, seed) if simulate else None
     tests, files = programme(limits), list[str]()
     if out is not None:
-        show.check_folder(out)
-        with together(out, last="programme.csv", older=plan_files.SYNTHETIC) as place:
+        with OutputFolder(out), together(out, last="programme.csv", older=plan_files.SYNTHETIC) as place:
             written = plan_files.write_rig(limits, place)
             written += plan_files.write_simulated(experiment, place) if experiment is not None else []
         files = [str(out / name) for name in written]
     if json:
         truth = None if experiment is None else {"law": law, "constants": experiment.law.values, "label": LABEL}
-        show.print_json({"tests": [asdict(t) for t in tests], "synthetic": truth, "files": files})
+        print_json({"tests": [asdict(t) for t in tests], "synthetic": truth, "files": files})
     else:
         print(plan_files.csv(plan_files.HEAD, plan_files.table(tests)), end="")
     for file in files:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.shared import ADVANCED
+from stribeck.cli.options import ADVANCED
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, refuse_twice
 
@@ -21,50 +22,82 @@ Data = Annotated[
         help="Log: CSV, Parquet, MAT or NPZ; several files are several runs. With --logs a machine file.",
     ),
 ]
-Time = Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")]
-Position = Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")]
-Velocity = Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Column of the velocity.")]
-Acceleration = Annotated[
-    str | None,
-    typer.Option("--acceleration", metavar="COL", rich_help_panel=ADVANCED, help="Column of the acceleration."),
-]
-Force = Annotated[
-    str | None, typer.Option("--force", metavar="COL", help="Column of the driving force, torque or current.")
-]
-GainOrName = Annotated[
-    str | None,
-    typer.Option(
-        "--force-gain",
-        metavar="X",
-        help="Force per unit of the force column, such as N/A; or a constant of the file; 1 unless given.",
-    ),
-]
-Gain = Annotated[
-    str | None,
-    typer.Option("--force-gain", metavar="X", help="Force per unit of the force column; as in the fit unless given."),
-]
-Load = Annotated[
-    str | None, typer.Option("--load", metavar="COL", rich_help_panel=ADVANCED, help="Column of the normal load.")
-]
-Pressure = Annotated[
-    str | None, typer.Option("--pressure", metavar="COL", rich_help_panel=ADVANCED, help="Column of the pressure.")
-]
-Command = Annotated[
-    str | None,
-    typer.Option(
-        "--command", metavar="COL", rich_help_panel=ADVANCED, help="Column of the drive's command (for --drive)."
-    ),
-]
-Run = Annotated[
-    str | None, typer.Option("--run", metavar="COL", rich_help_panel=ADVANCED, help="Column of the run number.")
-]
-Unit = Annotated[
-    list[str] | None,
-    typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given; may be repeated."),
-]
-UnitOrSI = Annotated[
-    list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given.")
-]
+
+
+def _column(name: str, text: str, panel: str | None = None) -> typer.models.OptionInfo:
+    """An option that names a column."""
+    option: typer.models.OptionInfo = typer.Option(name, metavar="COL", rich_help_panel=panel, help=text)
+    return option
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The columns of a record by their roles, and their units."""
+
+    time: Annotated[str | None, _column("--time", "Column of the time.")] = None
+    position: Annotated[str | None, _column("--position", "Column of the position.")] = None
+    velocity: Annotated[str | None, _column("--velocity", "Column of the velocity.")] = None
+    force: Annotated[str | None, _column("--force", "Column of the driving force, torque or current.")] = None
+    force_gain: Annotated[
+        str | None,
+        typer.Option(
+            "--force-gain", metavar="X",
+            help="Force per unit of the force column, such as N/A; or a constant of the file; 1 unless given.",
+        ),
+    ] = None  # fmt: skip
+    unit: Annotated[
+        list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given.")
+    ] = None
+    load: Annotated[str | None, _column("--load", "Column of the normal load.", ADVANCED)] = None
+    pressure: Annotated[str | None, _column("--pressure", "Column of the pressure.", ADVANCED)] = None
+    command: Annotated[str | None, _column("--command", "Column of the drive's command (for --drive).", ADVANCED)] = (
+        None
+    )
+
+    def read(self) -> ColumnNames:
+        """The columns, each by its role, and their units, each given as ``COL=UNIT``.
+
+        Raises:
+            InputError: a unit is something else, or is given twice.
+        """
+        from stribeck.identify.data.read import ColumnNames
+
+        units = []
+        for text in self.unit or []:
+            column, equals, unit = text.rpartition("=")
+            if not equals or not column or not unit:
+                raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
+            units.append((column.strip(), unit.strip()))
+        refuse_twice([column for column, _ in units], "--unit")
+        names = {
+            role: name for role, name in vars(self).items() if role not in ("force_gain", "unit") and name is not None
+        }
+        return ColumnNames(names, dict(units), self.force_gain)
+
+
+@dataclass(frozen=True)
+class ColumnsOfALog(Columns):
+    """The columns of a log that is fitted."""
+
+    acceleration: Annotated[str | None, _column("--acceleration", "Column of the acceleration.", ADVANCED)] = None
+    run: Annotated[str | None, _column("--run", "Column of the run number.", ADVANCED)] = None
+
+
+@dataclass(frozen=True)
+class ColumnsAsFitted(Columns):
+    """The columns of a record that is predicted: as in the fit, unless given."""
+
+    time: Annotated[str | None, _column("--time", "Column of the time; columns are as in the fit unless given.")] = None
+    force_gain: Annotated[
+        str | None,
+        typer.Option(
+            "--force-gain", metavar="X", help="Force per unit of the force column; as in the fit unless given."
+        ),
+    ] = None
+    command: Annotated[
+        str | None,
+        _column("--command", "With --machine: column that drove the rig; replaces the file's signal.", ADVANCED),
+    ] = None
 
 
 def drive(text: str | None) -> dict[str, object] | None:
@@ -104,17 +137,3 @@ def constants(assignments: list[str]) -> dict[str, float | str]:
             raise InputError(f"--set {name}: {shown(value)}: must be a number or a word")
         found[name] = value if isinstance(value, str) else float(value)
     return found
-
-
-def columns(names: dict[str, str | None], units: list[str], force_gain: str | None) -> ColumnNames:
-    """The columns that options name, each by its role, and their units, each as ``COL=UNIT``."""
-    from stribeck.identify.data.read import ColumnNames
-
-    given = []
-    for text in units:
-        column, equals, unit = text.rpartition("=")
-        if not equals or not column or not unit:
-            raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
-        given.append((column.strip(), unit.strip()))
-    refuse_twice([column for column, _ in given], "--unit")
-    return ColumnNames({role: name for role, name in names.items() if name is not None}, dict(given), force_gain)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli import show
-from stribeck.cli.shared import Backend, Json, Out, ScenarioFile, Set, Trust, Undetermined, app, place
+from stribeck.cli.options import Json, Out, ScenarioOptions, command, place
+from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell
+from stribeck.cli.progress import progress
 from stribeck.errors import InputError, StribeckNote, refuse_twice
-from stribeck.mouth import terminal
 
 if TYPE_CHECKING:
     from stribeck.scenario import Scenario
@@ -20,14 +20,13 @@ if TYPE_CHECKING:
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
 
-@app.command(epilog="Example: stribeck run my_rig.toml --law lugre --law lugre_majorant:k_v=1e7 --out first")
+@command("run", "stribeck run my_rig.toml --law lugre --law lugre_majorant:k_v=1e7 --out first")
 def run(
-    scenario: ScenarioFile,
+    source: ScenarioOptions,
     law: Annotated[
         list[str] | None,
         typer.Option(
-            "--law",
-            metavar="NAME[:KEY=VALUE,...]",
+            "--law", metavar="NAME[:KEY=VALUE,...]",
             help="Use this law instead of the file's; given again, the laws are compared with the first.",
         ),
     ] = None,
@@ -37,93 +36,77 @@ def run(
             "--contact", metavar="NAME", help="Contact whose law --law replaces; needed if there are several."
         ),
     ] = None,
-    out: Out = None,
-    set_: Set = None,
-    draw: Annotated[bool, typer.Option("--show", help="Draw the machine instead of running it.")] = False,
+    draw: Annotated[
+        bool, typer.Option("--show", help="Draw the machine instead of running it.")
+    ] = False,
     keep_c: Annotated[
         Path | None,
         typer.Option("--keep-c", metavar="FILE", parser=place, help="Write the generated C to this file."),
     ] = None,
-    trust: Trust = False,
+    out: Out = None,
     json: Json = False,
-    _backend: Backend = None,
-    _undetermined: Undetermined = False,
-) -> int:
+) -> int:  # fmt: skip
     """Simulate a scenario or a machine; without --out, print the summary and write nothing."""
-    given = show.load(scenario, set_ or [], trust)
-    laws = law or []
+    given, laws = source.load(), law or []
     if draw:
         others = {"--law": laws, "--keep-c": keep_c}
-        if wrong := [
-            f"{name}: must be left out with --show, which simulates nothing" for name, x in others.items() if x
-        ]:
-            raise InputError(wrong)
-        return _show(given, out=out, json=json)
+        if wrong := [n for n, x in others.items() if x]:
+            raise InputError([f"{name}: must be left out with --show, which simulates nothing" for name in wrong])
+        return _draw(given, out, json)
     if contact is not None and not laws:
         raise InputError("--contact: goes with --law, which is not given")
+    if len(laws) > 1 and keep_c is not None:
+        raise InputError("--keep-c: must be left out where several laws are compared")
+    variants = _under_laws(given, laws, contact)
     if len(laws) > 1:
-        if keep_c is not None:
-            raise InputError("--keep-c: must be left out where several laws are compared")
-        return _compare(given, laws, contact, out=out, json=json)
-    for text in laws:
-        (given,) = _under_laws(given, [text], contact).values()
-    return _simulate(given, scenario, out=out, keep_c=keep_c, json=json)
+        return _compare(variants, given.name, out, json)
+    (given,) = variants.values() or (given,)
+    if keep_c is not None and (out is None or keep_c.absolute().parent != out.absolute()):
+        check_file("--keep-c", keep_c, source.scenario)
+    return _simulate(given, keep_c, out, json)
 
 
-def _simulate(scenario: Scenario, path: Path, *, out: Path | None, keep_c: Path | None, json: bool) -> int:
+def _simulate(scenario: Scenario, keep_c: Path | None, out: Path | None, json: bool) -> int:
     """Simulate, write the files asked for, print the summary."""
+    from stribeck.files import write_text
     from stribeck.simulation import c_source, simulate
 
-    if keep_c is not None and (out is None or keep_c.absolute().parent != out.absolute()):
-        show.check_file("--keep-c", keep_c, path)
-    if out is not None:
-        show.check_folder(out)
-    with show.progress(scenario.name) as tell:
-        solution = simulate(scenario, progress=tell)
-    summary, files = solution.summary(), list[str]()
-    if keep_c is not None:
-        from stribeck.files import write_text
+    with OutputFolder(out):
+        with progress(scenario.name) as share:
+            solution = simulate(scenario, progress=share)
+        summary, files = solution.summary(), list[str]()
+        if keep_c is not None:
+            write_text(keep_c, c_source(scenario))
+            files.append(str(keep_c))
+        if out is not None:
+            from stribeck.simulation.tables import write_run
 
-        write_text(keep_c, c_source(scenario))
-        files.append(str(keep_c))
-    if out is not None:
-        from stribeck.simulation.tables import write_run
-
-        files += write_run(solution, out, {**summary, "files": files}, show.command_line())
-    if json:
-        show.print_json({**summary, "files": files})
-    else:
-        terminal.tell(solution.document(), files)
+            files += write_run(solution, out, {**summary, "files": files}, command_line())
+    tell(solution.document, summary if json else None, files)
     if solution.status != "done":
-        show.failed(scenario.name, solution.reason)
-        return 1
-    return 0
+        failed(scenario.name, solution.reason)
+    return 0 if solution.status == "done" else 1
 
 
 # -- several laws ----------------------------------------------------------------------------------------------------
 
 
-def _compare(scenario: Scenario, laws: list[str], contact: str | None, *, out: Path | None, json: bool) -> int:
+def _compare(variants: dict[str, Scenario], name: str, out: Path | None, json: bool) -> int:
     """Simulate under each law, print the deviations from the first, write an overlay."""
     from stribeck.simulation.comparison import compare_laws
 
-    variants = _under_laws(scenario, laws, contact)
-    if out is not None:
-        show.check_folder(out)
-    with show.progress(scenario.name) as tell:
-        comparison = compare_laws(variants, tell)
-    summary, files = comparison.summary(), list[str]()
-    if out is not None:
-        from stribeck.simulation.tables import write_comparison
+    with OutputFolder(out):
+        with progress(name) as share:
+            comparison = compare_laws(variants, share)
+        summary, files = comparison.summary(), list[str]()
+        if out is not None:
+            from stribeck.simulation.tables import write_comparison
 
-        files = write_comparison(comparison, out, summary, show.command_line())
-    if json:
-        show.print_json({**summary, "files": files})
-    else:
-        terminal.tell(comparison.document(), files)
+            files = write_comparison(comparison, out, summary, command_line())
+    tell(comparison.document, summary if json else None, files)
     for label, solution in comparison.solutions.items():
         if solution.status != "done":
-            show.failed(f"{scenario.name} with {label}", solution.reason)
+            failed(f"{name} with {label}", solution.reason)
     return 0 if comparison.status == "done" else 1
 
 
@@ -135,6 +118,8 @@ def _under_laws(scenario: Scenario, laws: list[str], contact: str | None) -> dic
     """
     from stribeck.simulation.comparison import law_path
 
+    if not laws:
+        return {}
     table = law_path(scenario, contact)
     with warnings.catch_warnings():  # a law without smoothing takes no k_v: no news where laws are compared
         warnings.filterwarnings("ignore", r"(.*\.)?law\.(parameters\.)?k_v: dropped", StribeckNote)
@@ -166,20 +151,19 @@ def _changes(text: str, table: str) -> dict[str, object]:
 # -- the machine as a drawing ----------------------------------------------------------------------------------------
 
 
-def _show(scenario: Scenario, *, out: Path | None, json: bool) -> int:
+def _draw(scenario: Scenario, out: Path | None, json: bool) -> int:
     """Print the machine as a schematic; with --out also as DIR/machine.svg."""
+    from stribeck.files import write_text
     from stribeck.scenario import schematic
     from stribeck.scenario.counterpart import as_machine
 
     machine, files = as_machine(scenario), list[str]()
-    if out is not None:
-        from stribeck.files import write_text
-
-        show.check_folder(out)
-        write_text(out / "machine.svg", schematic.svg(machine.rig, machine.name))
-        files.append(str(out / "machine.svg"))
+    with OutputFolder(out):
+        if out is not None:
+            files.append(str(out / "machine.svg"))
+            write_text(out / "machine.svg", schematic.svg(machine.rig, machine.name))
     if json:
-        show.print_json({"scenario": machine.name, **schematic.describe(machine.rig), "files": files})
+        print_json({"scenario": machine.name, **schematic.describe(machine.rig), "files": files})
         return 0
     print(schematic.text(machine.rig, machine.name))
     for file in files:

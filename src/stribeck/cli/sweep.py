@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.shared import Backend, Json, ScenarioFile, Set, Trust, Undetermined, app, written_to
+from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, written_to
+from stribeck.cli.output import OutputFolder, tell
+from stribeck.cli.progress import rate
 from stribeck.errors import InputError
 
 if TYPE_CHECKING:
     from stribeck.arrays import Array
 
 
-@app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
+@command("sweep", "stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
 def sweep(
-    scenario: ScenarioFile,
+    source: ScenarioOptions,
     out: Annotated[
         str,
         typer.Option(
@@ -27,8 +31,7 @@ def sweep(
         typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="Range of a number; may be repeated."),
     ] = None,
     samples: Annotated[
-        int | None,
-        typer.Option("--samples", metavar="N", help="Draw N random points of the ranges instead of their grid."),
+        int | None, typer.Option("--samples", metavar="N", help="Draw N random points of the ranges instead of their grid.")
     ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the random points.", min=0)] = 0,
     summary: Annotated[
@@ -41,51 +44,37 @@ def sweep(
     threads: Annotated[
         int | None,
         typer.Option(
-            "--threads",
-            metavar="N",
-            help="Number of threads; all cores unless given.",
-            min=1,
-            rich_help_panel="Advanced",
+            "--threads", metavar="N", min=1, rich_help_panel=ADVANCED, help="Number of threads; all cores unless given."
         ),
     ] = None,
-    set_: Set = None,
-    trust: Trust = False,
     json: Json = False,
-    _backend: Backend = None,
-    _undetermined: Undetermined = False,
-) -> int:
+) -> int:  # fmt: skip
     """Simulate a scenario over ranges of its numbers; the same command continues after an interruption."""
-    import sys
     from time import perf_counter
 
-    from stribeck.cli import show
     from stribeck.sweeps.job import Sweep, check_cluster
     from stribeck.sweeps.places import Folder
 
     if out.startswith("memory:"):
         raise InputError(f"--out: {out}: is gone when the command ends: must be a folder, or a URL of what stays")
-    loaded = show.load(scenario, set_ or [], trust)
+    loaded = source.load()
     check_cluster(cluster, threads)
     job = Sweep(loaded, _lanes(vary or [], samples, seed), out, summary)
-    if isinstance(job.place, Folder):
-        show.check_folder(job.place.folder)
+    folder: Path | None = job.place.folder if isinstance(job.place, Folder) else None
     started = perf_counter()
-    with show.rate(f"{loaded.name}: {len(job.lanes)} lanes", "lanes") as tell:
-        job.run(threads, tell, cluster)
+    with OutputFolder(folder), rate(f"{loaded.name}: {len(job.lanes)} lanes", "lanes") as share:
+        job.run(threads, share, cluster)
     seconds = perf_counter() - started
-    status = "failed" if job.failed == len(job.lanes) else "done"
-    if json:
-        show.print_json({
-            "status": status, "scenario": loaded.name, "lanes": len(job.lanes), "failed": job.failed, "parts": job.parts,
-            "parts_found": job.found, "seconds": seconds, "files": job.files,
-        })  # fmt: skip
-    else:
-        found = f", {job.found} of them there already" if job.found else ""
-        print(f"{loaded.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {seconds:.1f} s")
-        print(f"  wrote {job.place.path('_manifest.json')} and {job.place.path('part-*.parquet')}")
+    all_failed = job.failed == len(job.lanes)
+    data = {
+        "status": "failed" if all_failed else "done", "scenario": loaded.name, "lanes": len(job.lanes),
+        "failed": job.failed, "parts": job.parts, "parts_found": job.found, "seconds": seconds,
+    }  # fmt: skip
+    shown = [job.place.path(name) for name in ("_manifest.json", "part-*.parquet")]
+    tell(lambda: job.document(seconds), data if json else None, job.files if json else shown)
     if job.failed:
         print(f"stribeck: {job.failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
-    return 1 if status == "failed" else 0
+    return 1 if all_failed else 0
 
 
 def _lanes(vary: list[str], samples: int | None, seed: int) -> dict[str, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING
 
 from stribeck import laws, parameter_sets
 from stribeck.constants import kind_of, show
@@ -14,6 +15,9 @@ from stribeck.laws.form import USUAL, Form
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.parameter_sets import ParameterSet
 from stribeck.parameter_sets.library import MachineSet, machine_sets
+
+if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
 
 _OF_FILES = ("name", "units", "words")  # fields of a set that repeat its key, or that only files have
 
@@ -45,6 +49,26 @@ class Library:
             },
             "machines": {name: m.to_json() for name, m in self.machines.items()},
         }
+
+    def document(self) -> Document:
+        """All that there is, a line each."""
+        from stribeck.laws import said
+
+        return said.shelf(self)
+
+    def documents(self) -> list[Document]:
+        """All that is known of each law, set and machine, in this order.
+
+        Raises:
+            InputError: a law of a user's file has equations that cannot be evaluated.
+        """
+        from stribeck.laws import said
+
+        return [
+            *(said.law(described(law, name)) for name, law in self.laws.items()),
+            *(said.parameter_set(each) for each in self.sets.values()),
+            *(said.machine(each) for each in self.machines.values()),
+        ]
 
 
 def library(*names: str) -> Library:

@@ -1,15 +1,25 @@
-"""What a law says of itself: its equations, its constants, its source."""
+"""How laws, and what is in the library, are told."""
 
 from __future__ import annotations
 
-from stribeck.constants import rotary_words
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, cast
+
+from stribeck.constants import DECIDED, rotary_words
 from stribeck.laws.base import Law
 from stribeck.laws.render import equations
-from stribeck.mouth.document import PAGE, Chapter, Table
+from stribeck.mouth.document import PAGE, Cell, Chapter, Document, Table
+from stribeck.parameter_sets import ParameterSet
+from stribeck.parameter_sets.library import MachineSet
+
+if TYPE_CHECKING:
+    from stribeck.laws.library import Library
+
+_NO_CLAIMS = {True: "none stated", False: "no internal state, so none of the five properties"}
 
 
 def chapter(law: Law, key: str = "law", of: str = "") -> Chapter:
-    """A law: its equations and its constants; ``of``: words for where it acts."""
+    """A law with its constants, as a chapter of a page; ``of``: words for where it acts."""
     declared = law.constants()
     words = rotary_words if law.rotary else str
     rows = [
@@ -24,4 +34,88 @@ def chapter(law: Law, key: str = "law", of: str = "") -> Chapter:
         [Table(["constant", "value", "unit", "meaning"], rows, prose=True)],
         code="\n".join(each.text for each in equations(type(law), law.form)),
         on=PAGE,
+    )
+
+
+def shelf(found: Library) -> Document:
+    """All that is in the library, a line each."""
+    laws = [[name, " ".join((each.__doc__ or "").split())] for name, each in found.laws.items()]
+    sets = [[each.name, each.title] for each in found.sets.values()]
+    machines = [[m.name, f"{m.title} ({m.origin}; {m.licence})"] for m in found.machines.values()]
+    return Document(
+        "library",
+        f"{len(laws)} laws, {len(sets)} parameter sets, {len(machines)} machines",
+        ["'stribeck library NAME' shows all that is known of one; of a machine --out FILE.toml writes it"],
+        [
+            _listed("laws", "law", laws),
+            _listed("sets", 'parameter set (parameters = "NAME")', sets),
+            _listed("machines", "machine", machines),
+        ],
+    )
+
+
+def _listed(key: str, what: str, rows: Sequence[Sequence[Cell]]) -> Chapter:
+    return Chapter(key, what.capitalize(), tables=[Table([what, "what it is"], rows, prose=True)])
+
+
+def law(found: Mapping[str, Any]) -> Document:
+    """A law as :func:`stribeck.laws.library.described` has it: equations, claims, constants, source."""
+    facts = [f"claims: {_claims(found['guarantees']) or _NO_CLAIMS[found['has_z']]}"]
+    for form, changed in found["with"].items():
+        parts = [*(e["text"] for e in changed["equations"]), _claims(changed["guarantees"])]
+        facts.append(f"with {form}: {'; '.join(part for part in parts if part)}")
+    rows = [
+        [n, p["allowed"] if p["allowed"].startswith("one of") else p["unit"], p["where"], p["meaning"]]
+        for n, p in found["parameters"].items()
+    ]
+    table = Table(["constant", "unit", "table", "meaning"], rows, prose=True)
+    code = "\n".join(each["text"] for each in found["equations"])
+    return Document(
+        found["name"],
+        found["summary"],
+        [f"source: {found['source']}"],
+        [
+            Chapter("equations", "Equations", facts=facts, code=code),
+            Chapter("constants", "Constants", tables=[table]),
+        ],
+    )
+
+
+def _claims(guarantees: Mapping[str, object]) -> str:
+    words = []
+    for name, claim in guarantees.items():
+        if claim is not None:
+            text = f"if {claim['if']['text']}" if isinstance(claim, dict) else DECIDED[bool(claim)]
+            words.append(f"{name.replace('_', '-')}: {text}")
+    return "; ".join(words)
+
+
+def parameter_set(found: ParameterSet) -> Document:
+    """A law's parameters as published."""
+    rows: list[list[Cell]] = [[n, x] for n, x in found.values.items()]
+    return Document(
+        found.name,
+        f"{found.title} ({found.motion})",
+        [f"source: {found.source}"],
+        [Chapter("values", "Values", tables=[Table(["constant", "value (SI)"], rows)])],
+    )
+
+
+def machine(found: MachineSet) -> Document:
+    """A machine with its numbers, and where they are from."""
+    rows: list[list[Cell]] = [
+        [
+            path,
+            *(cast(Cell, p.get(key)) for key in ("value", "low", "high", "unit")),
+            cast(Cell, p.get("state", p.get("verdict"))),
+        ]
+        for path, p in found.parameters.items()
+    ]
+    words = ("holds", "source", "record", "licence", "origin", "date", "command")
+    table = Table(["number", "value", "from", "to", "unit", "state"], rows)
+    return Document(
+        found.name,
+        found.title,
+        [f"{word}: {text}" for word in words if (text := getattr(found, word))],
+        [Chapter("numbers", "Numbers", tables=[table])],
     )

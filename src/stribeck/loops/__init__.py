@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, refuse_twice
@@ -21,6 +22,9 @@ from stribeck.scenario import Scenario
 from stribeck.scenario.cascade import cascade_of
 from stribeck.scenario.counterpart import machine_path
 from stribeck.scenario.objects import Machine, scenario_of
+
+if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
 
 __all__ = ["Design", "ServoDesign", "design"]
 
@@ -69,6 +73,12 @@ class Design:
     def errors(self) -> dict[str, dict[str, float | None]]:
         """By move: peak, rms, reversal, standstill (m or rad), settling (s)."""
         return {name: each.errors for name, each in self.tracked.items()}
+
+    def document(self) -> Document:
+        """What the design says to people, for the terminal and for a page."""
+        from stribeck.loops import said
+
+        return said.design(self)
 
     def to_json(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""

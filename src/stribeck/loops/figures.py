@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,14 +12,18 @@ from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.moves import Tracked
 from stribeck.mouth import plots
 from stribeck.mouth.cells import prefixed
-from stribeck.mouth.document import FigureSvg
+from stribeck.mouth.document import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawn
 
 VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 
 
-def line(along: PathVerdicts, i: int) -> FigureSvg:
+def line(along: PathVerdicts, i: int) -> Figure:
     """The verdict along one number."""
-    with plots.style():
+
+    def draw() -> Drawn:
         made, axes = plots.figure([["verdict"]], 2.2)
         axis = axes["verdict"]
         level = np.array([VERDICTS.index(j.verdict) for j in along.found])
@@ -32,18 +37,17 @@ def line(along: PathVerdicts, i: int) -> FigureSvg:
         axis.set(xlabel=along.turned.path, title="verdict", ylim=(-0.4, len(shown) - 0.6))
         if along.turned.low > 0 and along.turned.high / along.turned.low >= 10:
             plots.logarithmic(axis, y=False)
-        return plots.finish(
-            made,
-            f"boundaries_{i}",
-            f"Each point is a simulated loop; dashed: boundaries of {along.turned.path}; shaded: mixed.",
-            pdf=True,
-        )
+        return made
+
+    caption = f"Each point is a simulated loop; dashed: boundaries of {along.turned.path}; shaded: mixed."
+    return Figure(f"boundaries_{i}", caption, draw)
 
 
-def tracking(found: Mapping[str, Tracked], unit: str) -> FigureSvg:
+def tracking(found: Mapping[str, Tracked], unit: str) -> Figure:
     """How the file's own signal and the standard sine are followed: signal and position, and the error."""
-    names = [name for name in ("file", "sine") if len(found[name].t)]
-    with plots.style():
+
+    def draw() -> Drawn:
+        names = [name for name in ("file", "sine") if len(found[name].t)]
         made, axes = plots.figure([names, [f"{name} error" for name in names]], 3.6)
         for name in names:
             move, error = found[name], found[name].r - found[name].y
@@ -57,14 +61,17 @@ def tracking(found: Mapping[str, Tracked], unit: str) -> FigureSvg:
             factor, of_error = prefixed(unit, float(np.abs(error).max()))
             plots.line(axes[f"{name} error"], 1, *plots.thin(move.t, error / factor), "")
             axes[f"{name} error"].set(xlabel="time (s)", ylabel=f"error ({of_error})")
-        return plots.finish(made, "tracking", "Signal, position and error with the file's own controller.", pdf=True)
+        return made
+
+    return Figure("tracking", "Signal, position and error with the file's own controller.", draw)
 
 
-def motions(found: Sequence[CompensationResult], period: float, unit: str) -> FigureSvg:
+def motions(found: Sequence[CompensationResult], period: float, unit: str) -> Figure:
     """The motion with and without each compensation: the error over the last wave of the sine, and after its reversal."""
-    largest = max(float(np.abs(c.sine.r - c.sine.y)[c.sine.t >= period].max(initial=0.0)) for c in found)
-    factor, shown = prefixed(unit, largest)
-    with plots.style():
+
+    def draw() -> Drawn:
+        largest = max(float(np.abs(c.sine.r - c.sine.y)[c.sine.t >= period].max(initial=0.0)) for c in found)
+        factor, shown = prefixed(unit, largest)
         made, axes = plots.figure([["wave", "wave", "after"]], 3.0)
         for i, c in enumerate(found):
             t, e = c.sine.t, (c.sine.r - c.sine.y) / factor
@@ -76,14 +83,15 @@ def motions(found: Sequence[CompensationResult], period: float, unit: str) -> Fi
         axes["wave"].set(xlabel="time (s)", ylabel=f"error ({shown})", title="the last wave of the sine")
         axes["wave"].legend(fontsize=8, ncols=2)
         axes["after"].set(xlabel="time after the reversal (s)", title="after a reversal")
-        return plots.finish(
-            made, "motions", "Tracking error with the file's friction, without and with each compensation.", pdf=True
-        )
+        return made
+
+    return Figure("motions", "Tracking error with the file's friction, without and with each compensation.", draw)
 
 
-def shares(found: Sequence[CompensationResult], unit: str) -> FigureSvg:
+def shares(found: Sequence[CompensationResult], unit: str) -> Figure:
     """Error against margin: what each compensation leaves, how far it may be turned up, and which none beats in both."""
-    with plots.style():
+
+    def draw() -> Drawn:
         made, axes = plots.figure([["error"]], 2.6)
         axis = axes["error"]
         for i, c in enumerate(found):
@@ -96,8 +104,13 @@ def shares(found: Sequence[CompensationResult], unit: str) -> FigureSvg:
         axis.set(xlabel="quiet up to this share of the friction", ylabel=f"worst error ({unit})", ylim=(0, None))
         axis.set_xlim(-0.1, max(1.6, *axis.get_xlim()))
         axis.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.25))
-        caption = "Error after a reversal against margin; grey: those that none beats in both (dither aside)."
-        return plots.finish(made, "compensations", caption, pdf=True)
+        return made
+
+    return Figure(
+        "compensations",
+        "Error after a reversal against margin; grey: those that none beats in both (dither aside).",
+        draw,
+    )
 
 
 def unbeaten(found: Sequence[CompensationResult]) -> list[tuple[float, float]]:

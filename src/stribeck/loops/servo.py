@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from stribeck.loops.lyapunov import Along, along
 from stribeck.scenario import Scenario
 from stribeck.scenario.cascade import CascadeSettings, cascade_of, gains_of, not_linear
 from stribeck.simulation import Solution, simulate
+
+if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,12 @@ class ServoDesign:
     def failed(self) -> str | None:
         """Why the simulation failed."""
         return self.solution.reason if self.solution.status != "done" else None
+
+    def document(self) -> Document:
+        """What the design says to people, for the terminal and for a page."""
+        from stribeck.loops import servo_said
+
+        return servo_said.servo(self)
 
     def to_json(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""

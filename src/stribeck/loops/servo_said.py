@@ -1,65 +1,97 @@
-"""The page of ``stribeck design`` of a servo: conditions, proof, and V along the simulation."""
+"""How the design of a servo is told: conditions, proof, and V along the simulation."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stribeck.constants import DECIDED
 from stribeck.control.gains import Condition
-from stribeck.errors import left_out
-from stribeck.files import write_summary
+from stribeck.control.proof import derive
 from stribeck.loops.lyapunov import Along
-from stribeck.loops.servo import ServoDesign
-from stribeck.mouth import page, plots
-from stribeck.mouth.document import Chapter, Document, Figure, FigureSvg, Table
+from stribeck.mouth import plots
+from stribeck.mouth.document import PAGE, Cell, Chapter, Document, Figure, Head, Table
 from stribeck.scenario import said as of_scenario
 from stribeck.scenario.cascade import gains_of
 from stribeck.simulation.drawing import overview
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawn
 
-def write_servo(found: ServoDesign, summary: Mapping[str, object], folder: Path, command: str = "") -> list[str]:
-    """Write gains.svg and plot.svg (with PNG and PDF), report.html and, last, summary.json; the paths."""
-    solution, paths = found.solution, list[Path]()
-    with left_out("the plots and the page"):
-        figures: list[Figure | FigureSvg] = [_along(found.along)] if found.along is not None else []
-        figures.append(overview({solution.scenario.name: solution}))
-        text, tables = _conditions(found)
-        derivation = f"dV/dt = {summary['derivative']}"
-        chapter = Chapter("conditions", "Conditions and proof", text, tables, code=derivation)
-        pages = [chapter, Chapter("plots", "Plots", figures=figures), of_scenario.file(solution.scenario)]
-        word = {True: "is proved", False: "is refuted", None: "is not settled"}[found.proof.proven]
-        lead = f"that V decreases for |v| up to {found.gains.v_max:.4g} m/s {word}"
-        title = f"{solution.scenario.name}: do these gains hold?"
-        paths = page.write(Document(title, lead, (), pages), folder, command)
-    return write_summary(paths, folder, folder, summary)
+    from stribeck.loops.servo import ServoDesign
+
+_SPANS = 4  # of time that are shown
+_WORD = {True: "proved", False: "refuted", None: "not decided"}
 
 
-def _conditions(found: ServoDesign) -> tuple[list[str], list[Table]]:
-    gains, v, proof = gains_of(found.solution.scenario), found.gains, found.proof
+def servo(found: ServoDesign) -> Document:
+    """Whether V decreases, by which conditions, and what it does along the simulation."""
+    scenario, v, proof = found.solution.scenario, found.gains, found.proof
+    given = gains_of(scenario)
+    facts = [f"by intervals, for all errors, in {proof.boxes} boxes{f': {proof.reason}' if proof.reason else ''}"]
+    if not v.exact.holds:
+        facts.append(
+            f"gains that hold with a factor of two to spare: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}"
+        )
+    facts.append("not covered: " + "; ".join(found.not_covered))
     rows = [_row("exact condition", v.exact), _row("corrected (21)", v.sufficient)]
-    head = ["condition", "holds", "needs K_D at least (N s/m)", "margin", "certifies up to (m/s)"]
-    proposed = [[n, f"{gains[n]:.6g}", f"{v.proposed[n]:.6g}"] for n in ("K_D", "K")]
-    word = {True: "proved", False: "refuted", None: "not settled"}[proof.proven]
-    why = f" ({proof.reason})" if proof.reason else ""
-    text = [
-        f"By intervals, dV/dt <= 0 for all errors and |v| <= {v.v_max:.4g} m/s: {word}{why}, {proof.boxes} boxes.",
-        f"Corrected (21) also needs K < {v.largest_K_sufficient:.4g} m/N.",
-        "Not covered: " + "; ".join(found.not_covered) + ".",
+    numbers = [Head(text, 4) for text in ("needs K_D at least (N s/m)", "margin", "up to (m/s)")]
+    head: list[str | Head] = ["condition", "holds", *numbers]
+    gains: list[list[Cell]] = [[n, given[n], v.proposed[n]] for n in ("K_D", "K")]
+    conditions = Chapter(
+        "conditions", "Conditions and proof", (),
+        [Table(head, rows), Table(["gain", "given", "with a factor of two to spare"], gains, on=PAGE)],
+        facts=[
+            f"K_D = {given['K_D']:g} N s/m, K = {given['K']:g} m/N, w <= {v.w_max:.4g} 1/s",
+            f"corrected (21) also needs K < {v.largest_K_sufficient:.4g} m/N",
+        ],
+        code=f"dV/dt = {derive().derivative}",
+    )  # fmt: skip
+    drawn = [] if found.along is None else [_drawn(found.along)]
+    figures = [*drawn, overview({scenario.name: found.solution})]
+    chapters = [conditions, *([_along(found)] if found.along is not None else [])]
+    return Document(
+        scenario.name,
+        f"V decreases for |v| <= {v.v_max:.4g} m/s: {_WORD[proof.proven]}",
+        facts,
+        [*chapters, Chapter("plots", "Plots", figures=figures, on=PAGE), of_scenario.file(scenario)],
+    )
+
+
+def _row(name: str, c: Condition) -> list[Cell]:
+    return [name, DECIDED[c.holds], c.least_K_D, c.margin, "any" if c.largest_speed is None else c.largest_speed]
+
+
+def _along(found: ServoDesign) -> Chapter:
+    """What V does along the simulation."""
+    along = found.along
+    assert along is not None
+    facts = [
+        f"V goes from {along.V[0]:.4g} to {along.V[-1]:.4g} J, rises by more than 1e-9 V(0) after {int(along.rises.sum())} "
+        f"rows, by at most {along.largest_rise:.3g} J"
     ]
-    return text, [Table(head, rows), Table(["gain", "given", "with a factor of two to spare"], proposed)]
+    for what, spans in (
+        ("V rises", along.rise_times),
+        ("dV/dt above (19)", along.excess_times),
+        ("valve saturates", along.saturated_times),
+    ):
+        if spans:
+            more = f" and {len(spans) - _SPANS} more" if len(spans) > _SPANS else ""
+            facts.append(f"{what}: t = " + ", ".join(f"{a:g} to {b:g}" for a, b in spans[:_SPANS]) + f" s{more}")
+    if (stays := found.staying) is not None:
+        word = "stays" if stays.holds else "is not shown to stay"
+        facts.append(
+            f"from this start |v| {word} below {found.gains.v_max:.4g} m/s (V falls, so |v| <= {stays.bound:.4g} m/s); so it "
+            f"does from every start with V(0) < {stays.largest_V:.4g} J and lambda |e(0)| <= sqrt(2 V(0)/M)"
+        )
+    return Chapter("along", "Along the simulation", facts=facts)
 
 
-def _row(name: str, c: Condition) -> list[str]:
-    speed = "any" if c.largest_speed is None else f"{c.largest_speed:.4g}"
-    return [name, DECIDED[c.holds], f"{c.least_K_D:.4g}", f"{c.margin:.4g}", speed]
-
-
-def _along(found: Along) -> FigureSvg:
+def _drawn(found: Along) -> Figure:
     """V, and dV/dt with its bound where it has one."""
-    with plots.style():
+
+    def draw() -> Drawn:
         rows = [["V"]] if found.dV_dt is None else [["V"], ["rate"]]
         made, axes = plots.figure(rows, 2.2 * len(rows) + 0.4)
         axes["V"].plot(*plots.thin(found.t, found.V), color=plots.COLOURS[2])
@@ -74,7 +106,7 @@ def _along(found: Along) -> FigureSvg:
             axis.set(xlabel="t (s)", ylabel="-dV/dt (W)", title="how fast it falls, and the proof's bound")
             plots.logarithmic(axis, x=False)
             axis.legend(fontsize=8)
-        caption = (
-            "Where a line is missing V does not fall: rounding, at the level of the solver's tolerance, or a rise."
-        )
-        return plots.finish(made, "gains", caption, pdf=True)
+        return made
+
+    caption = "Where a line is missing V does not fall: rounding, at the level of the solver's tolerance, or a rise."
+    return Figure("gains", caption, draw)

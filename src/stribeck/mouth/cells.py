@@ -40,6 +40,14 @@ def digits(x: float | None, unknown: str = "-", count: int = 6) -> str:
     return unknown if x is None or math.isnan(x) else f"{x:.{count}g}"
 
 
+def rounded_up(x: float) -> str:
+    """Four digits, rounded up: for what must be at least so large."""
+    if not x:
+        return "0"
+    unit = 10.0 ** (math.floor(math.log10(x)) - 3)
+    return f"{math.ceil(x / unit * (1 - 1e-12)) * unit:.4g}"  # 1e-12: the rounding of x / unit itself
+
+
 def percent(share: float | None, places: int | None = None) -> str:
     """A share as a percentage with three digits, or with so many places."""
     if share is None or not math.isfinite(share):

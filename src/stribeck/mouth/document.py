@@ -54,11 +54,11 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure that is drawn when a page asks; ``draw`` is called within the common style of plots."""
+    """A figure that is drawn when a page asks, within the common style of plots; ``draw`` may find that there is none."""
 
     name: str
     caption: str
-    draw: Callable[[], Drawn]
+    draw: Callable[[], Drawn | None]
 
 
 @dataclass(frozen=True)
@@ -85,9 +85,10 @@ class FigureSvg:
 
 @dataclass(frozen=True)
 class Chapter:
-    """A chapter: paragraphs, tables, figures and code, and where it is shown.
+    """A chapter: tables, figures and code, and where it is shown.
 
     Attributes:
+        text: paragraphs of the page. facts: sentences for the terminal too.
         headed: the terminal prints its title too.
     """
 
@@ -96,6 +97,7 @@ class Chapter:
     text: Sequence[str] = ()
     tables: Sequence[Table] = ()
     figures: Sequence[Figure | FigureSvg] = ()
+    facts: Sequence[str] = field(default=(), kw_only=True)
     code: str = field(default="", kw_only=True)
     on: Sequence[str] = field(default=BOTH, kw_only=True)
     headed: bool = field(default=False, kw_only=True)

@@ -30,19 +30,26 @@ def _whole(text: str) -> str:
     return Markup(re.sub(r"--[\w-]+", r'<span class="whole">\g<0></span>', shown))
 
 
-def write(document: Document, folder: Path, command: str = "", name: str = "report.html") -> list[Path]:
-    """Write the figures of a document as SVG, PNG and PDF, and its page, which stands alone; the paths, last the page."""
-    drawn = {
-        figure.name: plots.drawn(figure) if isinstance(figure, Figure) else figure
-        for chapter in document.chapters if "page" in chapter.on for figure in chapter.figures
-    }  # fmt: skip
-    paths = [path for figure in drawn.values() for path in write_figure(figure, folder)]
-    chapters = [
-        replace(chapter, figures=[drawn[figure.name] for figure in chapter.figures])
-        for chapter in document.chapters
-        if "page" in chapter.on
-    ]
-    introduction = [f"{document.lead[:1].upper()}{document.lead[1:]}.", *(_sentence(text) for text in document.facts)]
+def write(
+    document: Document, folder: Path, command: str = "", name: str = "report.html", *, pictures: bool = True
+) -> list[Path]:
+    """Write a document's page, which stands alone, and with ``pictures`` its figures as SVG, PNG and PDF.
+
+    Args:
+        folder: where they go.
+        command: that made it: the page shows it.
+        name: of the page's file.
+
+    Returns:
+        The paths, last the page.
+    """
+    chapters, paths = [], list[Path]()
+    for chapter in (each for each in document.chapters if "page" in each.on):
+        made = [plots.drawn(figure) if isinstance(figure, Figure) else figure for figure in chapter.figures]
+        shown = [figure for figure in made if figure is not None]
+        chapters.append(replace(chapter, figures=shown))
+        paths += [path for figure in shown if pictures for path in write_figure(figure, folder)]
+    introduction = [_sentence(text) for text in (document.lead, *document.facts)]
     about = f"Stribeck {__version__}" + (f", {command}" if command else "")
     path = folder / name
     write_text(path, html(document.title, about, introduction, chapters, command, document.next))
@@ -50,6 +57,7 @@ def write(document: Document, folder: Path, command: str = "", name: str = "repo
 
 
 def _sentence(text: str) -> str:
+    """The text with a capital and a full stop."""
     return f"{text[:1].upper()}{text[1:]}" + ("" if text.endswith((".", "!", "?", ":")) else ".")
 
 
@@ -84,6 +92,7 @@ def html(
     )
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
     environment.filters["whole"] = _whole
+    environment.filters["sentence"] = lambda text: _whole(_sentence(text))
     return environment.from_string(template).render(
         title=title,
         about=about,

@@ -209,10 +209,11 @@ def finish(made: Figure, name: str, caption: str, pdf: bool = False) -> FigureSv
     return FigureSvg(name, svg(made), caption, *prints(made, pdf))
 
 
-def drawn(figure: Picture) -> FigureSvg:
-    """A document's figure as SVG, PNG and PDF."""
+def drawn(figure: Picture) -> FigureSvg | None:
+    """A document's figure as SVG, PNG and PDF; None where there is nothing to draw."""
     with style():
-        return finish(figure.draw(), figure.name, figure.caption, pdf=True)
+        made = figure.draw()
+        return None if made is None else finish(made, figure.name, figure.caption, pdf=True)
 
 
 def prints(made: Figure, pdf: bool) -> tuple[bytes, bytes]:

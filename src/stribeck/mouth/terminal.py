@@ -39,19 +39,19 @@ def tell(document: Document, files: Sequence[str] = ()) -> None:
         say(text, 4, "  ")
     for chapter in document.chapters:
         tables = [table for table in chapter.tables if "terminal" in table.on]
-        if "terminal" not in chapter.on or not (tables or chapter.text or chapter.code):
+        if "terminal" not in chapter.on or not (tables or chapter.facts or chapter.code):
             continue
         print()
         if chapter.headed:
             say(chapter.title, 4)
+        for text in chapter.facts:
+            say(text, 4, "  ")
         for i, table in enumerate(tables):
             if i:
                 print()
             _table(table)
-        for text in chapter.text:
-            say(text, 4, "  ")
         for line in chapter.code.splitlines():
-            print(f"  {printable(line)}")
+            say(line, 4, "  ")
     for file in files:
         print(f"  wrote {printable(file)}")
     if document.next is not None:
@@ -74,11 +74,12 @@ def _table(table: Table) -> None:
     rows = [titles, *([printable(cell) if "\n" not in cell else cell for cell in row] for row in rows)]
     widths = [max(max(map(len, row[i].split("\n")), default=0) for row in rows) for i in range(columns)]
     room = width() - 2 - sum(widths[:-1]) - _APART * (columns - 1)
-    if widths[-1] > room and words[-1]:
-        widths[-1] = max(room, _LEAST)
-    above = room < (_LEAST if words[-1] else widths[-1]) and columns > 2
-    if above:
-        widths[0] = 0
+    above = False
+    if widths[-1] > room:
+        above = columns > 2 and not (words[-1] and room >= _LEAST)
+        room += widths[0] if above else 0
+        widths[0] = 0 if above else widths[0]
+        widths[-1] = max(room, _LEAST) if words[-1] else widths[-1]
     for row in rows:
         if above and row[0]:
             print(f"  {row[0]}")

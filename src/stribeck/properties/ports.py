@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import process_time
+from typing import TYPE_CHECKING
 
 from stribeck.constants import SHOWN, Constant, show
 from stribeck.errors import InputError, arg, nearest
@@ -26,6 +27,9 @@ from stribeck.properties.worst import Varied
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.scenario.schema1 import SIGNALS
+
+if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
 
 ONLY = "contact"  # the name of the contact of a single body
 _WORK = 400
@@ -67,6 +71,12 @@ class MachineVerdicts:
 
     def __getitem__(self, name: str) -> Verdicts:
         return self.contacts[name]
+
+    def document(self) -> Document:
+        """What the verdicts say to people, for the terminal and for a page."""
+        from stribeck.properties import said
+
+        return said.machine(self)
 
     def __repr__(self) -> str:
         contacts = [f"{name}: {verdicts!r}" for name, verdicts in self.contacts.items()]

@@ -14,6 +14,7 @@ from stribeck.properties.plain import Json
 from stribeck.properties.statement import statement
 
 if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
     from stribeck.properties.model import Model
     from stribeck.properties.steepness import Steepness
     from stribeck.properties.worst import Varied
@@ -143,6 +144,12 @@ class Verdicts:
         values = {n: f"{x:g}" for n, x in self.law.p.numbers.items()} | self.law.choices
         found = [f"{self.law.name} with " + ", ".join(f"{n} = {x}" for n, x in values.items())]
         return [*found, f"for every history of {ranges_in_words(self.level)}"] if self.level else found
+
+    def document(self) -> Document:
+        """What the verdicts say to people, for the terminal and for a page."""
+        from stribeck.properties import said
+
+        return said.law(self)
 
     def __repr__(self) -> str:
         rows = [

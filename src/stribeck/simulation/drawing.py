@@ -66,9 +66,9 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     return (*first, *rest, *_FRICTION, *energy)
 
 
-def figure_of(solution: Solution) -> Figure:
-    """Everything worth seeing of a solution, as a figure of matplotlib."""
-    shown = _labelled({solution.scenario.label: solution})
+def figure_of(solution: Solution, label: str = "") -> Figure:
+    """Everything worth seeing of a solution, as a figure of matplotlib under a label, its own unless given."""
+    shown = _labelled({label or solution.scenario.label: solution})
     with plots.style():
         return drawn(shown, panels(solution), next(iter(shown)), _speed(solution))
 

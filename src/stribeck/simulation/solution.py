@@ -131,7 +131,8 @@ class Solution:
         from stribeck.mouth import plots
         from stribeck.simulation import drawing
 
-        return plots.drawn(drawing.overview({self.scenario.label: self})).svg
+        with plots.style():
+            return plots.svg(drawing.figure_of(self))
 
     def _repr_html_(self) -> str:
         svg = self._repr_svg_()

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
+from stribeck.mouth.document import Document
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import variations
@@ -73,6 +74,12 @@ class Sweep:
             "parts": [self.name(i) for i in range(self.parts)],
             "digest": self._digest(),
         }
+
+    def document(self, seconds: float) -> Document:
+        """What the sweep says to people, which took so many seconds."""
+        found = f", {self.found} of them there already" if self.found else ""
+        lead = f"{len(self.lanes)} lanes in {self.parts} parts{found}, {seconds:.1f} s"
+        return Document(self.lanes.scenario.name, lead)
 
     @staticmethod
     def name(part: int) -> str:

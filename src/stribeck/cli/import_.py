@@ -8,12 +8,13 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import app, place
+from stribeck.cli.options import command, place
+from stribeck.cli.output import check_file
 from stribeck.constants import show
 from stribeck.errors import InputError
 
 
-@app.command("import", epilog="Example: stribeck import bam m4.json --out servo.toml")
+@command("import", "stribeck import bam m4.json --out servo.toml")
 def import_(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="bam (m1 to m6, a JSON file) or mujoco (an XML model).")],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read; a machine (.toml) is converted back.")],
@@ -25,7 +26,6 @@ def import_(
     import tomli_w
 
     from stribeck import exchange
-    from stribeck.cli.show import check_file
     from stribeck.errors import printable
     from stribeck.files import write_text
     from stribeck.scenario import Scenario

@@ -1,97 +1,17 @@
-"""What the commands share: scenario options, progress, and printing."""
+"""Progress on standard error: a bar on a terminal, elsewhere lines."""
 
 from __future__ import annotations
 
-import json
-import shlex
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import TYPE_CHECKING
-
-from stribeck.constants import show as shown
-from stribeck.errors import InputError, printable
-from stribeck.files import trouble
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-    from stribeck.scenario import Scenario
-
 _EVERY = 10.0  # s, between two lines of progress in a log file
 _UNSEEN = 0.5  # s, that a command takes without a bar
-_MADE: list[Path] = []  # folders that this command made before it ran, the innermost of each path first
-
-
-def load(path: Path, assignments: list[str], trust: bool) -> Scenario:
-    """The scenario of the command line: the file with every --set applied."""
-    from stribeck.scenario import Scenario, parse_assignments
-
-    return Scenario.load(path, parse_assignments(assignments), trust=trust)
-
-
-def print_json(data: object) -> None:
-    """One JSON object; what is not finite becomes null, which JSON knows."""
-    from stribeck.files import finite
-
-    print(json.dumps(finite(data), allow_nan=False))
-
-
-def command_line() -> str:
-    """The command as it was given, for pages."""
-    return printable("stribeck " + shlex.join(sys.argv[1:]))
-
-
-def check_folder(out: Path, reads: Sequence[Path] = (), writes: Sequence[str] = ()) -> None:
-    """Refuse, before anything runs, a folder that cannot be written, or in which a file that is read would be replaced.
-
-    Args:
-        reads: the command's input; ``writes``: names of what it will write.
-
-    Raises:
-        InputError: with the reason.
-    """
-    if text := trouble(out, folder=True):
-        raise InputError(f"--out: {shown(str(out))}: {text}")
-    for path in (path for name in writes for path in reads if _same(out / name, path)):
-        text = f"{path.name}, which is read, would be replaced: must be another folder"
-        raise InputError(f"--out: {shown(str(out))}: {text}")
-    missing = [folder for folder in (out, *out.parents) if not folder.exists()]
-    _MADE.extend(missing)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--out: {shown(str(out))}: cannot be made: {error.strerror}") from None
-
-
-def take_back() -> None:
-    """Remove the folders that were made for what a failed command did not write."""
-    for folder in _MADE:
-        with suppress(OSError):  # not empty
-            folder.rmdir()
-    _MADE.clear()
-
-
-def check_file(option: str, path: Path, *reads: Path, parents: bool = False) -> None:
-    """Refuse, before anything runs, a file that cannot be written, or that is read.
-
-    Raises:
-        InputError: with the reason.
-    """
-    text = trouble(path, parents=parents)
-    if text is None and any(_same(path, each) for each in reads):
-        text = "is read by this command: must be another file"
-    if text:
-        raise InputError(f"{option}: {shown(str(path))}: {text}")
-
-
-def _same(one: Path, other: Path) -> bool:
-    """Whether both are one file, which exists."""
-    try:
-        return one.samefile(other)
-    except (OSError, ValueError):
-        return False
 
 
 @contextmanager
@@ -194,8 +114,3 @@ def _bar(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
         timer.join()
         for bar, _ in bars:
             bar.stop()
-
-
-def failed(what: str, reason: str | None) -> None:
-    """Say on standard error that a computation failed, and why."""
-    print(f"stribeck: {what} failed: {reason}; the part that was reached is kept", file=sys.stderr)

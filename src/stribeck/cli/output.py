@@ -1,0 +1,106 @@
+"""Where a command writes, and what it prints: its folder, checked before anything runs, and one JSON object."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from stribeck.constants import show as shown
+from stribeck.errors import InputError, printable
+from stribeck.files import trouble
+
+if TYPE_CHECKING:
+    from stribeck.mouth.document import Document
+
+
+class OutputFolder:
+    """The folder of a command, made if need be: refused where it cannot be written or where a file that is read would be
+    replaced. What the block leaves empty is taken away again.
+
+    Args:
+        out: the folder; None where nothing is to be written.
+        reads: files that the command reads; ``writes``: names of what it will write.
+    """
+
+    def __init__(self, out: Path | None, reads: Sequence[Path] = (), writes: Sequence[str] = ()) -> None:
+        self._made: list[Path] = []  # the innermost first
+        if out is None:
+            return
+        if text := trouble(out, folder=True):
+            raise InputError(f"--out: {shown(str(out))}: {text}")
+        for path in (path for name in writes for path in reads if _same(out / name, path)):
+            text = f"{path.name}, which is read, would be replaced: must be another folder"
+            raise InputError(f"--out: {shown(str(out))}: {text}")
+        self._made = [folder for folder in (out, *out.parents) if not folder.exists()]
+        try:
+            out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            self.__exit__()
+            raise InputError(f"--out: {shown(str(out))}: cannot be made: {error.strerror}") from None
+
+    def __enter__(self) -> OutputFolder:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None = None,
+        error: BaseException | None = None,
+        at: TracebackType | None = None,
+    ) -> None:
+        for folder in self._made:
+            with suppress(OSError):  # not empty
+                folder.rmdir()
+
+
+def check_file(option: str, path: Path, *reads: Path, parents: bool = False) -> None:
+    """Refuse, before anything runs, a file that cannot be written, or that is read.
+
+    Raises:
+        InputError: with the reason.
+    """
+    text = trouble(path, parents=parents)
+    if text is None and any(_same(path, each) for each in reads):
+        text = "is read by this command: must be another file"
+    if text:
+        raise InputError(f"{option}: {shown(str(path))}: {text}")
+
+
+def _same(one: Path, other: Path) -> bool:
+    """Whether both are one file, which exists."""
+    try:
+        return one.samefile(other)
+    except (OSError, ValueError):
+        return False
+
+
+def print_json(data: object) -> None:
+    """One JSON object; what is not finite becomes null, which JSON knows."""
+    from stribeck.files import finite
+
+    print(json.dumps(finite(data), allow_nan=False))
+
+
+def tell(document: Callable[[], Document], data: Mapping[str, object] | None, files: Sequence[str] | None = ()) -> None:
+    """Print ``data`` and the files as JSON where it is given, else the document and the files; None: without them."""
+    if data is not None:
+        print_json(data if files is None else {**data, "files": files})
+        return
+    from stribeck.mouth import terminal
+
+    terminal.tell(document(), files or ())
+
+
+def command_line() -> str:
+    """The command as it was given, for pages."""
+    return printable("stribeck " + shlex.join(sys.argv[1:]))
+
+
+def failed(what: str, reason: str | None) -> None:
+    """Say on standard error that a computation failed, and why."""
+    print(f"stribeck: {what} failed: {reason}; the part that was reached is kept", file=sys.stderr)

@@ -1,0 +1,55 @@
+"""The files of ``stribeck check --out``: counterexamples as scenarios, a page and its pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stribeck.errors import left_out
+from stribeck.files import together, write_text
+from stribeck.mouth import page
+from stribeck.properties.verdicts import Verdict, Verdicts
+
+if TYPE_CHECKING:
+    from stribeck.properties.ports import MachineVerdicts
+
+# What an older check leaves: scenarios as _scenarios begins them, and pictures of them, which say by name what they are.
+_OLDER = {"*.toml": r"# \S+ is not \w+: "} | {f"*not_*.{kind}": "" for kind in ("svg", "png", "pdf")}
+
+
+def write_check(
+    found: Verdicts | MachineVerdicts, folder: Path, command: str = ""
+) -> tuple[list[str], list[str] | None]:
+    """Write them, all together, the page last.
+
+    Returns:
+        The paths of the counterexamples; and those of the pictures and the page, last the page, None without them.
+    """
+    pages: list[Path] | None = None
+    with together(folder, last="report.html", older=_OLDER) as place:
+        if isinstance(found, Verdicts):
+            files = _scenarios(found, place)
+        else:
+            files = [path for name, v in found.contacts.items() for path in _scenarios(v, place, f"{name}_")]
+        with left_out("the page"):
+            pages = page.write(found.document(), place, command)
+    in_pages = None if pages is None else [str(folder / each.name) for each in pages]
+    return [str(folder / file.name) for file in files], in_pages
+
+
+def _scenarios(verdicts: Verdicts, place: Path, prefix: str = "") -> list[Path]:
+    """A scenario for each counterexample that one can show."""
+    from tomli_w import dumps
+
+    files = []
+    for name, verdict in verdicts.properties.items():
+        if verdict.holds is False and verdict.scenario is not None:
+            files.append(place / f"{prefix}{name}.toml")
+            head = f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}"
+            write_text(files[-1], head + dumps(verdict.scenario))
+    return files
+
+
+def _stated(verdict: Verdict) -> str:
+    stated = verdict.evidence.get("replay", {})
+    return "".join(f"# at the end: {name} = {value!r}\n" for name, value in stated.items())
