@@ -95,7 +95,8 @@ def _plants() -> Node:
         return {"properties": {"drive": {"properties": {"kind": {"const": kind}}, "required": ["kind"]}}}
 
     own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
-    body, piston = _model(family_of("bodies"))["anyOf"][:2]
+    body, *others = _model(family_of("bodies"))["anyOf"]
+    piston = next(x for x in others if x["properties"]["kind"].get("const") == "pneumatic")
     numbers = body["properties"]["initial"]["properties"]
     z = {"z": _model(Deflected)["properties"]["z"]}
     start = _object({**numbers, **z}, [])
