@@ -143,12 +143,12 @@ def test_a_fit_over_one_of_another_kind(tmp_path):
         law_name="lugre", method="static", fixed={}, used={}, details={}, relative_force_error=0.1,
         cross_validated_error=None, data_hash="", parameters={}, predictor=None,
     )))  # fmt: skip
-    failed = SimpleNamespace(status="failed", reason="why", parameters={})
+    failed = SimpleNamespace(status="failed", reason="why", parameters={}, levels={})
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(page, "report", lambda *rest: "page")
         page.write_machine_fit(failed, tmp_path, "stribeck fit", "title")
         assert content(tmp_path).keys() == {"parameters.toml", "report.html"}
-        done = SimpleNamespace(status="done", reason=None, parameters={}, data={"schema": 2})
+        done = SimpleNamespace(status="done", reason=None, parameters={}, levels={}, data={"schema": 2})
         page.write_machine_fit(done, tmp_path, "stribeck fit", "title")
         assert "machine.toml" in content(tmp_path)
         whole = content(tmp_path)
