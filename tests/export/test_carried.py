@@ -35,12 +35,23 @@ EVERY = machine(
         "rotor": {"inertia": 1e-3, "initial": {"y": 0.1, "v": 0.2}},
         "arm": {"inertia": 0.1},
         "flange": {"inertia": 0.01, "tied_to": "arm", "ratio": 2.0},
-        "slide": {"mass": 2.0},
+        "slide": {"kind": "laden", "mass": 2.0, "added": WAVE},
         "belt": {"velocity": {"signal": WAVE}, "rotary": True},
     },
     0.4,
     energy=False,
-    links={"gear": {"from": "rotor", "to": "arm", "ratio": 0.1, "stiffness": 50.0, "damping": 0.2, "gap": 1e-3}},
+    links={
+        "gear": {"from": "rotor", "to": "arm", "ratio": 0.1, "stiffness": 50.0, "damping": 0.2, "gap": 1e-3},
+        "stop": {
+            "kind": "spring",
+            "from": "slide",
+            "to": "ground",
+            "stiffness": 5.0,
+            "preload": 0.1,
+            "reach": 0.01,
+            "second": 30.0,
+        },
+    },
     contacts={
         "mesh": {"from": "arm", "to": "ground", "ratio": 3.0, "law": RUB, "loads": LOADS, "factors": FACTORS},
         "rub": {"from": "rotor", "to": "belt", "law": law(), "initial": {"z": 1e-6}},
@@ -48,6 +59,7 @@ EVERY = machine(
     loads={
         "weight": {"on": "arm", "kind": "pendulum", "amplitude": 0.4, "phase": 0.1},
         "cogging": {"on": "rotor", "kind": "ripple", **RIPPLE},
+        "detent": {"on": "slide", "kind": "by_position", "position": [-0.1, 0.2], "value": [0.3, -0.1]},
         "push": {"on": "slide", "kind": "signal", "signal": WAVE, "gain": 2.0},
     },
     motors={
@@ -57,11 +69,17 @@ EVERY = machine(
     controllers={
         "axis": CONTROLLER,
         "hold": {
-            "kind": "pid", "on": "arm", "signal": WAVE, "K_p": 3.0, "K_i": 2.0, "K_d": 0.1,
+            "kind": "pid",
+            "on": "arm",
+            "signal": WAVE,
+            "K_p": 3.0,
+            "K_i": 2.0,
+            "K_d": 0.1,
             "compensation": {"contact": "rub", "speed": "reference"},
         },
     },
-)  # fmt: skip
+    sensors={"scale": {"kind": "encoder", "on": "slide", "resolution": 1e-4, "ratio": 2.0, "offset": 0.01}},
+)
 EVERY["solve"] |= {"rtol": 1e-8, "max_steps": 10**6, "atol": {"arm.y": 1e-9}}
 OTHER = {"sine": "square", "measured": "reference", "ground": "rotor"}
 
@@ -136,7 +154,7 @@ def keys(node, apart):
 def test_every_key_of_a_machine_is_in_the_one_that_is_tried():
     tables = schema.json_schema()["$defs"]["machine"]["properties"]
     used = {key for path in leaves(EVERY) for key in path}
-    for section in ("bodies", "links", "contacts", "loads", "motors", "controllers", "solve"):
+    for section in ("bodies", "links", "contacts", "loads", "motors", "controllers", "sensors", "solve"):
         assert keys(tables[section], apart=["pneumatic", "pressure"]) <= used, section
 
 
