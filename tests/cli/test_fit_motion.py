@@ -56,7 +56,7 @@ def test_the_parameters_are_found(stribeck, record, options):
         (("--output", "heat"), "output: 'heat': must be"),
         (("--drive", LOOP), "--drive: needs --output velocity or position"),
         (("--output", "velocity", "--drive", "pid:K_p", "--command", "r"), "--drive: 'pid:K_p': must be KIND"),
-        (("--output", "velocity", "--drive", "pid:K_p=1", "--command", "r"), "drive.K_i: missing"),
+        (("--output", "velocity", "--drive", "pid:K_i=1", "--command", "r"), "drive.K_p: missing"),
         (("--output", "velocity", "--law", "dahl"), "--output: laws are compared by the force"),
         (("--output", "velocity", "--method", "static"), "law 'lugre' has bristles, which a static fit does not see"),
     ],

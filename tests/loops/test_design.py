@@ -175,7 +175,7 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     assert _status(["run", str(tmp_path / "out" / "machine.toml")]) == 0
     assert tomllib.loads((tmp_path / "out" / "machine.toml").read_text())["controllers"]["hold"]["K_p"] == 200.0
     page = Page(tmp_path / "out" / "report.html")
-    assert "comes to rest" in page.text
+    assert "QUIET" in page.text
     errors = page.rows(["move", "peak error", "rms"])
     assert {move: row[0] for move, row in errors.items()} == {
         m.replace("_", " "): human(e["peak"], "m") for m, e in found["errors"].items()

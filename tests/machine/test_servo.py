@@ -62,7 +62,7 @@ MISTAKES = {
                      "controllers.axis.on: 'load': must be a body with kind = 'pneumatic', whose valve this controller moves"),
     "on nothing": ({"controllers.axis.on": GONE}, "controllers.axis.on: missing: must be given (the piston)"),
     "no such kind of body": ({"bodies.piston.kind": "hydraulic"},
-                             "bodies.piston.kind: 'hydraulic': must be one of body, pneumatic"),
+                             "bodies.piston.kind: 'hydraulic': must be one of body, laden, pneumatic"),
     "an unknown key": ({"controllers.axis.K_x": 3}, "controllers.axis.K_x: 3: unknown key (did you mean 'K_p'?)"),
     "an observer's key": ({"controllers.axis.observer.k_x": 3},
                           "controllers.axis.observer.k_x: 3: law 'lugre_sobczyk' has no such constant (did you mean 'k_v'?)"),
