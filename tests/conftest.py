@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 
 
-def pytest_configure():
-    """Let Ctrl-C reach the programs that tests start: a job in a shell's background ignores it, and so do its children."""
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+def pytest_runtest_setup():
+    """Let Ctrl-C reach the programs that a test starts.
+
+    A job in a shell's background ignores it, as does a process after `cli.main`, and so would their children.
+    """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items):

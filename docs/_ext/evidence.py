@@ -150,13 +150,14 @@ def controller_instructions(d: Any) -> Rows:
 
 
 def learning(d: Any) -> Rows:
-    """The table of learning.json."""
-    return ["engine", "held (s)", "creep (m/s)", "break-away (N)", "energy (J)", "steps a processor second"], [
-        [
-            r["engine"], r["held_s"], listed(r["creep"]), listed(r["break_away"]), listed(r["energy"]), r["steps"],
-        ]
-        for r in d["rows"]
-    ]  # fmt: skip
+    """The table of learning.json; numbers side by side are those of its steps in time, from the smallest."""
+    rates = d["steps_a_processor_second"]
+    rows = []
+    for row in d["rows"]:
+        steps = [row[key] for key in sorted(set(row) - {"engine"}, key=float)]
+        values = [listed([step[what] for step in steps]) for what in ("creep", "break_away", "energy")]
+        rows.append([row["engine"], steps[0]["held"], *values, rates.get(row["engine"])])
+    return ["engine", "held (s)", "creep (m/s)", "break-away (N)", "energy (J)", "steps a processor second"], rows
 
 
 def coverage(d: Any) -> Rows:

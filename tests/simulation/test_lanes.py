@@ -129,9 +129,9 @@ def test_ctrl_c_ends_a_large_ensemble(wait):
         "import numpy as np\n"
         "from stribeck import Scenario, simulate\n"
         "from tests.simulation.rig import rig, spring\n"
-        "s = Scenario(rig('lugre_sobczyk', spring('canudas1995'), {'kind': 'ramp', 'rate': 0.3}, 300.0, rows=2000))\n"
+        "s = Scenario(rig('lugre_sobczyk', spring('canudas1995'), {'kind': 'ramp', 'rate': 0.3}, 300.0, rows=20))\n"
         "print('ready', flush=True)\n"
-        "simulate(s, {'law.parameters.F_s': np.linspace(1.5, 1.9, 6000)}, threads=2)\n"
+        "simulate(s, {'law.parameters.F_s': np.linspace(1.5, 1.9, 200_000)}, threads=2)\n"
     )
     root = Path(__file__).parent.parent.parent
     run = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=root)
@@ -140,6 +140,6 @@ def test_ctrl_c_ends_a_large_ensemble(wait):
     begun = time.monotonic()
     run.send_signal(signal.SIGINT)
     _, errors = run.communicate(timeout=60)
-    assert time.monotonic() - begun < 10
+    assert time.monotonic() - begun < 30
     assert run.returncode != -signal.SIGSEGV
     assert b"KeyboardInterrupt" in errors
