@@ -347,6 +347,7 @@ def test_a_zoomed_chart_keeps_its_axes_while_a_slider_moves(page):
     assert page.execute_script("return model('velocity').y_range.end") == 1
 
 
+@pytest.mark.thorough
 def test_many_rows_are_thinned_while_a_slider_moves_and_whole_when_it_rests(page):
     page.execute_script("window.stribeck.set('output.step', 0.001)")
     settle(page)

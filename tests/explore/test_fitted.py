@@ -138,6 +138,7 @@ def test_a_fitted_machine_begins_as_its_recording_did(stribeck, tmp_path, at):  
     assert np.sqrt(np.mean((simulate(found.scenario)["a.y"] - y) ** 2)) < 1.3 * ENCODER
 
 
+@pytest.mark.thorough
 def test_what_was_found_of_the_first_recording_alone_is_shown_with_it(stribeck, tmp_path):  # noqa: F811
     import tomli_w
 

@@ -80,6 +80,7 @@ def test_a_dither_stops_what_hunts():
     assert swings(loop, {}, 1)[0]["a"] == pytest.approx(2 * SHARE * free, rel=0.02)
 
 
+@pytest.mark.thorough
 def test_the_amplitude_of_a_dither_that_leaves_least():
     loop = hunter(K_i=0.0, K_d=300.0)
     named = "contacts.guide.law.parameters.F_s"

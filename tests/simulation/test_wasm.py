@@ -129,6 +129,7 @@ def test_exp_is_within_two_units_in_the_last_place():
     np.testing.assert_array_equal(edges, [np.inf, 0.0, np.inf, 0.0, np.nan])
 
 
+@pytest.mark.thorough
 def test_the_runtime_is_what_its_source_gives(tmp_path):
     """The module in the package is built by tools/make_runtime.py from the C that is compiled elsewhere."""
     pytest.importorskip("ziglang")

@@ -33,6 +33,7 @@ def test_a_law_is_compared_proved_and_shipped(tmp_path, capsys):
     assert json.loads(replayed)["final"]["E_in"] < 0
 
 
+@pytest.mark.thorough
 def test_an_axis_is_found_to_hunt_and_its_controller_shipped(tmp_path, capsys):
     """The servo engineer's story: the integral winds up behind friction; with less of it the axis comes to rest."""
     run("stribeck new axis-hunts")

@@ -220,6 +220,7 @@ def test_a_worker_that_is_stopped_for_ever_is_named_and_its_parts_go_to_others(h
     assert bytes_of(tmp_path / "there") == here
 
 
+@pytest.mark.thorough
 def test_a_worker_that_would_make_other_bits_refuses(tmp_path):
     sweep = job.Sweep(scenario(), {k: np.asarray(x) for k, x in LANES.items()}, tmp_path, True)
     first = tuple((path, x[:1].tobytes()) for path, x in sweep.values_of(0).items())

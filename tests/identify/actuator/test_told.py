@@ -92,6 +92,7 @@ def test_a_fixed_number_that_is_wrong_is_named_and_in_the_ranges(tmp_path, noise
         assert any("sigma_2 fixed at 4.4 and rather " in n for n in told.notes), told.notes
 
 
+@pytest.mark.thorough
 def test_a_wrong_constant_that_spoils_another_is_the_one_that_is_named(tmp_path):
     """sigma_0 30000 for 20000 moved v_s out of its interval, and another constant was blamed."""
     record(tmp_path / "a.csv", body(amplitude=5.0))
