@@ -1,0 +1,1 @@
+"""What the data tell: intervals, cross-validation, choice of a model."""
