@@ -1,4 +1,4 @@
-"""Draws the four pictures of README into this folder: python docs/pictures/make.py [FOLDER]."""
+"""Draws four of the pictures of README into this folder, guides.py the fifth: python docs/pictures/make.py [FOLDER]."""
 
 from __future__ import annotations
 

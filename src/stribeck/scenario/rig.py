@@ -196,11 +196,6 @@ class Rig:
 
     # -- tolerances ------------------------------------------------------------------------------------------------
 
-    def law_scales(self, path: str) -> Scales:
-        """The natural magnitudes of the law in a table, by the present values."""
-        law = self.laws[path]
-        return law.scales(law.p.replaced({n: self.values[path, n] for n in law.p.numbers}))
-
     @property
     def scales(self) -> dict[str, Scales]:
         """Natural magnitudes of each body: those of its contacts, else of what it is linked to."""
