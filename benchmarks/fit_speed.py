@@ -14,7 +14,8 @@ from interval_coverage import loop, stroke
 from measure import RESULTS, machine, write
 
 from stribeck.identify.log import Log
-from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.onebody import fit_simulated
+from stribeck.identify.options import FitOptions
 from stribeck.identify.plan import motion
 from stribeck.identify.synthetic import Sensors, experiment
 from stribeck.laws import find
@@ -43,22 +44,21 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=RESULTS / "fit_speed.json")
     options = parser.parse_args()
     record, wall, processor = log(), [], []
-    fit_dynamic(record.rows(slice(0, 2000)), "lugre", mass=0.0, starts=1)  # compiles
+    fit_simulated(record.rows(slice(0, 2000)), "lugre", FitOptions(mass=0.0, starts=1))  # compiles
     for _ in range(options.repetitions):
         started, used = time.perf_counter(), time.process_time()
-        fit = fit_dynamic(record, "lugre", mass=0.0, starts=20)
+        fit = fit_simulated(record, "lugre", FitOptions(mass=0.0))
         wall.append(time.perf_counter() - started)
         processor.append(time.process_time() - used)
     assert fit.unidentified == ()
     result = {
-        "machine": machine(), "samples": len(record), "starts": 20, "search": fit.details["search"],
+        "machine": machine(), "samples": len(record), "starts": 20,
         "wall_seconds": wall, "processor_seconds": processor,
     }  # fmt: skip
     write(options.out, result)
     print(
         f"{len(record)} samples, 20 starts: {np.median(wall):.1f} s wall, {np.median(processor):.1f} s processor time"
     )
-    print(f"  {fit.details['search']}")
 
 
 if __name__ == "__main__":

@@ -21,7 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.onebody import fit_simulated
+from stribeck.identify.options import FitOptions
 from stribeck.identify.plan import Test, motion
 from stribeck.identify.synthetic import Experiment, Sensors, experiment
 from stribeck.laws import find
@@ -71,7 +72,8 @@ def case(name: str, seed: int) -> Experiment:
 def covered(name: str, seed: int) -> dict[str, dict[str, Any]]:
     """For each parameter: truth, interval, verdict, and whether the interval covers the truth."""
     made = case(name, seed)
-    fit = fit_dynamic(made.log, name, fixed=LAWS[name], mass=0.0, starts=STARTS, seed=seed)
+    options = FitOptions(mass=0.0, constants=LAWS[name], starts=STARTS, seed=seed)
+    fit = fit_simulated(made.log, name, options)
     truth = {**made.law.values, "offset": 0.0}
     return {
         key: {

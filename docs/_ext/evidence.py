@@ -25,11 +25,6 @@ def number(x: object) -> str:
     return str(x)
 
 
-def share(x: float) -> str:
-    """A share in percent."""
-    return f"{100 * x:.1f} %"
-
-
 def listed(x: list[float]) -> str:
     """Numbers side by side."""
     return ", ".join(number(float(each)) for each in x)
@@ -160,30 +155,6 @@ def learning(d: Any) -> Rows:
     return ["engine", "held (s)", "creep (m/s)", "break-away (N)", "energy (J)", "steps a processor second"], rows
 
 
-def coverage(d: Any) -> Rows:
-    """The table of coverage.json."""
-    laws = d["laws"]
-    return ["parameter", *(f"`{n}`" for n in laws)], [
-        [
-            f"`{p}`",
-            *(
-                f"{share(law['parameters'][p]['covers'])} of {law['parameters'][p]['declared_identifiable']}"
-                for law in laws.values()
-            ),
-        ]
-        for p in next(iter(laws.values()))["parameters"]
-    ]
-
-
-def coverage_cells(d: Any) -> Rows:
-    """The table of coverage_cells.json."""
-    found = {n: cell["summary"] for n, cell in d["cells"].items()}
-    return ["recorded and fitted", "experiments", "reported as identified", "intervals that hold the truth"], [
-        [n, s["experiments"], f"{s['known']} of {s['of']}", f"{s['hold']}, {share(s['hold'] / max(s['known'], 1))}"]
-        for n, s in found.items()
-    ]
-
-
 def design_attack(d: Any) -> Rows:
     """The table of design_attack.json."""
     return ["boundary of", "value", "checked at", "reported", "SciPy found", "agrees"], [
@@ -208,8 +179,8 @@ TABLES: dict[str, Callable[[Any], Rows]] = {
     "single": single, "ensemble": ensemble, "machines": machines, "chains": chains, "startup": startup,
     "backends": backends, "sampled": sampled, "default_tolerance": default_tolerance, "majorants": majorants,
     "discretisation": discretisation, "in_mujoco": in_mujoco, "arm_instructions": arm_instructions,
-    "controller_instructions": controller_instructions, "learning": learning, "coverage": coverage,
-    "coverage_cells": coverage_cells, "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer,
+    "controller_instructions": controller_instructions, "learning": learning,
+    "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer,
 }  # fmt: skip
 FILES = {"chains": "machines"}  # tables whose file has another name
 

@@ -51,8 +51,6 @@ def place(tmp_path, monkeypatch, scenario):
         ("fit --plan stroke=1,speed=1,force=9 --simulate --set F_s=2 --set F_s=3 --out o", "--set F_s"),
         ("fit log.csv --law coulomb_viscous --set F_c=1 --set law.parameters.F_c=2", "--set F_c"),
         ("fit log.csv --unit y=mm --unit y=m", "--unit y"),
-        ("fit log.csv --drive pid:K_p=1,K_p=2", "--drive: 'pid:K_p=1,K_p=2': K_p"),
-        ("fit log.csv --drive pid:kind=force", "--drive: 'pid:kind=force': kind"),
         ("fit machine.toml --logs logs.toml --law guide=lugre --law guide=dahl", "--law guide"),
     ],
 )

@@ -170,8 +170,7 @@ def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
         ("values", {"mass": float("nan")}, "values.mass: must be a number"), ("force_gain", 10**400, "force_gain: a whole"),
         ("method", "dynamics", "method: 'dynamics': must be one of static, dynamic"),
         ("output", "positon", "output: 'positon': must be one of force, position, velocity"),
-        ("drive", {"kind": "velocity"}, "drive: a table with kind: must be nothing or a drive (force, spring, pid)"),
-        ("drive", {}, "drive: an empty table: must be"), ("data_sha256", 3, "data_sha256: 3: must be text"),
+        ("data_sha256", 3, "data_sha256: 3: must be text"),
         ("cut_off", 3.0, "'cut_off': is no part of it (did you mean 'cutoff'?)"), ("format", True, "is no model of a fit"),
     ],
 )  # fmt: skip

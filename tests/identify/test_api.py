@@ -52,7 +52,7 @@ def test_messages_name_arguments_and_not_options():
     with pytest.raises(InputError) as caught:
         stribeck.fit(log(), "coulomb_viscous", method="x")
     assert str(caught.value).startswith("method: 'x': must be static, dynamic")
-    with pytest.raises(InputError, match=r"^output, drive: belong to method dynamic, not static$"):
+    with pytest.raises(InputError, match=r"^output: 'velocity': belongs to method dynamic, not static$"):
         stribeck.fit(log(), "coulomb_viscous", output="velocity", method="static")
 
 

@@ -50,19 +50,18 @@ class RecordingsOptions:
     transfer: Path | None
 
 
-def fit(sought: RecordingsOptions, *, starts: int, seed: int, out: Path | None, json: bool) -> int:
+def fit(asked: RecordingsOptions, *, starts: int, seed: int, out: Path | None, json: bool) -> int:
     """Read, fit, print, write."""
-    machine, logs = sought.machine, sought.logs
+    machine, logs = asked.machine, asked.logs
     if logs is None:
-        given = "--unknown" if sought.transfer is None else f"--transfer: {str(sought.transfer)!r}"
-        raise InputError(f"{given}: needs --logs")
+        raise InputError(f"--transfer: {str(asked.transfer)!r}: needs --logs")
     if len(machine) != 1:
         raise InputError(f"DATA: {len(machine)} files: with --logs there must be one, the machine's")
     with OutputFolder(out, [machine[0], logs], FILES):
-        scenario = Scenario.load(machine[0], parse_assignments(sought.assignments))
+        scenario = Scenario.load(machine[0], parse_assignments(asked.assignments))
         with progress("fit") as share:
             found = fit_machine(
-                scenario, logs, laws=_laws(sought.laws), unknown=_unknown(sought.unknown), transfer_to=sought.transfer,
+                scenario, logs, laws=_laws(asked.laws), unknown=sought(asked.unknown), transfer_to=asked.transfer,
                 starts=starts, seed=seed, progress=share, folder=out,
             )  # fmt: skip
         summary, files = found.to_json(), list[str]()
@@ -82,7 +81,7 @@ def _tell(fit: MachineFit, summary: Mapping[str, object], files: list[str], json
         _print(fit, files)
 
 
-def _unknown(texts: Sequence[str]) -> dict[str, object]:
+def sought(texts: Sequence[str]) -> dict[str, object]:
     """``PATH=LOW:HIGH``, or ``PATH=TABLE`` as in LOGS.toml, as a mapping."""
     found: list[tuple[str, object]] = []
     for text in texts:

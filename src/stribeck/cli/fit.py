@@ -97,12 +97,12 @@ class How:
         str,
         _advanced("--output", "WHAT", "Measured signal that a simulation must match: force, velocity or position."),
     ] = "force"
-    drive: Annotated[
-        str | None,
+    unknown: Annotated[
+        list[str] | None,
         _advanced(
-            "--drive",
-            "KIND[:KEY=VALUE,...]",
-            "What drives the body with --output velocity or position: force, pid or spring.",
+            "--unknown",
+            "NAME=LOW:HIGH",
+            "Bounds of a fitted number; with --logs a further unknown, by path; may be repeated.",
         ),
     ] = None
 
@@ -112,6 +112,7 @@ class How:
         Raises:
             InputError: a value is not allowed.
         """
+        from stribeck.cli.actuator import sought
         from stribeck.identify.options import FitOptions
 
         return FitOptions(
@@ -123,11 +124,11 @@ class How:
             starts=self.starts,
             seed=self.seed,
             output=self.output,
-            drive=record.drive(self.drive),
             forms=not self.no_forms,
             filter=self.filter_,
             weight=not self.no_weight,
             speeds=tuple(self.speed or ()),
+            unknown=sought(self.unknown or []),
         )
 
 
@@ -152,10 +153,6 @@ def fit(
             metavar="stroke=M,speed=M/S,force=N[,deflection=M]",
             help="Print what to measure within these limits of the rig. deflection: F_c/sigma_0, if known.",
         ),
-    ] = None,
-    unknown: Annotated[
-        list[str] | None,
-        _advanced("--unknown", "PATH=LOW:HIGH", "Further unknown beside [unknown] of LOGS.toml; may be repeated."),
     ] = None,
     transfer: Annotated[
         Path | None,
@@ -185,11 +182,11 @@ def fit(
         raise InputError("--simulate: goes with --plan, which is not given")
     if not data:
         raise InputError("DATA: missing: a log to fit, or --plan to learn what to measure")
-    if logs is not None or transfer is not None or unknown:
+    if logs is not None or transfer is not None:
         from stribeck.cli import actuator
 
         actuator.check_options(context)
-        sought = actuator.RecordingsOptions(data, logs, laws, assignments, unknown or [], transfer)
+        sought = actuator.RecordingsOptions(data, logs, laws, assignments, how.unknown or [], transfer)
         return actuator.fit(sought, starts=how.starts, seed=how.seed, out=out, json=json)
     return _fit_log(data, laws, columns, how, out=out, json=json)
 

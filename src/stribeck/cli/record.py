@@ -50,9 +50,6 @@ class Columns:
     ] = None
     load: Annotated[str | None, _column("--load", "Column of the normal load.", ADVANCED)] = None
     pressure: Annotated[str | None, _column("--pressure", "Column of the pressure.", ADVANCED)] = None
-    command: Annotated[str | None, _column("--command", "Column of the drive's command (for --drive).", ADVANCED)] = (
-        None
-    )
 
     def read(self) -> ColumnNames:
         """The columns, each by its role, and their units, each given as ``COL=UNIT``.
@@ -98,29 +95,6 @@ class ColumnsAsFitted(Columns):
         str | None,
         _column("--command", "With --machine: column that drove the rig; replaces the file's signal.", ADVANCED),
     ] = None
-
-
-def drive(text: str | None) -> dict[str, object] | None:
-    """``KIND:KEY=VALUE,...`` as the table [drive] of a scenario; None where none is given.
-
-    Raises:
-        InputError: it is something else.
-    """
-    if text is None:
-        return None
-    from stribeck.scenario import parse_assignment
-
-    kind, _, rest = text.partition(":")
-    found: dict[str, object] = {"kind": kind}
-    given = ["kind"]
-    for part in filter(None, rest.split(",")):
-        if "=" not in part:
-            raise InputError(f"--drive: {text!r}: must be KIND or KIND:KEY=VALUE,...")
-        name, found_value = parse_assignment(part)
-        given.append(name)
-        found[name] = float(found_value) if type(found_value) is int else found_value
-    refuse_twice(given, f"--drive: {text!r}:")
-    return found
 
 
 def constants(assignments: list[str]) -> dict[str, float | str]:

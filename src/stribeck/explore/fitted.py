@@ -52,11 +52,11 @@ def _of_fit(folder: Path, trust: bool) -> Report:
         raise InputError(f"{arg('report')}: {show(str(folder))}: names no file of a record; must be fitted from a file")
     files = [folder / name for name in model.files]
     reading = ColumnNames(dict(model.columns), dict(model.units), model.force_gain)
-    simulated = model.method != "static" and api.is_simulated([model.law], None)
+    simulated = api.is_simulated([model.law], model.method)
     log = api.log_of(files, reading, Preparation(model.cutoff, None, simulated, model.published))
     first = next(log.runs())
     log = log.rows(slice(first.start, min(first.stop, first.start + _MOST)))
-    by_force = model.output in ("position", "velocity") and model.drive is None
+    by_force = model.output != "force"
     scenario = _scenario(files[0].stem, model, log, by_force, trust)
     if by_force:
         scenario = _begun(scenario, log)

@@ -9,24 +9,16 @@ from typing import Any
 
 from stribeck import laws
 from stribeck.constants import show
-from stribeck.errors import InputError, StribeckError, arg, first_line, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES
-from stribeck.identify.details import Candidate
 from stribeck.identify.log import Log
-from stribeck.identify.methods import bristles
-from stribeck.identify.methods.dynamic import fit_dynamic
-from stribeck.identify.methods.motion import fit_motion
-from stribeck.identify.methods.optimise import STOPPED
+from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
 from stribeck.identify.methods.static import LAWS, Setting, check_motion, fit_static
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Fit
-from stribeck.identify.statistics.crossvalidate import FOLDS
-from stribeck.identify.work import Work
 from stribeck.recorded import is_table
-
-_POOR = 0.25  # of the force, left by a fit by simulation
 
 Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
 
@@ -38,7 +30,7 @@ def fit(
     constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
     forms: bool = True, filter: str | None = None, weight: bool = True, speeds: Sequence[float] = (),
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
-    drive: Mapping[str, object] | None = None, progress: Callable[[float], None] | None = None, **named: str,
+    unknown: Mapping[str, object] | None = None, progress: Callable[[float], None] | None = None, **named: str,
 ) -> Fit:  # fmt: skip
     """Fit a friction law to a measured log; of several laws, the one that describes the log best.
 
@@ -62,9 +54,9 @@ def fit(
         cutoff: cut-off frequency of the motion's filter, Hz; chosen from the data unless given; 0 for no filter.
         starts, seed: number of starts of a fit by simulation, and their seed.
         output: signal that the simulation must match: "force" along the measured motion, or "velocity" or "position" under
-            the measured force or command (dynamic; one law).
-        drive: what drives the body with another ``output``: ``[drive]`` of a scenario without its signal; the measured force
-            unless given.
+            the measured force (dynamic; one law). A controller in the loop is a machine (:func:`stribeck.identify.fit_machine`).
+        unknown: what is known of fitted numbers, by name: (low, high), or a table of low, high, start and prior as in
+            LOGS.toml. A static fit takes low and high of what bends the law's curve (v_s, k_v): the rest has one optimum.
         progress: called with the share of the work done, 0 to 1, in any thread. Ctrl-C ends a fit by simulation; the best
             values so far are returned, with status "stopped".
         **named: columns by role.
@@ -77,8 +69,8 @@ def fit(
     """
     names = [] if law is None else [law] if isinstance(law, str) else list(law)
     options = FitOptions(
-        mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, drive, forms, filter,
-        weight, tuple(speeds),
+        mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, forms, filter, weight,
+        tuple(speeds), dict(unknown or {}),
     )  # fmt: skip
     of_file = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
     how = preparation(names, options, cutoff)
@@ -92,7 +84,7 @@ def reading(data: Data, columns: ColumnNames, how: Preparation, options: FitOpti
     return {
         "files": [str(Path(each).resolve()) for each in sources if isinstance(each, str | Path)],
         "columns": columns.names, "units": columns.units, "force_gain": columns.force_gain, "cutoff": how.cutoff,
-        "output": options.output, "drive": options.drive, "published": how.published,
+        "output": options.output, "published": how.published,
     }  # fmt: skip
 
 
@@ -100,7 +92,6 @@ def fit_log(
     log: Log, names: Sequence[str], options: FitOptions, progress: Callable[[float], None] | None = None
 ) -> Fit:
     """Fit one law to a log; or several, or for no name the static ones, and report the best; as :func:`fit` says."""
-    work = Work(progress)
     if options.output != "force" and len(names) != 1:
         raise InputError(f"{arg('output')}: laws are compared by the force they predict; must be given with one law")
     if len(set(names)) < len(names):
@@ -109,17 +100,20 @@ def fit_log(
     if not names:
         options.check_without_law()
         found = fit_static(log, LAWS, _setting(options))
-        return bristles.better(log, found, options, work) if options.method is None else found
+        if options.method is not None or not asked_for(log, found):
+            return found
+        return better(log, found, [LAW], replace(options, starts=STARTS), progress)
     known = {constant for name in names for constant in laws.find(name).constants()}
     for name in names:
         options.of_law(name, known).check(name)
     static = [n for n in names if options.method_for(laws.find(n)) == "static"]
-    if len(static) == len(names):
-        return fit_static(log, static, _setting(options))
+    simulated = [n for n in names if n not in static]
+    best = fit_static(log, static, _setting(options)) if static else None
+    if not simulated:
+        assert best is not None
+        return best
     check_motion(log)
-    if len(names) == 1:
-        return _with_warning(_simulated(log, names[0], options, work))
-    return _best(log, names, static, options, known, work)
+    return better(log, best, simulated, options, progress)
 
 
 def is_simulated(names: Sequence[str], method: str | None) -> bool:
@@ -182,45 +176,6 @@ def log_of(data: Data, columns: ColumnNames, how: Preparation | None = None) -> 
     return load_log(sources, columns, how)
 
 
-def _best(
-    log: Log, names: Sequence[str], static: Sequence[str], options: FitOptions, known: set[str], work: Work
-) -> Fit:
-    """Static laws and laws with bristles, compared by the error over data left out."""
-    fits: list[Fit] = [fit_static(log, static, _setting(options))] if static else []
-    failed: dict[str, str] = {}
-    simulated = [n for n in names if n not in static]
-    for i, name in enumerate(simulated):
-        try:
-            found = _simulated(log, name, options.of_law(name, known), work.part(i, len(simulated)), FOLDS)
-        except StribeckError as error:
-            failed[name] = first_line(error)
-            continue
-        fits.append(found)
-        if found.status == "stopped":
-            break
-    if not fits:
-        raise StribeckError("; ".join(f"{name}: {why}" for name, why in failed.items()))
-    best = min(
-        fits, key=lambda f: f.relative_force_error if f.cross_validated_error is None else f.cross_validated_error
-    )
-    told = [c for f in fits for c in (f.candidates or (of_simulation(f),))]
-    notes = [
-        *([STOPPED] if fits[-1].status == "stopped" else []),
-        *(f"{n} was not fitted: {why}." for n, why in failed.items()),
-    ]
-    stopped = fits[-1].status if best is not fits[-1] else best.status
-    marked = tuple({**c, "chosen": c["chosen"] and c["law"] == best.law_name} for c in told)
-    return _with_warning(replace(best, candidates=marked, notes=(*notes, *best.notes), status=stopped))  # type: ignore[arg-type]
-
-
-def of_simulation(fit: Fit) -> Candidate:
-    """A fit by simulation in the table of candidates."""
-    return {
-        "name": fit.law_name, "law": fit.law_name, "forms": [], "numbers": len(fit.parameters),
-        "relative_force_error": fit.relative_force_error, "cross_validated_error": fit.cross_validated_error, "chosen": True,
-    }  # fmt: skip
-
-
 def _setting(options: FitOptions) -> Setting:
     fixed = {n: float(x) for n, x in options.constants.items() if not isinstance(x, str)}
     fixed |= {} if options.mass is None else {"mass": options.mass}
@@ -232,30 +187,5 @@ def _setting(options: FitOptions) -> Setting:
         options.filter == "published",
         options.weight,
         options.speeds,
+        {n: (x.low, x.high) for n, x in options.sought.items()},
     )
-
-
-def _simulated(log: Log, law: str, options: FitOptions, work: Work, folds: int = 0) -> Fit:
-    """By simulation of the law along the measured motion, or of the motion under the measured force or command."""
-    free, fixed = options.free_of(law), dict[str, Any](options.constants)
-    if options.output != "force":
-        offset = ("offset",) if (options.drive or {"kind": "force"}).get("kind") == "force" else ()
-        return fit_motion(
-            log, law, options.drive, output=options.output, fixed=fixed, free=free, mass=options.mass,
-            body=options.body(*offset), starts=options.starts, seed=options.seed, work=work,
-        )  # fmt: skip
-    return fit_dynamic(
-        log, law, fixed=fixed, free=free, mass=options.mass, body=options.body("offset"), starts=options.starts,
-        seed=options.seed, folds=folds, work=work,
-    )  # fmt: skip
-
-
-def _with_warning(fit: Fit) -> Fit:
-    """The fit, with a note where the law explains little of the force."""
-    share = fit.relative_force_error
-    if (
-        not share > _POOR or "output" in fit.details or fit.method == "static"
-    ):  # a fit of the motion is judged by the motion
-        return fit
-    text = f"The fit leaves {share:.0%} of the force: the law or the terms lack something that the residuals show."
-    return replace(fit, notes=(text, *fit.notes))

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 from stribeck.arrays import Array
-
-if TYPE_CHECKING:
-    from stribeck.identify.statistics.crossvalidate import LeftOut
 
 
 class Candidate(TypedDict):
@@ -23,13 +20,6 @@ class Candidate(TypedDict):
     chosen: bool
 
 
-class SeenNoise(TypedDict):
-    """Of the residual: its standard deviation, and the order of the model of its correlation."""
-
-    standard_deviation: float
-    memory: int
-
-
 class FitDetails(TypedDict, total=False):
     """All that a fit may tell; which parts there are depends on the method."""
 
@@ -37,13 +27,10 @@ class FitDetails(TypedDict, total=False):
     speeds: dict[str, float]
     missed: float
     nearest_stribeck: dict[str, float]
-    left_out: LeftOut
     friction_error: float
     rest: float
     seen: dict[str, tuple[float, float]]
     decimation: int
-    noise: SeenNoise
-    search: str
     output: str
     output_error: float
     output_trace: Mapping[str, Array]

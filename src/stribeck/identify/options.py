@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.actuator.recordings import Sought, sought_of
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.models.terms import OF_MOTION, TERMS, problem
 
 METHODS = ("static", "dynamic")
 FILTERS = ("published",)
+OUTPUTS = ("force", "position", "velocity")  # what a simulation is to meet
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,11 @@ class FitOptions:
     starts: int = 20
     seed: int = 0
     output: str = "force"
-    drive: Mapping[str, object] | None = None
     forms: bool = True
     filter: str | None = None
     weight: bool = True
     speeds: tuple[float, ...] = ()
+    unknown: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.method is not None and self.method not in METHODS:
@@ -43,28 +46,35 @@ class FitOptions:
             raise InputError(f"{arg('method')}: {self.method!r}: must be {', '.join(METHODS)}{guess}")
         if self.filter is not None and self.filter not in FILTERS:
             raise InputError(f"{arg('filter')}: {self.filter!r}: must be {', '.join(FILTERS)}")
+        if self.output not in OUTPUTS:
+            raise InputError(
+                f"{arg('output')}: {self.output!r}: must be {', '.join(OUTPUTS)}{nearest(self.output, OUTPUTS)}"
+            )
         if wrong := [x for x in self.speeds if not 0 < x <= LARGEST]:
             raise InputError([f"{arg('speed')}: {show(x)}: must be above 0, and at most {LARGEST:g}" for x in wrong])
+
+    @cached_property
+    def sought(self) -> dict[str, Sought]:
+        """What is known of numbers that are sought, by name: bounds, where to start, a prior.
+
+        Raises:
+            InputError: a line of it is wrong; a line for each.
+        """
+        found, problems = sought_of(self.unknown, argument=True)
+        if problems:
+            raise InputError(problems)
+        return {x.path: x for x in found}
 
     def of_law(self, law: str, known: Collection[str]) -> FitOptions:
         """The options without the constants, of those ``known``, that only other laws have."""
         foreign = set(known) - set(laws.find(law).constants())
         constants = {n: v for n, v in self.constants.items() if n not in foreign}
-        return replace(self, constants=constants, free=tuple(n for n in self.free if n not in foreign))
+        unknown = {n: x for n, x in self.unknown.items() if n not in foreign}
+        return replace(self, constants=constants, free=tuple(n for n in self.free if n not in foreign), unknown=unknown)
 
     def method_for(self, law: type[laws.Law]) -> str:
         """The method asked for, or what suits the law."""
         return self.method or ("dynamic" if law.has_z else "static")
-
-    def free_of(self, law: str) -> list[str] | None:
-        """The machine's constants and what is freed beside them; None for the machine's alone."""
-        found = laws.find(law)
-        usual = list(found.uses or found.own_constants())
-        return list(dict.fromkeys([*usual, *self.free])) if self.free else None
-
-    def body(self, *usual: str) -> tuple[str, ...]:
-        """The terms beside mass: those that every such fit has, and those asked for."""
-        return tuple(dict.fromkeys((*usual, *self.terms)))
 
     def check(self, law: str) -> None:
         """Refuse what this law cannot be asked for.
@@ -72,7 +82,7 @@ class FitOptions:
         Raises:
             InputError: constants, the mass or options that the method has not; a line for each problem.
         """
-        if problems := [*self._wrong_constants(law), *self.wrong_mass()]:
+        if problems := [*self._wrong_constants(law), *self.wrong_mass(), *self._wrong_unknown(law)]:
             raise InputError(problems)
         method = self.method_for(laws.find(law))
         if method != "static" and (wrong := self._only_static()):
@@ -83,10 +93,8 @@ class FitOptions:
         if method == "static" and (moved := [n for n in (*self.terms, *self.constants) if n in OF_MOTION]):
             text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"
             raise InputError([f"{arg('terms')}: {n!r}: {text}" for n in moved])
-        if method != "dynamic" and (self.output != "force" or self.drive):
-            raise InputError(f"{arg('output')}, {arg('drive')}: belong to {arg('method')} dynamic, not {method}")
-        if self.drive and self.output == "force":
-            raise InputError(f"{arg('drive')}: needs {arg('output')} velocity or position")
+        if method != "dynamic" and self.output != "force":
+            raise InputError(f"{arg('output')}: {self.output!r}: belongs to {arg('method')} dynamic, not {method}")
 
     def check_without_law(self) -> None:
         """Refuse what cannot be asked where the law is looked for.
@@ -141,6 +149,11 @@ class FitOptions:
             if name in self.constants and not (name in found and found[name].choices)
         ]
         return problems
+
+    def _wrong_unknown(self, law: str) -> list[str]:
+        known = [*laws.find(law).constants(), *TERMS]
+        wrong = [n for n in self.sought if n not in known or n in self.constants]
+        return [f"{arg('unknown')}: {n}: is not sought{nearest(n, known)}" for n in wrong]
 
     def _wrong_terms(self) -> list[str]:
         return [

@@ -26,15 +26,14 @@ from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
-from stribeck.identify.models.dynamic_problem import VelocityProblem
-from stribeck.identify.models.motion_problem import OUTPUTS
-from stribeck.identify.models.terms import OF_RECORD, TERMS, column
-from stribeck.identify.options import METHODS
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.onebody import beside_friction, parts
+from stribeck.identify.options import METHODS, OUTPUTS
 from stribeck.identify.result import Fit, Prediction
 from stribeck.scenario.trust import astray
 
 FILE = "fit.json"
-_FORMAT = 3
+_FORMAT = 4
 _LIKE = {
     "spring": "stiffness",
     "weight": "gravity_sin",
@@ -74,8 +73,6 @@ def _predictor(x: object) -> bool:
         return False
 
 
-_DRIVES = ("force", "spring", "pid")  # what moved the body; a measured motion is the input of none
-
 # What each part of the file must be, and that in words.
 _PARTS: dict[str, tuple[Callable[[object], bool], str]] = {
     "law": (_text, "a name"),
@@ -92,11 +89,7 @@ _PARTS: dict[str, tuple[Callable[[object], bool], str]] = {
     ),
     "cutoff": (_share, f"nothing or 0 to {LARGEST:g} Hz"),
     "files": (lambda x: isinstance(x, list) and all(map(_text, x)), "a list of names"),
-    "output": _one_of("force", *OUTPUTS),
-    "drive": (
-        lambda x: x is None or (isinstance(x, dict) and x.get("kind") in _DRIVES),
-        f"nothing or a drive ({', '.join(_DRIVES)})",
-    ),
+    "output": _one_of(*OUTPUTS),
     "published": (lambda x: isinstance(x, bool), "true or false"),
     "data_sha256": (_text, "text"),
     "seen": (_table_of(_range), "a table of ranges, each [low, high]"),
@@ -107,8 +100,7 @@ _OF_FIT: dict[str, tuple[Callable[[object], bool], str]] = dict.fromkeys(
 )
 # How a record was read that nobody told of.
 _UNREAD: dict[str, object] = {
-    "files": [], "columns": {}, "units": {}, "force_gain": None, "cutoff": None, "output": "force", "drive": None,
-    "published": False,
+    "files": [], "columns": {}, "units": {}, "force_gain": None, "cutoff": None, "output": "force", "published": False,
 }  # fmt: skip
 
 
@@ -123,7 +115,7 @@ class FittedModel:
         known: the error of the fit itself, for comparison.
         columns, units, force_gain, cutoff: how the record was read.
         files: its files, seen from the folder of the fit.
-        output: what the simulation was to meet; ``drive``: what moved the body then, None for the measured force.
+        output: what the simulation was to meet.
         published: whether the record's last rows were kept, as in the published procedure.
         seen: the ranges of the record's rows in motion.
     """
@@ -139,7 +131,6 @@ class FittedModel:
     cutoff: float | None
     files: tuple[str, ...] = ()
     output: str = "force"
-    drive: Mapping[str, object] | None = None
     published: bool = False
     seen: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
@@ -227,8 +218,8 @@ def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
     """The model of a fit as text for fit.json.
 
     Args:
-        reading: the record's files, columns, units, force_gain and cutoff; whether its ends were kept; the output and the
-            drive of its simulation.
+        reading: the record's files, columns, units, force_gain and cutoff; whether its ends were kept; the output of its
+            simulation.
     """
     return json.dumps(finite(_whole(fit, reading or {})), indent=1, allow_nan=False)
 
@@ -239,14 +230,14 @@ def _unlike(data: Mapping[str, object]) -> list[str]:
     if isinstance(data.get("fit"), dict):
         tables.append(("fit.", cast("Mapping[str, object]", data["fit"]), _OF_FIT))
     found = []
-    for at, table, parts in tables:
+    for at, table, known in tables:
         for name, value in table.items():
-            if name in parts:
-                holds, words = parts[name]
+            if name in known:
+                holds, words = known[name]
                 found += [] if holds(value) else [f"{at}{name}: {show(value)}: must be {words}"]
             elif (at, name) != ("", "format"):
-                found.append(f"{at}{show(name)}: is no part of it{nearest(name, parts)}")
-        found += [f"{at}{name}: missing" for name in parts if name not in table]
+                found.append(f"{at}{show(name)}: is no part of it{nearest(name, known)}")
+        found += [f"{at}{name}: missing" for name in known if name not in table]
     return found
 
 
@@ -329,7 +320,6 @@ class _Saved(TypedDict):
     cutoff: float | None
     files: list[str]
     output: str
-    drive: Mapping[str, object] | None
     published: bool
     seen: Mapping[str, Sequence[float]]
 
@@ -340,8 +330,7 @@ def _model(content: Mapping[str, object], law: str) -> FittedModel:
     kept = data["predictor"]
     return FittedModel(
         law, data["method"], data["values"], of_json(kept) if kept else None, data["fit"], data["columns"], data["units"],
-        data["force_gain"], data["cutoff"], tuple(data["files"]), data["output"], data["drive"], data["published"],
-        data["seen"],
+        data["force_gain"], data["cutoff"], tuple(data["files"]), data["output"], data["published"], data["seen"],
     )  # fmt: skip
 
 
@@ -356,12 +345,8 @@ def predict(model: FittedModel, log: Log) -> Predicted:
     rest, simulated = at_rest(log), model.predictor is None
     if rest.all() and not simulated:
         raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
-    if model.predictor is None:
-        not_friction = beside(model, log)
-        force = _simulated(model, log)
-    else:
-        friction_of_model, not_friction = model.predictor.parts(log)
-        force = friction_of_model + not_friction
+    of_model = parts(model.law, model.values, log) if model.predictor is None else model.predictor.parts(log)
+    force, not_friction = of_model[0] + of_model[1], of_model[1]
     rows = np.ones(len(log), bool) if simulated else ~rest
     left = log.force - not_friction
     traces = Prediction(log.time, log.position, log.velocity, log.force, force)
@@ -394,28 +379,9 @@ def beside(model: FittedModel, log: Log, without: Container[str] = ()) -> Array:
     if model.predictor is not None:
         mass = model.values.get("mass", 0.0) * log.acceleration if "mass" in without else 0.0
         return np.asarray(model.predictor.parts(log)[1] - mass)
-    found = np.zeros(len(log))
-    for name in model.body:
-        term = TERMS[name]
-        if name not in without and term.column is not None and not (term.level or term.friction):
-            found += model.values[name] * column(name, log, model.values)
-    return found
+    return beside_friction({n: x for n, x in model.values.items() if n not in without}, log)
 
 
 def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:
     size = float(np.linalg.norm(measured[rows]))
     return float(np.linalg.norm((measured - predicted)[rows])) / max(size, 1e-300)
-
-
-def _simulated(model: FittedModel, log: Log) -> Array:
-    """The law simulated along the measured motion, and the body's terms."""
-    law = laws.find(model.law)
-    values = {
-        "mass": 0.0,
-        **{n: v for n, v in model.values.items() if n in law.constants() or (n in TERMS and n not in OF_RECORD)},
-    }
-    body = tuple(n for n in values if n in TERMS)
-    force = VelocityProblem(log, law, [], values, {}, body).force(np.zeros((1, 0)))
-    if force is None:
-        raise StribeckError(f"law '{model.law}': its simulation along this record fails")
-    return np.asarray(force[0])

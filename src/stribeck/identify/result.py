@@ -15,7 +15,6 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.predictor import Predictor
 from stribeck.identify.core.states import Estimate as Estimate
-from stribeck.identify.core.states import EstimateState
 from stribeck.identify.details import Candidate, FitDetails
 from stribeck.identify.log import Log
 from stribeck.laws.base import Law
@@ -33,25 +32,6 @@ _TOLD = (
     "output_error",
     "nearest_stribeck",
 )
-
-
-def simulated(
-    value: float | None, low: float | None, high: float | None, unit: str, identifiable: bool = True, why: str = "",
-    experiment: str = "", best: float | None = None,
-) -> Estimate:  # fmt: skip
-    """The estimate of a fit by simulation, which has no model range; ``best``: the value of one that is not identifiable."""
-    shown = value if value is not None else best if best is not None else float("nan")
-    interval = (-np.inf if low is None else low, np.inf if high is None else high)
-    state = EstimateState.IDENTIFIED if identifiable else EstimateState.NOT_IDENTIFIABLE
-    return Estimate(shown, interval, None, state, unit, why=why, experiment=experiment)
-
-
-@dataclass(frozen=True)
-class Profile:
-    """Cost along a parameter, all others optimised: the values tried and how far 2 * log-likelihood falls there."""
-
-    values: Array
-    fall: Array
 
 
 @dataclass(frozen=True)
@@ -98,7 +78,6 @@ class Fit:
     names: tuple[str, ...] = ()
     covariance: Array = field(default_factory=lambda: np.zeros((0, 0)))
     cross_validated_error: float | None = None
-    profiles: Mapping[str, Profile] = field(default_factory=dict)
     prediction: Prediction | None = None
     notes: tuple[str, ...] = ()
     details: FitDetails = field(default_factory=FitDetails)

@@ -90,7 +90,7 @@ def cut(run: RecordedRun, level: int) -> RecordedRun:
     """The first parts of a run."""
     step = run.scenario.output.step
     end = max(round(run.scenario.end * level / LEVELS / step), 2) * step
-    targets = [replace(t, t=t.t[t.t <= end], x=t.x[t.t <= end]) for t in run.targets]
+    targets = [t.rows(t.t <= end) for t in run.targets]
     return replace(
         run, scenario=run.scenario.with_changes({"solve.t_end": end}), targets=[t for t in targets if len(t.t)]
     )

@@ -55,7 +55,7 @@ def recorded_input(
     first = max(int(np.searchsorted(t, span[0], side="right")) - 1, 0)
     last = min(int(np.searchsorted(t, span[1])) + 1, len(t))
     table = table_at(scenario, path.rpartition(".")[0])
-    spline = isinstance(table, dict) and "feedforward" in table
+    spline = channel.smooth or (isinstance(table, dict) and "feedforward" in table)
     return RecordedInput(t[first:last] - span[0], x[first:last], channel.held, spline, channel.noise)
 
 

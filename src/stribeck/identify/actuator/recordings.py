@@ -43,6 +43,7 @@ class Channel:
     noise: float | None = None
     held: bool = False  # between samples, as a sampled controller holds it
     beside: Mapping[str, Array] = field(default_factory=dict)
+    smooth: bool = False  # between samples a cubic spline runs
 
     @cached_property
     def bridged(self) -> Bridged:

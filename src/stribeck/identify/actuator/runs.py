@@ -10,6 +10,7 @@ from itertools import product
 from threading import Lock
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
@@ -37,6 +38,11 @@ class Compared:
     t: Array
     x: Array
     beside: Mapping[str, Array] = field(default_factory=dict)
+
+    def rows(self, there: NDArray[np.bool_]) -> Compared:
+        """Some of its times."""
+        beside = {name: column[there] for name, column in self.beside.items()}
+        return replace(self, t=self.t[there], x=self.x[there], beside=beside)
 
 
 @dataclass

@@ -139,7 +139,8 @@ def _plain(record: Record, curve: SteadyCurve, shape: Mapping[str, float], body:
 def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Mapping[str, tuple[float, float]]) -> bool:
     """Whether the law alone has an optimum that forms may be made with."""
     n = len(curve.names)
-    inside = all(ranges[m][0] / 3 < s < 3 * ranges[m][1] for m, s in shape.items())
+    room = {m: 1 + 1e-9 if m in curve.bounds else 3.0 for m in shape}  # of the user's bounds, rounding
+    inside = all(ranges[m][0] / room[m] < s < room[m] * ranges[m][1] for m, s in shape.items())
     return inside and (n == 0 or (x[0] > 0 and float(x[:n].min()) >= 0))
 
 

@@ -24,12 +24,12 @@ class Guess:
     value: float
     low: float
     high: float
-    reach: float = 1e3
+    reach: float = 10.0  # a v_s a thousand times too small makes simulations crawl
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """How far a fit may go: beyond the range by the factor ``reach``, and down by a thousand."""
-        return self.low / 1e3, self.high * self.reach
+        """How far a fit may go: beyond the range by ten, upwards by the factor ``reach``."""
+        return self.low / 10, self.high * self.reach
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def ranges(law: type[Law], sizes: Sizes) -> dict[str, Guess]:
         "sigma_2": Guess(0.1 * f / fast, 1e-3 * f / fast, f / fast),
         "F_c": Guess(0.8 * f, 0.3 * f, 1.2 * f, reach=5),
         "F_s": Guess(1.2 * f, 0.5 * f, 2 * f, reach=5),
-        "v_s": Guess(middle, slow, fast, reach=10),
+        "v_s": Guess(middle, slow, fast),
     }
     for name, constant in law.constants().items():
         if name not in known:

@@ -1,23 +1,23 @@
-"""A law with bristles as a candidate: where a record shows presliding that no static law describes."""
+"""Laws that are simulated as candidates: LuGre's where a record shows presliding that no static law describes."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stribeck.errors import StribeckError
+from stribeck import laws
+from stribeck.errors import StribeckError, first_line
 from stribeck.identify.details import Candidate
 from stribeck.identify.features.guess import reversals, sizes_of
 from stribeck.identify.log import Log, thinned
-from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.models.memory import rows_together
+from stribeck.identify.onebody import fit_simulated
+from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Fit
-from stribeck.identify.work import Work
 
-if TYPE_CHECKING:
-    from stribeck.identify.options import FitOptions
-
+Progress = Callable[[float], None]
 LAW = "lugre"
 STARTS = 4  # on records of the plan's motions all four end in one minimum
 HALF = 0.5  # of the static law's error: a law with bristles must leave less, as it has two numbers more
@@ -28,34 +28,67 @@ RISE = 0.3  # of the friction level: less is noise or inertia
 LOOKED_AT = 20_000  # reversals: more take longer than the fit
 
 
-def better(log: Log, static: Fit, options: FitOptions, work: Work) -> Fit:
-    """The static fit, or LuGre's where the record shows presliding and it leaves less than half as much in all rows."""
-    left = _error_everywhere(static, log)
-    if left <= LITTLE or not shows_presliding(log):
-        return static
-    fixed = {n: x for n, x in options.constants.items() if not isinstance(x, str)}
-    try:
-        found = fit_dynamic(
-            log,
-            LAW,
-            fixed=fixed,
-            mass=options.mass,
-            body=options.body("offset"),
-            starts=STARTS,
-            seed=options.seed,
-            work=work,
-        )
-    except StribeckError:  # no compiler, or no simulation that works: the static fit stands
-        return static
-    if not found.relative_force_error < HALF * left:
-        return static
-    own: Candidate = {
-        "name": LAW, "law": LAW, "forms": [], "numbers": len(found.parameters),
-        "relative_force_error": found.relative_force_error, "cross_validated_error": None, "chosen": True,
+def asked_for(log: Log, static: Fit) -> bool:
+    """Whether a law with bristles is worth a try: the record shows presliding, and the static fit misses it."""
+    return _error_everywhere(static, log) > LITTLE and shows_presliding(log)
+
+
+def better(
+    log: Log, static: Fit | None, names: Sequence[str], options: FitOptions, progress: Progress | None = None
+) -> Fit:
+    """The best of laws that are simulated, by BIC; the static fit if it leaves less than twice as much in all rows.
+
+    Raises:
+        StribeckError: there is no static fit, and none of the laws could be simulated.
+    """
+    found, failed = list[Fit](), dict[str, str]()
+    known = {constant for name in names for constant in laws.find(name).constants()}
+    for i, name in enumerate(names):
+        try:
+            found.append(fit_simulated(log, name, options.of_law(name, known), _part(progress, i, len(names))))
+        except StribeckError as error:  # no compiler, or no simulation that works
+            if len(names) == 1 and static is None:
+                raise
+            failed[name] = first_line(error)
+            continue
+        if found[-1].status == "stopped":
+            break
+    notes = tuple(f"{n} was not fitted: {why}." for n, why in failed.items())
+    if not found:
+        if static is None:
+            raise StribeckError("; ".join(f"{name}: {why}" for name, why in failed.items()))
+        return replace(static, notes=(*static.notes, *notes))
+    best = min(found, key=_bic)
+    left = np.inf if static is None else _error_everywhere(static, log)
+    if static is not None and not best.relative_force_error < HALF * left:
+        best = static
+    elif static is not None:
+        notes = (f"The best static law ({static.law_name}) leaves {left:.0%} of the force in all rows.", *notes)
+    told = [*(_candidate(fit, fit is best) for fit in found), *(static.candidates if static is not None else ())]
+    candidates = tuple(Candidate(**{**c, "chosen": c["chosen"] and c["law"] == best.law_name}) for c in told)
+    return replace(
+        best, candidates=candidates if len(candidates) > 1 else (), notes=(*notes, *best.notes), status=found[-1].status
+    )
+
+
+def _part(progress: Progress | None, number: int, count: int) -> Progress | None:
+    """The progress of one of several fits that follow each other."""
+    return None if progress is None else lambda share: progress((number + share) / count)
+
+
+def _bic(fit: Fit) -> float:
+    """Of the force along the measured motion; rows that err alike count once."""
+    assert fit.prediction is not None
+    r = fit.prediction.measured - fit.prediction.fitted
+    rows = len(r) / rows_together(r)
+    return float(rows * np.log(max(float(np.mean(r**2)), 1e-300)) + len(fit.parameters) * np.log(rows))
+
+
+def _candidate(fit: Fit, chosen: bool) -> Candidate:
+    return {
+        "name": fit.law_name, "law": fit.law_name, "forms": [], "numbers": len(fit.parameters),
+        "relative_force_error": fit.relative_force_error, "cross_validated_error": None, "chosen": chosen,
     }  # fmt: skip
-    others: list[Candidate] = [{**c, "chosen": False} for c in static.candidates]
-    note = f"The record shows presliding: the best static law ({static.law_name}) leaves {left:.0%} of the force in all rows."
-    return replace(found, candidates=(own, *others), notes=(note, *found.notes))
 
 
 def _error_everywhere(fit: Fit, log: Log) -> float:

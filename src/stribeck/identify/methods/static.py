@@ -7,7 +7,7 @@ nearly independent rows (Gautier; Janot, Gautier, Brunot 2019).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -55,7 +55,7 @@ class Setting:
         terms: that every model has beside inertia, viscous friction and offset.
         alone: the law without forms; ``published``: that, with the rows and the filter of the published procedure.
         weight: whether a rotary joint's weight is in the model.
-        speeds: of further levels.
+        speeds: of further levels; ``bounds``: of shapes.
     """
 
     fixed: Mapping[str, float]
@@ -65,6 +65,7 @@ class Setting:
     published: bool = False
     weight: bool = True
     speeds: Sequence[float] = ()
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def fit_static(log: Log, names: Sequence[str], setting: Setting | None = None) -> Fit:
@@ -100,6 +101,10 @@ def _compared(rows: Rows, name: str, body: Sequence[str], setting: Setting) -> t
     """A law's columns, and the rows that it is compared on."""
     own = laws.find(name).constants()
     curve = curve_of(name, {n: x for n, x in setting.fixed.items() if n in own}, [n for n in setting.free if n in own])
+    curve.bounds = {n: x for n, x in setting.bounds.items() if n in own or n in TERMS}
+    if wrong := [n for n in curve.bounds if n not in curve.shapes]:
+        text = "is found by linear least squares, which has one optimum: no bounds, but a value"
+        raise InputError([f"{arg('unknown')}: {n}: {text} ({arg('constants')})" for n in wrong])
     return record_of(rows, body, setting.fixed, curve.sigma_2, setting.published), curve
 
 

@@ -41,6 +41,7 @@ class SteadyCurve(ABC):
         self.names: tuple[str, ...] = ()
         self.shapes: tuple[str, ...] = ()
         self.sigma_2 = True
+        self.bounds: dict[str, tuple[float, float]] = {}  # of shapes, as the user gives them
 
     inertia, positive = ("mass", "sigma_2"), ("mass",)  # of the body: what is never 0; what is never below
 
@@ -92,7 +93,7 @@ class SteadyCurve(ABC):
         for n in self.shapes:
             unit, middle = constants[n].unit, float(constants[n].example or constants[n].default or 1.0)
             by_unit = {"m/s": (slow, HALF * fast), "s/m": (FLAT / fast, BENT / slow)}
-            found[n] = by_unit.get(unit, (middle / ROUGH, middle * ROUGH))
+            found[n] = self.bounds.get(n) or by_unit.get(unit, (middle / ROUGH, middle * ROUGH))
         return found
 
     def fault(self, x: Mapping[str, Array], fast: float, largest: float) -> Array:

@@ -64,7 +64,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
         rest[:] = False
     smeared = _beside(rest, log)
     if len(log) > _MOST_RAW:
-        log, every = _stretches(log, rest)
+        log, every = in_stretches(log, rest)
         rest, smeared = rest[every], smeared[every]
         notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
     if rest.any():
@@ -179,7 +179,7 @@ def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
     return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
 
 
-def _stretches(log: Log, rest: NDArray[np.bool_]) -> tuple[Log, NDArray[np.intp]]:
+def in_stretches(log: Log, rest: NDArray[np.bool_]) -> tuple[Log, NDArray[np.intp]]:
     """Stretches of a long record, evenly over what moves of every run, as runs of their own; and which rows these are."""
     parts, owner = [], []
     runs = list(log.runs())

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from stribeck import laws
-from stribeck.identify.models.dynamic_problem import form_of
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit
+from stribeck.laws.base import Law
+from stribeck.laws.form import Form
 from stribeck.laws.render import equations
 
 FACTORS = {
@@ -41,3 +44,11 @@ def model_lines(fit: Fit) -> list[str]:
 def _product(name: str) -> str:
     factor = FACTORS[name]
     return name if factor == "1" else f"{name} {factor}"
+
+
+def form_of(law: type[Law], given: Mapping[str, float | str]) -> Form:
+    """The form of the law's equations: optional constants that are given, and words."""
+    constants = law.constants()
+    on = tuple(n for n, c in constants.items() if c.optional and n in given)
+    given_words = ((n, str(given[n])) for n, c in constants.items() if c.choices and n in given)
+    return Form(on, tuple((n, word) for n, word in given_words if word != constants[n].choices[0]))

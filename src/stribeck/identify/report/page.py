@@ -24,7 +24,7 @@ def page(fit: Fit, command: str, data: str) -> str:
     log = fit.log
     chapters = [
         _result(fit), _model(fit), *_candidates(fit), *([_data(log, data), *_traces(fit, log)] if log is not None else []),
-        *_curve(fit), *_residuals(fit), *_profiles(fit), *_properties(fit),
+        *_curve(fit), *_residuals(fit), *_properties(fit),
     ]  # fmt: skip
     about = f"Stribeck {__version__}, {command}, data SHA-256 {fit.data_hash[:16]}..."
     left_out = f", and {percent(fit.cross_validated_error, 3)} on data left out" if fit.cross_validated_error else ""
@@ -147,16 +147,6 @@ def _residuals(fit: Fit) -> list[Chapter]:
         return []
     text = ["What the fit leaves, in time and against the velocity. A pattern is something that the model lacks."]
     return [Chapter("residuals", "Residuals", text, figures=[pictures.residuals(fit)])]
-
-
-def _profiles(fit: Fit) -> list[Chapter]:
-    if not fit.profiles:
-        return []
-    text = [
-        "How much worse the fit gets when one parameter is held at a value and all others adapt. The interval ends where "
-        "the curve crosses the line; a flat curve is a parameter that the data do not determine."
-    ]
-    return [Chapter("profiles", "Profiles of the likelihood", text, figures=[pictures.profiles(fit)])]
 
 
 def _properties(fit: Fit) -> list[Chapter]:

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
 from stribeck.identify.result import Fit
 from stribeck.mouth import plots
-from stribeck.mouth.cells import prefixed
 from stribeck.mouth.document import FigureSvg
 from stribeck.mouth.quantities import Quantity, scale
 
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
 _DOTS = 2500  # points of a cloud: more make the page heavy and show nothing new
 _SLOWEST = 0.01  # quantile of the speeds
 _ROOM = 1.5  # times the largest measured friction
-_FALL = float(chi2.ppf(0.95, 1))
 
 
 def data(log: Log) -> list[FigureSvg]:
@@ -128,38 +125,3 @@ def residuals(fit: Fit) -> FigureSvg:
         return plots.finish(
             made, "residuals", "Residuals of the force in time (above) and against the velocity (below)."
         )
-
-
-def profiles(fit: Fit) -> FigureSvg:
-    """How twice the log-likelihood falls along each parameter."""
-    names = list(fit.profiles)
-    columns = min(len(names), 3)
-    layout = [names[i : i + columns] for i in range(0, len(names), columns)]
-    layout[-1] += [layout[-1][-1]] * (columns - len(layout[-1]))
-    units = {n: e.unit for n, e in fit.parameters.items()}
-    with plots.style():
-        made, axes = plots.figure(layout, 1.9 * len(layout) + 0.3)
-        for name in names:
-            profile = fit.profiles[name]
-            near = profile.fall < 3 * _FALL
-            factor, unit = prefixed(units.get(name) or "1", float(np.max(abs(profile.values[near]))))
-            x, y = profile.values[near] / factor, profile.fall[near]
-            fine = np.linspace(x.min(), x.max(), 60)
-            axes[name].plot(fine, _through(x, y, fine), color=plots.COLOURS[2])
-            axes[name].plot(x, y, ".", color=plots.COLOURS[2])
-            axes[name].axhline(_FALL, color=plots.GREY, linestyle=plots.DASHES[2])
-            axes[name].set_ylim(0, 2 * _FALL)
-            axes[name].set_xlabel(f"{name} ({unit})")
-            axes[name].locator_params(axis="x", nbins=4)
-        return plots.finish(
-            made, "profiles", "Fall of twice the log-likelihood; the dotted line ends the 95 % interval."
-        )
-
-
-def _through(x: Array, y: Array, fine: Array) -> Array:
-    """A smooth line through a few points of a profile: the root of the fall, signed, is nearly straight."""
-    if len(x) < 3:
-        return np.asarray(np.interp(fine, x, y))
-    best = int(np.argmin(y))
-    root = np.sqrt(y) * np.where(np.arange(len(x)) < best, -1.0, 1.0)
-    return np.asarray(np.interp(fine, x, root) ** 2)

@@ -1,0 +1,569 @@
+"""A log of one body, fitted by simulation: a machine of one body and one contact, fitted as every machine is.
+
+Where the force is met, the measured motion moves the body: the contact's friction is compared with the measured force, less what
+belongs to the rig. Where the motion is met, the measured force drives the body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import norm
+
+from stribeck import laws
+from stribeck.arrays import Array
+from stribeck.constants import rotary_unit
+from stribeck.errors import InputError, StribeckError, arg, nearest
+from stribeck.identify.actuator.api import fit_machine
+from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
+from stribeck.identify.actuator.result import MachineFit
+from stribeck.identify.beyond import seen
+from stribeck.identify.core.states import Estimate, EstimateState, state_of
+from stribeck.identify.data.filters import low_pass, shifted, spline_derivative
+from stribeck.identify.details import FitDetails
+from stribeck.identify.features.filtering import smoother_log
+from stribeck.identify.features.guess import Guess, ranges, sizes_of
+from stribeck.identify.features.rest import at_rest
+from stribeck.identify.features.what_to_measure import experiment_for
+from stribeck.identify.log import Log
+from stribeck.identify.models import terms
+from stribeck.identify.models.static_problem import in_stretches
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.options import FitOptions
+from stribeck.identify.result import Fit, Prediction
+from stribeck.laws.base import PARAMETERS, Law
+from stribeck.scenario import Scenario
+from stribeck.simulation import simulate
+
+Progress = Callable[[float], None]
+Values = Mapping[str, Any]  # numbers, and words of a law
+OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is met
+_MOST_ROWS = 100_000  # of a record: of more, stretches evenly over it, as static fits take
+_FEWEST = 8  # rows of a run that is simulated
+_SIGN = 0.01  # of the largest speed: what a smooth sign takes to change, for first values
+_ROOM = 3.0  # times a first value, and the friction level in its units: how far a coefficient is searched
+_STROKE = 5.0  # ways to break-away: bristles have let go after two or three
+_BENT = 5.0  # ways to break-away: how far the bristles may be bent where a run begins
+_HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
+_WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
+BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms that a fit of the motion can have
+_LAW = "contacts.contact.law"
+_INVERSE = 0.4  # of the work of a fit of the motion, by the clock
+_WHOLE = 3.0  # of such a shift: of records with 0.1 um of noise one linear step found a half to a third of the bias
+_SLOPE = 1e-3  # of a value, for slopes by differences: the solver errs by 1e-6
+_Q95 = float(norm.ppf(0.975))
+
+
+@dataclass(frozen=True)
+class OneBody:
+    """What is known and what is sought.
+
+    Attributes:
+        law: its class; ``name``: as it was given.
+        free: constants to fit; ``fixed``: constants that are given, words too.
+        held: terms that are given; ``wanted``: terms to fit.
+        output: what is met: "force", "position" or "velocity".
+        first: first values and ranges, by name.
+    """
+
+    law: type[Law]
+    name: str
+    free: tuple[str, ...]
+    fixed: Values
+    held: Mapping[str, float]
+    wanted: tuple[str, ...]
+    output: str
+    first: dict[str, Guess] = field(default_factory=dict)
+
+    def path(self, name: str) -> str:
+        """Where a number of the fit is in the machine, or beside its output."""
+        if name in self.law.constants():
+            return f"{_LAW}.parameters.{name}" if name in PARAMETERS else f"{_LAW}.{name}"
+        if self.output == "force" or name == "delay":
+            return f"outputs.{OUTPUTS[self.output]}.{name}"
+        places = {"stiffness": "links.stiffness.stiffness", **{n: f"loads.{n}.amplitude" for n in _WEIGHT}}
+        return places.get(name, f"loads.{name}.gain")
+
+
+def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> Fit:
+    """Fit a law's constants, and terms beside it, by simulation.
+
+    Args:
+        log: the record, SI units.
+        name: the law's name, or FILE.py:NAME.
+        options: what is given, sought and met.
+        progress: called with the share done, 0 to 1.
+
+    Raises:
+        InputError: constants are unknown, missing or not allowed; nothing moves.
+        StribeckError: there is no C compiler, or the law cannot be simulated along the motion.
+    """
+    log = log if len(log) <= _MOST_ROWS else in_stretches(log, at_rest(log))[0]
+    model = _model(log, name, options)
+    if model.output == "force":
+        found, paths = _fitted(log, model, options, options.starts, progress)
+        return _finished(log, model, found, paths)
+    # the force along the measured motion has one minimum where the motion under the measured force has many
+    inverse = replace(
+        model, output="force", wanted=tuple(n for n in model.wanted if n != "delay"), first=dict(model.first)
+    )
+    inverse.first.pop("delay", None)
+    near, paths = _fitted(log, inverse, options, options.starts, _share(progress, 0.0, _INVERSE))
+    if near.status == "stopped":
+        return _finished(log, inverse, near, paths)
+    for path, n in paths.items():
+        value = near.parameters[path].value
+        guess = model.first[n]
+        model.first[n] = replace(guess, value=min(max(value, guess.bounds[0]), guess.bounds[1]))
+    found, paths = _fitted(log, model, options, 1, _share(progress, _INVERSE, 1.0))
+    return _finished(log, model, found, paths)
+
+
+def _fitted(
+    log: Log, model: OneBody, options: FitOptions, starts: int, progress: Progress | None
+) -> tuple[MachineFit, dict[str, str]]:
+    """The machine fit of a model, and the name of each of its paths."""
+    sought, paths = _sought(model, log, options)
+    recordings = tuple(_recording(log, rows, model, i) for i, rows in enumerate(_runs(log)))
+    found = fit_machine(
+        Scenario(_tables(model, log.rotary), folder=Path(), trust=True), Logs(recordings, sought), starts=starts,
+        seed=options.seed, baselines=False, progress=progress,
+    )  # fmt: skip
+    return found, paths
+
+
+def _share(progress: Progress | None, begin: float, end: float) -> Progress | None:
+    """The progress of a part of the work."""
+    return None if progress is None else lambda share: progress(begin + share * (end - begin))
+
+
+def _runs(log: Log) -> list[slice]:
+    return [rows for rows in log.runs() if rows.stop - rows.start >= _FEWEST]
+
+
+# -- what is known and sought ------------------------------------------------------------------------------------------
+
+
+def _model(log: Log, name: str, options: FitOptions) -> OneBody:
+    """What is known and sought of a law on a record, with first values.
+
+    Raises:
+        InputError: constants or terms are unknown, missing, or have no place here; a line for each problem.
+    """
+    law, output = laws.find(name), options.output
+    held = {n: float(x) for n, x in options.constants.items() if n in TERMS}
+    held |= {} if options.mass is None else {"mass": options.mass}
+    fixed = {n: x for n, x in options.constants.items() if n not in TERMS}
+    free = _free(law, name, fixed, options.free)
+    wanted = [n for n in dict.fromkeys(("mass", "offset", *options.terms)) if n not in held]
+    terms.check((*wanted, *held), log)
+    problems = []
+    for n in (*wanted, *held):
+        term = TERMS[n]
+        if output == "force" and (term.level or n == "delay" or (term.column is None and n not in held)):
+            problems.append(
+                f"{arg('terms')}: {n}: a static fit looks for it; has no place in a fit of the force by simulation"
+            )
+        elif term.of and term.of not in held:
+            problems.append(f"{arg('terms')}: {term.of}: a static fit looks for it; must be given here")
+        elif output != "force" and n not in ("mass", *BESIDE):
+            problems.append(f"{arg('terms')}: {n}: has no place in a fit of the motion (it has {', '.join(BESIDE)})")
+    if problems:
+        raise InputError(problems)
+    model = OneBody(law, name, tuple(free), _defaults(law, fixed, free), held, tuple(wanted), output)
+    _first(model, log)
+    return model
+
+
+def _free(law: type[Law], name: str, fixed: Mapping[str, object], more: Sequence[str]) -> list[str]:
+    """The constants to fit: those of the machine, or of the law's own if it has none, and those that are freed."""
+    known = law.constants()
+    wanted = [n for n in dict.fromkeys((*(law.uses or law.own_constants()), *more)) if n in known and n not in fixed]
+    problems = [
+        f"{n}: missing: give its value ({c.meaning}, {c.allowed}), or fit it"
+        for n, c in known.items() if c.required and n not in (*wanted, *fixed)
+    ]  # fmt: skip
+    problems += [
+        f"{n}: law '{name}' has no such constant{nearest(n, known)}" for n in (*more, *fixed) if n not in known
+    ]
+    if problems:
+        raise InputError(problems)
+    if not wanted:
+        raise InputError(f"law '{name}': every constant is given: there is nothing to fit")
+    return wanted
+
+
+def _defaults(law: type[Law], fixed: Values, free: Sequence[str]) -> dict[str, float | str]:
+    usual = {n: c.default for n, c in law.constants().items() if c.default is not None and n not in free}
+    return {**usual, **fixed}
+
+
+def _first(model: OneBody, log: Log) -> None:
+    """First values and ranges: of terms by least squares beside plain friction, of constants from what is left."""
+    columns = {n: terms.column(n, log, model.held) for n in (*model.wanted, *model.held) if TERMS[n].column is not None}
+    force = log.force - sum((x * columns[n] for n, x in model.held.items() if n in columns), np.zeros(len(log)))
+    slow = max(_SIGN * float(np.max(abs(log.velocity))), 1e-300)
+    wanted = [n for n in model.wanted if n in columns]
+    matrix = np.column_stack([*(columns[n] for n in wanted), np.tanh(log.velocity / slow), log.velocity])
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+    least = dict(zip(wanted, np.linalg.lstsq(matrix / size, force, rcond=1e-9)[0] / size, strict=False))
+    least = {n: float(x) for n, x in least.items() if x > 0 or not TERMS[n].positive}
+    beside = sum((x * columns[n] for n, x in least.items()), np.zeros(len(log)))
+    sizes = sizes_of(log.with_columns(force=force - beside))
+    known = ranges(model.law, sizes)
+    model.first.update({n: known[n] for n in model.free})
+    for n in model.wanted:
+        if n == "delay":
+            most = 50 * log.step
+            model.first[n] = Guess(0.0, -most, most)
+            continue
+        room = _ROOM * sizes.force / max(float(np.sqrt(np.mean(columns[n] ** 2))), 1e-300)
+        value = least.get(n, 0.1 * room if TERMS[n].positive else 0.0)
+        far = room + _ROOM * abs(value)
+        model.first[n] = Guess(value, 1e-6 * far if TERMS[n].positive else value - far, value + far)
+
+
+# -- the machine and its recordings --------------------------------------------------------------------------------------
+
+
+def _law_table(model: OneBody, values: Values) -> dict[str, object]:
+    own = {n: x for n, x in values.items() if n in model.law.constants()}
+    parameters = {n: own.pop(n) for n in list(own) if n in PARAMETERS}
+    return {"name": model.name, **own, **({"parameters": parameters} if parameters else {})}
+
+
+def _tables(model: OneBody, rotary: bool) -> dict[str, object]:
+    """The machine with first values."""
+    values = {**model.fixed, **{n: g.value for n, g in model.first.items()}, **model.held}
+    turns = {"rotary": True} if rotary else {}
+    body: dict[str, object] = {"velocity": {"signal": _HELD}, **turns}
+    loads: dict[str, object] = {}
+    links: dict[str, object] = {}
+    if model.output != "force":
+        if not values["mass"]:
+            raise InputError(f"{arg('mass')}: 0: a body that a force drives has a mass; must be above 0")
+        body = {"inertia" if rotary else "mass": values["mass"]}
+        loads = {"force": {"on": "body", "kind": "signal", "signal": _HELD}}
+        for n in (*model.wanted, *model.held):
+            if n in ("offset", "area"):
+                loads[n] = {"on": "body", "kind": "signal", "gain": values[n], "signal": _HELD}
+            elif n in _WEIGHT:
+                loads[n] = {"on": "body", "kind": "pendulum", "amplitude": values[n], "phase": _WEIGHT[n]}
+            elif n == "stiffness":
+                links[n] = {"from": "body", "to": "ground", "stiffness": values[n], "damping": 0.0}
+    return {
+        "schema": 2, "bodies": {"body": body}, "contacts": {"contact": {"from": "body", "law": _law_table(model, values)}},
+        **({"loads": loads} if loads else {}), **({"links": links} if links else {}),
+        "solve": {"t_end": 1.0}, "output": {"step": 1e-3},
+    }  # fmt: skip
+
+
+def _recording(log: Log, rows: slice, model: OneBody, number: int) -> Recording:
+    """One run of the log as a recording of the machine."""
+    part, t = log.rows(rows), log.step * np.arange(rows.stop - rows.start)
+    name = log.files[number] if number < len(log.files) else f"run {number}"
+    inputs = {"loads.force.signal": Channel("force", t, part.force, smooth=True)}
+    output = Channel(model.output, t, raw(part, model.output))
+    if model.output == "force":
+        known = {n: x * terms.column(n, part, model.held) for n, x in model.held.items() if TERMS[n].column is not None}
+        beside = {n: terms.column(n, part, model.held) for n in model.wanted if n != "offset"}
+        output = Channel("force", t, part.force - sum(known.values(), np.zeros(len(t))), beside=beside)
+        inputs = {"bodies.body.velocity.signal": Channel("velocity", t, part.velocity, smooth=True)}
+    elif "area" in (*model.wanted, *model.held) and part.pressure is not None:
+        inputs["loads.area.signal"] = Channel("pressure", t, -part.pressure, smooth=True)
+    return Recording(name, t, {OUTPUTS[model.output]: output}, inputs)
+
+
+def raw(log: Log, output: str) -> Array:
+    """What is met as it was measured, before any filter, where the log has it."""
+    kept = log.unfiltered if log.sources.get("unfiltered") == output else None
+    return np.asarray(getattr(log, output) if kept is None else kept)
+
+
+def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought, ...], dict[str, str]]:
+    """What the machine fit seeks, and the name of each path."""
+    found, names = list[Sought](), dict[str, str]()
+    for n, guess in model.first.items():
+        low, high = guess.bounds if n in model.law.constants() else (guess.low, guess.high)
+        path = model.path(n)
+        if n == "mass" and model.output != "force":
+            path = f"bodies.body.{'inertia' if log.rotary else 'mass'}"
+        names[path] = n
+        told = options.sought.get(n)
+        if told is None:
+            found.append(Sought(path, low, high, guess.value))
+        else:
+            begin = min(max(guess.value, told.low), told.high)
+            found.append(
+                replace(told, path=path, start=begin if told.start is None and told.prior is None else told.start)
+            )
+    if model.law.has_z:
+        known = {**model.fixed, **{n: g.value for n, g in model.first.items()}}
+        law = model.law({n: x for n, x in known.items() if n in model.law.constants()})
+        way = _BENT * law.scales(law.p).length
+        for i, rows in enumerate(_runs(log)):
+            slid = float(law.steady_deflection(float(log.velocity[rows.start])))
+            path = f"log.{i}.contacts.contact.initial.z"
+            found.append(Sought(path, -way, way, min(max(slid, -way), way), nuisance=True))
+    return tuple(found), names
+
+
+# -- the fit -------------------------------------------------------------------------------------------------------------
+
+
+def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> Fit:
+    """The machine's fit as one of the log."""
+    values = {n: found.parameters[path].value for path, n in names.items()}
+    constants = model.law.constants()
+    used = {**model.fixed, **model.held, **values}
+    estimates = _estimates(log, model, found, names)
+    if model.output == "force" and found.status == "done":
+        estimates = _widened(estimates, log, model, used)
+    estimates = _without_curve(estimates, log, used)
+    bent = [found.nuisance.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
+    friction, beside = parts(model.name, used, log, bent)
+    left = log.force - friction - beside
+    missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)
+    notes = [_in_names(text, names) for text in (*([found.reason] if found.reason else []), *found.notes)]
+    details: FitDetails = {
+        "seen": seen(log, np.ones(len(log), bool)),
+        "missed": missed,
+        "speeds": {n.removeprefix("contact "): v for n, v in found.speeds.items()},
+    }
+    notes = [_in_names(text, names) for text in (*([found.reason] if found.reason else []), *found.notes)]
+    if model.output != "force":
+        met = [log_result.traces[0] for log_result in found.logs]
+        measured, fitted = (np.concatenate([getattr(x, side) for x in met]) for side in ("measured", "predicted"))
+        t = np.concatenate([x.t for x in met])
+        details |= {
+            "output": model.output,
+            "output_error": float(np.linalg.norm(measured - fitted)) / max(float(np.linalg.norm(measured)), 1e-300),
+            "output_trace": {
+                "time": t,
+                "velocity": np.interp(t, log.time - log.time[0], log.velocity),
+                "measured": measured,
+                "fitted": fitted,
+            },
+        }
+    return Fit(
+        law_name=model.name, method="dynamic",
+        estimates={n: estimates[n] for n in constants if n in estimates},
+        body={n: e for n, e in estimates.items() if n in TERMS},
+        levels={n.removeprefix("contact "): e for n, e in found.levels.items()},
+        fixed={**model.fixed, **model.held}, used=used,
+        names=tuple(estimates), covariance=_covariance(found, names),
+        relative_force_error=float(np.linalg.norm(left)) / max(float(np.linalg.norm(log.force)), 1e-300), data_hash=log.hash,
+        prediction=Prediction(log.time, log.position, log.velocity, log.force - beside, friction),
+        notes=tuple(notes), details=details, status="stopped" if found.status == "stopped" else "done", log=log,
+    )  # fmt: skip
+
+
+def _estimates(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> dict[str, Estimate]:
+    """Each number as the machine fit judges it, by its name, and what would tell it."""
+    constants, sizes, out = model.law.constants(), sizes_of(log), dict[str, Estimate]()
+    values = {n: found.parameters[path].value for path, n in names.items()}
+    open_ = [n for path, n in names.items() if not found.parameters[path].identifiable]
+    for path, n in names.items():
+        e, unit = found.parameters[path], constants[n].unit if n in constants else TERMS[n].unit
+        experiment = "" if e.usable else experiment_for(n, values, sizes, open_, rotary=log.rotary)
+        out[n] = replace(
+            e, value=float(e.value), unit=rotary_unit(unit) if log.rotary else unit, why=_in_names(e.why, names),
+            depends_on=_in_names(e.depends_on, names), experiment=experiment,
+        )  # fmt: skip
+    return out
+
+
+def _without_curve(estimates: dict[str, Estimate], log: Log, used: Values) -> dict[str, Estimate]:
+    """Where v_s is open no speed tells where the curve ends, F_s; and without a stroke that slides the level may be either."""
+    if "v_s" not in estimates or estimates["v_s"].identifiable:
+        return estimates
+    found, way = dict(estimates), used["F_c"] / used.get("sigma_0", np.inf)
+    open_ = {"F_s": "v_s is open, so that no speed tells where the curve ends"}
+    if max(float(np.ptp(log.position[rows])) for rows in _runs(log)) < _STROKE * way:
+        open_["F_c"] = "no stroke is much longer than the way to break-away: the level of slow motion may be F_s"
+    sizes, values = sizes_of(log), {n: e.value for n, e in estimates.items()}
+    for n, why in open_.items():
+        if n in found:
+            experiment = experiment_for(n, values, sizes, ["v_s", *open_], rotary=log.rotary)
+            found[n] = replace(found[n], state=EstimateState.NOT_IDENTIFIABLE, why=why, experiment=experiment)
+    return found
+
+
+def _widened(estimates: Mapping[str, Estimate], log: Log, model: OneBody, used: Values) -> dict[str, Estimate]:
+    """The estimates of a fit of the force with model ranges: what the motion's filter, its noise and the acceleration's lower
+    filter may do, which no residual shows.
+
+    Each is the step of Gauss and Newton to the optimum along another motion: filtered lower, with its noise once more (Cook
+    and Stefanski 1994), with the acceleration of the whole band.
+    """
+    if log.bandwidth is None:
+        return dict(estimates)
+    names = [n for n, e in estimates.items() if n in used]
+    here = _step(log, model, used, names)
+    rng, deviation = np.random.default_rng(0), _noise(log)
+    shifts = {
+        "filter of the motion": _step(smoother_log(log), model, used, names) - here,
+        "noise of the motion": _step(_noisier(log, deviation, rng), model, used, names) - here,
+        "filter of the acceleration": _step(_full_band(log), model, used, names) - here,
+    }
+    level, out = used.get("F_c", 1.0), dict[str, Estimate]()
+    for k, n in enumerate(names):
+        e = estimates[n]
+        moved = {cause: _WHOLE * abs(float(x[k])) for cause, x in shifts.items()}
+        off = float(np.sqrt(sum(x**2 for x in moved.values())))
+        ends = e.range or e.interval
+        low, high = e.value - np.hypot(e.value - ends[0], off), e.value + np.hypot(ends[1] - e.value, off)
+        out[n] = replace(e, range=(float(low), float(high)))
+        if not e.identifiable:
+            continue
+        cause, offset = max(moved, key=lambda x: moved[x]), level if n == "offset" else None
+        alone = e.value - off, e.value + off
+        if state_of(alone, alone, offset) is EstimateState.NOT_IDENTIFIABLE:
+            why = f"the {cause} may move it by {off:.2g}: it takes a finer position, or a faster record"
+            out[n] = replace(out[n], state=EstimateState.NOT_IDENTIFIABLE, why=why)
+        elif e.state is EstimateState.IDENTIFIED:
+            state = state_of(e.interval, (float(low), float(high)), offset)
+            out[n] = replace(out[n], state=state, depends_on="" if state is e.state else cause)
+    if "v_s" in out and estimates["v_s"].identifiable and not out["v_s"].identifiable:
+        for n in {"sigma_0", "sigma_1"} & out.keys():  # break-away is told by the same few samples
+            out[n] = replace(out[n], state=EstimateState.NOT_IDENTIFIABLE, why=out["v_s"].why)
+    return {**estimates, **out}
+
+
+def _step(log: Log, model: OneBody, used: Values, names: Sequence[str]) -> Array:
+    """By how much each number moves to the optimum along a motion, linearised."""
+    friction, beside = parts(model.name, used, log)
+    slopes = []
+    for n in names:
+        if n in TERMS:
+            slopes.append(terms.column(n, log, model.held))
+            continue
+        h = _SLOPE * abs(float(used[n])) or _SLOPE
+        slopes.append((sum(parts(model.name, {**used, n: used[n] + h}, log)) - friction - beside) / h)
+    matrix = np.column_stack(slopes)
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+    return np.asarray(np.linalg.lstsq(matrix / size, log.force - friction - beside, rcond=1e-9)[0] / size)
+
+
+def _noise(log: Log) -> float:
+    """The standard deviation of white noise of what was measured of the motion, by third differences and its step."""
+    x = log.unfiltered
+    if x is None:
+        return 0.0
+    third = np.concatenate([np.diff(x[rows], 3) for rows in _runs(log)])
+    return float(np.sqrt(np.median(third**2) / 20.0 / 0.455))  # the median of a normal number's square is 0.455
+
+
+def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
+    """The record with the noise of its motion once more, behind the same filter."""
+    assert log.bandwidth is not None
+    position, velocity = log.position.copy(), log.velocity.copy()
+    by_position = log.sources.get("unfiltered") == "position"
+    for rows in _runs(log):
+        noise = low_pass(deviation * rng.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
+        position[rows] += noise if by_position else 0.0
+        velocity[rows] += spline_derivative(noise, log.step) if by_position else noise
+    return log.with_columns(position=position, velocity=velocity)
+
+
+def _full_band(log: Log) -> Log:
+    """The record with the acceleration that its velocity has."""
+    acceleration = log.acceleration.copy()
+    for rows in _runs(log):
+        acceleration[rows] = spline_derivative(log.velocity[rows], log.step)
+    return log.with_columns(acceleration=acceleration)
+
+
+def _in_names(text: str, names: Mapping[str, str]) -> str:
+    """What the machine fit says, with the names of a log's numbers in the place of the machine's paths."""
+    for path, name in names.items():
+        text = text.replace(path, name)
+    return text
+
+
+def _covariance(found: MachineFit, names: Mapping[str, str]) -> Array:
+    """Of the numbers that were sought, by their intervals and how they go together."""
+    if found.relation is None:
+        return np.full((len(names), len(names)), np.nan)
+    asked, relation = found.relation
+    which = [asked.index(path) for path in names]
+    half = np.array([(high - low) / 2 for low, high in (found.parameters[path].interval for path in names)])
+    half = np.where(np.isfinite(half), half, np.nan)
+    return np.asarray(relation[np.ix_(which, which)] * np.outer(half, half) / _Q95**2)
+
+
+# -- the force of a model along a record -----------------------------------------------------------------------------------
+
+
+def parts(name: str, values: Values, log: Log, bent: Sequence[float | None] = ()) -> tuple[Array, Array]:
+    """The friction of a fitted law along a record, and what else its force holds, N at each row.
+
+    Args:
+        values: the law's constants, and terms.
+        bent: how far the bristles are bent at the start of each run, m; as they are that have slid at its speed unless given.
+
+    Raises:
+        StribeckError: the law cannot be simulated along the motion.
+    """
+    numbers = {n: float(x) for n, x in values.items() if n in TERMS}
+    more = _sum({n: x for n, x in numbers.items() if TERMS[n].friction}, numbers, log)
+    friction, beside = _along(name, values, log, bent) + more, beside_friction(numbers, log)
+    late = numbers.get("delay", 0.0)
+    return later(log, friction, late), later(log, beside, late)
+
+
+def beside_friction(values: Values, log: Log) -> Array:
+    """What terms say of the force that is no friction, N at each row."""
+    numbers = {n: float(x) for n, x in values.items() if n in TERMS}
+    return _sum({n: x for n, x in numbers.items() if not TERMS[n].friction}, numbers, log)
+
+
+def _sum(some: Mapping[str, float], numbers: Mapping[str, float], log: Log) -> Array:
+    columns = (x * terms.column(n, log, numbers) for n, x in some.items() if TERMS[n].column and not TERMS[n].level)
+    return np.asarray(sum(columns, np.zeros(len(log))))
+
+
+def later(log: Log, x: Array, by: float) -> Array:
+    """A column of the record at times later by so many seconds; the ends of runs are held."""
+    if not by:
+        return x
+    found = np.empty(len(log))
+    for rows in log.runs():
+        found[rows] = shifted(x[rows], by / log.step)
+    return found
+
+
+def _along(name: str, values: Values, log: Log, bent: Sequence[float | None]) -> Array:
+    """The law simulated along the measured velocity."""
+    found, runs = np.zeros(len(log)), _runs(log)
+    for i, rows in enumerate(runs):
+        z = bent[i] if i < len(bent) else None
+        solution = simulate(scenario_along(name, values, log.rows(rows), z))
+        if solution.status != "done":
+            raise StribeckError(f"law '{name}': its simulation along this record fails: {solution.reason}")
+        found[rows] = solution["F"]
+    return found
+
+
+def scenario_along(name: str, values: Values, log: Log, z: float | None = None) -> Scenario:
+    """The law under the measured velocity of one run."""
+    law = laws.find(name)
+    own = {n: x for n, x in values.items() if n in law.constants()}
+    start = {"y": float(log.position[0])}
+    if law.has_z:
+        start["z"] = float(law(own).steady_deflection(float(log.velocity[0]))) if z is None else z
+    parameters = {n: own.pop(n) for n in list(own) if n in PARAMETERS}
+    t = log.step * np.arange(len(log))
+    return Scenario(
+        {
+            "schema": 1, "law": {"name": name, **own, **({"parameters": parameters} if parameters else {})},
+            "plant": {"initial": start},
+            "drive": {"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": log.velocity.tolist()}},
+            "solve": {"t_end": float(t[-1])}, "output": {"step": float(log.step), "energy": False},
+        },
+        folder=Path(), trust=True,
+    )  # fmt: skip

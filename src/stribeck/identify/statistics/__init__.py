@@ -1,1 +1,0 @@
-"""What the data tell: intervals, cross-validation, choice of a model."""

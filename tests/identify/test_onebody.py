@@ -1,0 +1,137 @@
+"""Logs of one body, fitted by simulation, on synthetic records with known truth."""
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.errors import InputError
+from stribeck.identify.log import Log
+from stribeck.identify.onebody import fit_simulated, parts
+from stribeck.identify.options import FitOptions
+from stribeck.identify.synthetic import Slider
+from tests.identify import rig
+
+MACHINE = {"sigma_0": 1e5, "sigma_1": 3e2, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
+STEP = 2e-3
+
+
+def fitted(log, law="lugre", **options):
+    return fit_simulated(log, law, FitOptions(**{"starts": 3, **options}))
+
+
+@pytest.fixture(scope="module")
+def full():
+    return rig.measured([*rig.LOOPS, *rig.STROKES])
+
+
+@pytest.fixture(scope="module")
+def pushed():
+    """A body of 2 kg under a force that holds back 1 N all the time; 0.1 um of noise on the position."""
+    fine = np.arange(0, 2.4, STEP / 8)
+    force = (16 + 6 * np.sin(2 * np.pi * 1.3 * fine)) * np.sin(2 * np.pi * 0.8 * fine)
+    t = fine[::8]
+    found = stribeck.simulate(
+        stribeck.Scenario(
+            law={"name": "lugre", "parameters": MACHINE}, plant={"mass": 2.0},
+            drive={"kind": "force", "signal": {"kind": "points", "t": fine.tolist(), "value": (force - 1.0).tolist()}},
+            solve={"t_end": float(t[-1])}, output={"step": STEP},
+        )
+    )  # fmt: skip
+    noise = np.random.default_rng(0).standard_normal((2, len(t)))
+    return Log(
+        time=t, position=found["y"] + 1e-7 * noise[0], velocity=found["v"] + 1e-4 * noise[1],
+        acceleration=np.gradient(found["v"], STEP), force=force[::8], run=np.zeros(len(t), np.int32), step=STEP,
+    )  # fmt: skip
+
+
+def test_every_parameter_of_lugre_is_found(full):
+    fit = fitted(full, mass=0.0)
+    assert fit.unidentified == ()
+    for name, truth in rig.TRUTH.items():
+        assert fit[name].value == pytest.approx(truth, rel=0.02), name
+        assert fit[name].low < truth < fit[name].high, name
+    noise = 0.1 / np.sqrt(np.mean(full.force**2))
+    assert fit.relative_force_error == pytest.approx(noise, rel=0.05)
+
+
+def test_mass_spring_and_offset_are_told_apart():
+    log = rig.measured([*rig.LOOPS, *rig.STROKES], body=Slider(mass=2.0, stiffness=500.0, offset=3.0))
+    fit = fitted(log, terms=("stiffness",))
+    for name, truth in (("mass", 2.0), ("stiffness", 500.0), ("offset", 3.0)):
+        assert fit.body[name].value == pytest.approx(truth, rel=0.03), name
+        assert fit.body[name].low < truth < fit.body[name].high
+    friction, beside = parts("lugre", fit.used, log)
+    assert np.std(log.force - friction - beside) == pytest.approx(0.1, rel=0.1)
+
+
+def test_a_log_that_slides_all_the_time_leaves_the_bristles_open():
+    fit = fitted(rig.held_at(1.0), mass=0.0, constants={"offset": 0.0})
+    for name in ("sigma_0", "sigma_1"):
+        assert not fit[name].identifiable
+        assert "reversals" in fit[name].experiment
+    with pytest.raises(InputError, match=r"sigma_0: not identifiable: .*reversals"):
+        fit.law()
+
+
+def test_a_law_constant_is_fitted_when_it_is_freed():
+    log = rig.measured([*rig.LOOPS, *rig.STROKES], "elastoplastic_majorant", k_v=1e5, z_ba=5e-6)
+    fit = fitted(log, "elastoplastic_majorant", mass=0.0, constants={"k_v": 1e5}, free=("z_ba",))
+    assert fit["z_ba"].value == pytest.approx(5e-6, rel=0.05)
+
+
+def test_runs_begin_with_bristles_of_their_own(full):
+    half = len(full) // 2
+    both = full.with_columns(run=np.repeat(np.arange(2, dtype=np.int32), [half, len(full) - half]))
+    fit = fitted(both, mass=0.0)
+    assert not any("initial" in name for name in fit.parameters)
+    assert fit["sigma_0"].value == pytest.approx(1e6, rel=0.02)
+
+
+def test_bounds_and_priors_are_kept(full):
+    fit = fitted(full, mass=0.0, unknown={"F_s": (15.0, 16.0), "sigma_2": {"prior": {"mean": 30.0, "deviation": 1e-3}}})
+    assert 15.0 <= fit["F_s"].value <= 16.0
+    assert fit["sigma_2"].value == pytest.approx(30.0, abs=5e-3)
+
+
+@pytest.mark.parametrize("output", ["velocity", "position"])
+def test_the_motion_under_a_measured_force_is_met(pushed, output):
+    fit = fitted(pushed, output=output)
+    for name, truth in {**MACHINE, "mass": 2.0, "offset": 1.0}.items():
+        assert fit[name].identifiable, name
+        assert fit[name].value == pytest.approx(truth, rel=0.01), name
+    assert fit.details["output"] == output
+    assert fit.details["output_error"] < 3e-3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"law": "lugre_sobczyk"}, "k_v: missing: give its value"),
+        ({"constants": {"F_q": 1.0}}, "F_q: law 'lugre' has no such constant"),
+        ({"constants": rig.TRUTH}, "there is nothing to fit"),
+        ({"terms": ("F_c_by_load",)}, "needs a column: (--)?load"),
+        ({"terms": ("delay",)}, "delay: a static fit looks for it"),
+        ({"terms": ("drag",), "output": "velocity"}, "drag: has no place in a fit of the motion"),
+        ({"output": "velocity"}, "mass(: 0|.*0: a body that a force drives has a mass)"),
+        ({"unknown": {"F_s": (2.0, 1.0)}}, r"F_s\.high: 1.0: must be > low"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(full, options, message):
+    law = options.pop("law", "lugre")
+    with pytest.raises(InputError, match=message):
+        fitted(full, law, mass=0.0, **options)
+
+
+def test_ctrl_c_leaves_what_was_found(full):
+    shares = []
+
+    def tell(share):
+        shares.append(share)
+        if len(shares) == 15:
+            raise KeyboardInterrupt
+
+    fit = fit_simulated(full, "lugre", FitOptions(mass=0.0), tell)
+    assert fit.status == "stopped"
+    assert shares == sorted(shares)
+    assert any("Ctrl-C" in note for note in fit.notes)
+    assert all(not e.identifiable and np.isfinite(e.value) for e in fit.estimates.values())
