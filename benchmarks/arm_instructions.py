@@ -24,7 +24,7 @@ TARGETS = {
 }
 FLAGS = ("-mthumb", "-mfloat-abi=hard", "-std=gnu99", "-O2")
 CALLS = 200
-PACKAGED = Path(stribeck.__file__).parent / "export" / "templates" / "costs.json"
+PACKAGED = Path(stribeck.__file__).parent / "exports" / "templates" / "costs.json"
 
 # The start of a program without a C library's own: the counted function is called, then Linux is asked to end it.
 _MAIN = """

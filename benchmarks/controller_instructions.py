@@ -20,7 +20,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
 import stribeck  # noqa: E402
-from tests.export.controller.stages import CASES, stage  # noqa: E402
+from tests.exports.controller.stages import CASES, stage  # noqa: E402
 
 CALLS = 100
 _MAIN = """

@@ -19,6 +19,7 @@ import warp as wp
 from measure import RESULTS, machine, say
 
 import stribeck
+from stribeck.exports.python import to_jax, to_torch, to_warp
 
 jax.config.update("jax_enable_x64", True)
 SET = {"sigma_0": 1e5, "sigma_1": 316.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3, "k_v": 1e7}
@@ -33,7 +34,7 @@ Step = Callable[..., tuple[Any, Any]]  # z, v, effort, dt, one number a joint ->
 
 def in_jax(law: Any, dt: float, count: int) -> list[float]:
     """Positions after half of the steps and after all."""
-    tool = law.to_jax()
+    tool = to_jax(law)
 
     def advance(k: Any, state: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
         z, v, q = state
@@ -64,7 +65,7 @@ def in_turns(step: Step, seconds: float) -> list[list[float]]:
 
 def torch_step(law: Any) -> Step:
     """PyTorch's step on numbers of NumPy."""
-    tool = law.to_torch()
+    tool = to_torch(law)
 
     def step(*given: Any) -> tuple[Any, Any]:
         z, v, effort, dt = map(torch.from_numpy, given)
@@ -76,7 +77,7 @@ def torch_step(law: Any) -> Step:
 
 def warp_step(law: Any) -> Step:
     """Warp's kernel on numbers of NumPy."""
-    tool = law.to_warp("double")
+    tool = to_warp(law, "double")
 
     def step(*given: Any) -> tuple[Any, Any]:
         z, v, effort, dt = (wp.array(x, dtype=tool.real) for x in given)
@@ -91,7 +92,7 @@ def gradients(law: Any, dt: float) -> dict[str, float]:
     random = np.random.default_rng(1)
     z = random.uniform(-0.5, 0.5, 64) * SET["F_s"] / SET["sigma_0"]
     given = [z, random.uniform(-5, 5, 64) * SET["v_s"], random.uniform(-1.2, 1.2, 64) * SET["F_s"]]
-    tools = {"torch": law.to_torch(), "jax": law.to_jax(), "warp": law.to_warp("double")}
+    tools = {"torch": to_torch(law), "jax": to_jax(law), "warp": to_warp(law, "double")}
     jax_tool, found = tools["jax"], {}
     sizes = (1e-4 * SET["F_s"] / SET["sigma_0"], 1e-4 * SET["v_s"], 1e-4 * SET["F_s"])
     ones = np.ones(64)

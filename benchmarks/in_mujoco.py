@@ -21,9 +21,9 @@ import numpy as np
 from measure import RESULTS, machine
 
 import stribeck
-from stribeck.export import export
-from stribeck.export.request import Request
-from stribeck.export.text.mujoco import files
+from stribeck.exports import export
+from stribeck.exports.request import Request
+from stribeck.exports.targets.mujoco import files
 
 STEPS = (1e-4, 1e-3, 4e-3)
 WAYS = (

@@ -20,7 +20,8 @@ import warp as wp
 from measure import RESULTS, machine
 
 import stribeck
-from stribeck.export import export
+from stribeck.exports import export
+from stribeck.exports.python import to_jax, to_torch, to_warp
 
 jax.config.update("jax_enable_x64", True)
 
@@ -125,7 +126,7 @@ class Torch:
     """A joint in PyTorch (double precision): the tanh friction of most hand-written tasks, or the law's step."""
 
     def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
-        self.dt, self.law = step, LAW.to_torch() if own else None
+        self.dt, self.law = step, to_torch(LAW) if own else None
         self.q, self.v, self.z = (torch.zeros(worlds, dtype=torch.float64) for _ in range(3))
 
     def __call__(self, load: float) -> tuple[float, float]:
@@ -143,7 +144,7 @@ class Jax:
     """A joint in JAX (double precision), compiled: the law's step."""
 
     def __init__(self, step: float, worlds: int = 1) -> None:
-        law = LAW.to_jax()
+        law = to_jax(LAW)
         self.state = (jax.numpy.zeros(worlds),) * 3
 
         def advance(state: Any, load: float) -> Any:
@@ -164,7 +165,7 @@ class Kernel:
     """The law's kernel in Warp, and nothing else."""
 
     def __init__(self, step: float, worlds: int) -> None:
-        self.tool = LAW.to_warp()
+        self.tool = to_warp(LAW)
         self.given = [wp.full(worlds, x, dtype=self.tool.real) for x in (0.0, 0.0, 0.9, 1.0, step)]
 
     def __call__(self, load: float) -> None:

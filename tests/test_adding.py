@@ -6,17 +6,18 @@ import sys
 
 import pytest
 
-from stribeck import export
-from stribeck.export import text
+from stribeck import exports
+from stribeck.exports import targets
 
 TARGET = """
-from stribeck.export.request import Target
-
-TARGET = Target("names", "text.zz_names", "the names of the constants", folder=False)
+from stribeck.exports.request import Target, Part
 
 
 def files(request):
     return {"names.txt": " ".join(request.constants)}
+
+
+TARGET = Target("names", "the names of the constants", {"law": Part(files)}, folder=False)
 """
 CHAPTER = "def chapter(done):\n    return None\n"
 
@@ -38,10 +39,10 @@ def beside(tmp_path, monkeypatch):
 def test_an_export_target_is_one_file(beside, monkeypatch, tmp_path):
     import stribeck
 
-    beside(text, "zz_names", TARGET)
-    found = export.targets()
-    assert set(found) - set(export.TARGETS) == {"names"}
-    monkeypatch.setattr(export, "TARGETS", found)
+    beside(targets, "zz_names", TARGET)
+    found = exports.find_targets()
+    assert set(found) - set(exports.TARGETS) == {"names"}
+    monkeypatch.setattr(exports, "TARGETS", found)
     law = stribeck.law("coulomb_viscous", {"F_c": 1.0, "sigma_2": 0.1})
-    (file,) = export.export(law, "names", tmp_path / "names.txt")
+    (file,) = exports.export(law, "names", tmp_path / "names.txt")
     assert file.read_text().split()[:2] == ["F_c", "sigma_2"]

@@ -39,7 +39,7 @@ def test_what_the_page_and_its_drawing_name_exists():
         if "/" in path and not path.startswith(("proofs/", "src/")):
             assert (SOURCE / path).exists() or (ROOT / path).exists(), path
     inside = {
-        "export": "c fmu machine controller text python learning",
+        "exports": "targets c fmu machine controller python",
         "identify": "data features models core methods report actuator",
     }
     for room, parts in inside.items():

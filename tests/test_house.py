@@ -25,7 +25,7 @@ ANY: dict[str, tuple[int, str]] = {
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
     ),
     "identify": (15, "data frames and mappings of users; MuJoCo has no types"),
-    "laws": (7, "constants as users give them; what the exporters above give; a description that is told"),
+    "laws": (4, "constants as users give them; a description that is told"),
     "parameter_sets": (2, "a file's tables, and values as tomllib gives them"),
     "properties": (
         6,

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import stribeck
+from stribeck.exports.python import to_casadi
 
 LAW = {"name": "lugre_majorant", "k_v": 1e4, "parameters": "olsson1998"}  # a DC servo: N m, rad
 MASS, LIMIT, DISTANCE = 0.0023, 1.0, 1.0  # kg m^2, N m, rad
@@ -49,7 +50,7 @@ def coulomb_time() -> tuple[float, float]:
 
 def solve(intervals: int = 60) -> Move:
     """Minimise the time; position, velocity and deflection are scaled to be near 1."""
-    friction, scale = law.to_casadi(), law.scales(law.p)
+    friction, scale = to_casadi(law), law.scales(law.p)
     size = ca.DM([DISTANCE, math.sqrt(DISTANCE * LIMIT / MASS), scale.length])
     x, u = ca.MX.sym("x", 3), ca.MX.sym("u")
     _, v, z = ca.vertsplit(x * size)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stribeck.constants import Constant
     from stribeck.errors import InputError, StribeckError
     from stribeck.exchange import import_
-    from stribeck.export import export
+    from stribeck.exports import export
     from stribeck.identify.api import fit
     from stribeck.identify.result import Fit
     from stribeck.laws import law
@@ -43,7 +43,7 @@ _HOME = {
     "stribeck.constants": ("Constant",),
     "stribeck.errors": ("InputError", "StribeckError"),
     "stribeck.exchange": ("import_",),
-    "stribeck.export": ("export",),
+    "stribeck.exports": ("export",),
     "stribeck.identify.api": ("fit",),
     "stribeck.identify.result": ("Fit",),
     "stribeck.laws": ("law",),
@@ -64,7 +64,7 @@ _HOME = {
     "stribeck.simulation": ("Ensemble", "Solution", "simulate"),
     "stribeck.sweeps.job": ("sweep",),
 }  # fmt: skip
-_EXTRA = {"export": "export", "fit": "fit"}  # where one package alone would not be enough
+_EXTRA = {"export": "fmu", "fit": "fit"}  # where one package alone would not be enough
 
 
 def __getattr__(name: str) -> Any:

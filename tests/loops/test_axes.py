@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.export.harness import need
+from tests.exports.harness import need
 
 FOLDER = Path(__file__).parent.parent.parent / "docs" / "axes"
 

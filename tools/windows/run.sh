@@ -13,4 +13,4 @@ left_out=(tests/identify tests/site tests/paper tests/stories tests/fuzz tests/p
           tests/simulation/test_compiler.py tests/test_published_records.py tests/test_benchmarks.py)
 export PYTHONUTF8=1 STRIBECK_CC=${STRIBECK_CC-none} # UTF-8 for the tests' own reading
 "$folder/winpython" -m pytest -p no:cacheprovider -n auto --dist worksteal -m "not thorough" "${left_out[@]/#/--ignore=}" \
-  --deselect tests/export/test_learning.py::test_every_law_is_written "${@:-tests}"
+  --deselect tests/exports/test_learning.py::test_every_law_is_written "${@:-tests}"

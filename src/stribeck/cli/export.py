@@ -109,8 +109,8 @@ def export(
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
     """Write a law, a controller or a machine for another tool: C, FMU, MuJoCo, Isaac Lab, Newton, a table."""
-    from stribeck.export import SAMPLED, TARGETS
-    from stribeck.export import export as write
+    from stribeck.exports import SAMPLED, TARGETS
+    from stribeck.exports import export as write
     from stribeck.scenario import Scenario
 
     part, scenario, contact = of.part, of.scenario, of.contact
@@ -171,7 +171,7 @@ def _law(
     """The law with the constants of the set, else of the scenario's law (of a machine that of a contact), and what --set
     adds."""
     from stribeck import laws, parameter_sets
-    from stribeck.export import contact_law
+    from stribeck.exports import contact_law
     from stribeck.scenario import parse_assignments
 
     own_law, rotary_body = _of(rig, contact) if rig is not None else (None, False)

@@ -33,7 +33,6 @@ from stribeck.laws import terms
 from stribeck.laws.evaluation import Evaluation
 from stribeck.laws.form import USUAL, Form
 from stribeck.laws.objects import AsObject
-from stribeck.laws.tools import ToTools
 from stribeck.laws.values import Constants, OnTerm
 from stribeck.laws.values import Scales as Scales
 
@@ -104,7 +103,7 @@ def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
 
-class Law(AsObject, Evaluation, ToTools, metaclass=FromFile):
+class Law(AsObject, Evaluation, metaclass=FromFile):
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:

@@ -66,7 +66,7 @@ def _wanted_share(scenario: Scenario) -> float:
 
 
 def sampled_share(rtol: float) -> float:
-    """What one step may err by under a sampled controller; export/templates/machine.c has this line too."""
+    """What one step may err by under a sampled controller; exports/templates/machine.c has this line too."""
     low, high, power = SAMPLED_SHARE
     return float(min(max(low * (1e-6 / rtol) ** power, low), high))
 

@@ -1,3 +1,0 @@
-"""Whole machines: part ``machine`` of the targets c and fmu."""
-
-TARGET = None  # a part of theirs

@@ -1,1 +1,0 @@
-"""Targets that are one text: tables and MuJoCo."""

@@ -1,0 +1,177 @@
+"""A law or a compensator for another tool: the registry of targets, and the one function that writes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stribeck import kinds
+from stribeck.constants import POSITIVE, show
+from stribeck.errors import InputError, arg, nearest, note
+from stribeck.exports import targets
+from stribeck.exports.contact import contact_law
+from stribeck.exports.controller.block import Block, block_of
+from stribeck.exports.machine.model import MachineModel
+from stribeck.exports.request import Content, Options, Request, Target
+from stribeck.files import together, trouble, write_with
+from stribeck.laws.base import Law
+from stribeck.scenario import Scenario
+
+__all__ = ["PARTS", "TARGETS", "Target", "contact_law", "export"]
+
+PARTS = {
+    "law": "the friction law",
+    "body": "a body with this friction",
+    "observer": "the friction observer",
+    "controller": "a controller of a machine, sampled",
+    "compensator": "what a controller of a machine adds against friction",
+    "machine": "a whole machine (schema = 2) with its controllers and its solver",
+}
+
+
+SAMPLED = ("controller", "compensator")
+
+
+def find_targets() -> dict[str, Target]:
+    """Every target by its name: what the modules of :mod:`stribeck.exports.targets` declare."""
+    found: list[Target] = [module.TARGET for module in kinds.modules(targets.__name__, targets.__path__)]
+    return {target.name: target for target in sorted(found, key=lambda target: target.name)}
+
+
+TARGETS = find_targets()
+
+
+def export(
+    law: Law | Scenario | None,
+    target: str,
+    out: str | Path,
+    *,
+    part: str | None = None,
+    scenario: Scenario | None = None,
+    step: float | None = None,
+    self_test: bool = False,
+    origin: str = "",
+    fmi: int = 3,
+    controller: str | None = None,
+    contact: str | None = None,
+    platforms: str = "here",
+) -> list[Path]:
+    """Write a law, a controller or a machine for another tool.
+
+    The loss of accuracy at the time step ``step``, if given, is reported first as a :class:`stribeck.StribeckNote`.
+
+    Args:
+        law: the law with its constants; None for the scenario's own, or a machine's scenario.
+        target: one of :data:`TARGETS`.
+        out: folder of the files (``c``, ``mujoco``), or the file itself.
+        part: one of :data:`PARTS`; not every target has every part. "machine" of a machine, else "law", unless given.
+        scenario: the machine, or the scenario that gives the body's mass, the controller and all else that is not the law's.
+        step: time step of the tool, s.
+        self_test: also write a program that tests the result (target ``c``).
+        fmi: version of FMI, 2 or 3 (target ``fmu``).
+        platforms: "here", or "all": also binaries of an FMU for other platforms (the first compilation takes minutes).
+        controller: name of the machine's controller (parts ``controller`` and ``compensator``); the only one unless given.
+        contact: name of the machine's contact (parts ``law`` and ``observer``); the only one unless given.
+        origin: source of the parameters, for the header; built-in sets are recognized.
+
+    Returns:
+        The files written.
+
+    Raises:
+        InputError: if target or part do not exist or do not fit the law, or if something beside the contact's law would be
+            lost; nothing is written.
+    """
+    out = Path(out)
+    if isinstance(law, Scenario):
+        law, scenario = None, law
+    if part is None:
+        part = "machine" if law is None and scenario is not None and not scenario.rig.single else "law"
+    problems = _problems(target, part, self_test, step, fmi, controller, platforms)
+    if problems:
+        raise InputError(problems)
+    chosen = TARGETS[target]
+    if text := trouble(out, chosen.folder):
+        raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
+    options = Options(self_test, fmi, platforms == "all")
+    what: MachineModel | Block | Request
+    if part == "machine":
+        what = _machine(law, scenario, step, origin, options)
+    elif part in SAMPLED:
+        if law is not None:
+            raise InputError(f"{arg('law')}: {law.name!r}: must be left out: part '{part}' takes all from the machine")
+        what = block_of(scenario, part, controller, step, origin, options)
+    else:
+        what = Request(_law(law, scenario, contact), part, scenario, step, origin, options)
+        if (lost := what.law.beside) and not chosen.loads:
+            able = ", ".join(name for name, each in TARGETS.items() if each.loads)
+            raise InputError(f"{', '.join(lost)}: would be lost: target '{target}' cannot be given them; {able} can")
+    made = chosen.parts[part]
+    content, notes = made.files(what), made.notes(what)
+    for text in notes:
+        note(text)
+    return _write_folder(out, content) if chosen.folder else _write_file(out, content)
+
+
+def _machine(
+    law: Law | None, scenario: Scenario | None, step: float | None, origin: str, options: Options
+) -> MachineModel:
+    """The model of a machine, from which all is taken."""
+    given = {"law": law.name if law is not None else None, "step": step, "self_test": options.self_test or None}
+    if wrong := [f"{arg(n)}: {show(x)}: must be left out" for n, x in given.items() if x is not None]:
+        raise InputError([f"{text}: part 'machine' takes all from the scenario" for text in wrong])
+    return MachineModel(scenario, origin, options)
+
+
+def _law(law: Law | None, scenario: Scenario | None, contact: str | None) -> Law:
+    """The law given, or the friction of the scenario's contact."""
+    if law is not None:
+        return law
+    if scenario is None:
+        raise InputError(f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it")
+    return contact_law(scenario, contact)
+
+
+def _write_file(out: Path, content: Content) -> list[Path]:
+    """The one file of a target."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    (data,) = content.values()
+    write_with(out, lambda beside: beside.write_bytes(_encode(data)))
+    return [out]
+
+
+def _write_folder(out: Path, content: Content) -> list[Path]:
+    """All files, or none."""
+    with together(out, last=next(iter(content))) as beside:
+        for name, data in content.items():
+            (beside / name).write_bytes(_encode(data))
+    return [out / name for name in content]
+
+
+def _encode(data: str | bytes) -> bytes:
+    return data.encode("utf-8") if isinstance(data, str) else data
+
+
+def _problems(
+    target: str, part: str, self_test: bool, step: float | None, fmi: int, controller: str | None, platforms: str
+) -> list[str]:  # fmt: skip
+    if target not in TARGETS:
+        guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
+        return [f"{arg('target')}: {target!r}: no such target{guess}"]
+    found, chosen = [], TARGETS[target]
+    if part not in PARTS:
+        found.append(f"{arg('part')}: {part!r}: must be one of {', '.join(PARTS)}")
+    elif part not in chosen.parts:
+        found.append(f"{arg('part')}: {part!r}: target '{target}' has none; must be one of {', '.join(chosen.parts)}")
+    if self_test and not chosen.self_test:
+        found.append(
+            f"{arg('self_test')}: target '{target}' has none; only {', '.join(n for n in TARGETS if TARGETS[n].self_test)}"
+        )
+    if step is not None and (text := POSITIVE.problem(step)):
+        found.append(f"{arg('step')}: {show(step)}: {text}")
+    if fmi not in (2, 3):
+        found.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
+    if platforms not in ("here", "all"):
+        found.append(f"{arg('platforms')}: {show(platforms)}: must be here or all")
+    if controller is not None and part in PARTS and part not in SAMPLED:
+        text = f"must be left out: part '{part}' has no choice of controllers"
+        found.append(f"{arg('controller')}: {show(controller)}: {text}")
+    return found

@@ -1,0 +1,202 @@
+"""The equations of a law as C functions of double or float: what the exports in C share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from stribeck.control.observer import correction
+from stribeck.errors import needed
+from stribeck.exports.request import ascii_only
+from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
+from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
+from stribeck.expressions.names import Names
+from stribeck.expressions.ops import Value
+from stribeck.laws.base import Law
+from stribeck.laws.evaluation import steady_force
+from stribeck.laws.values import Constants
+from stribeck.machine.elements import bodies
+
+_FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
+DIALECT = Dialect(
+    declare="const real ",
+    functions={name: f"FN({name})" for name in _FUNCTIONS} | {"abs": "FN(fabs)", "sign": "sign_of"},
+    both="&&",
+    either="||",
+    where="{0} ? {1} : {2}",
+    statement_end=";",
+    variable="real ",
+)
+
+# Of C and of the templates' macros: neither a variable nor a member can be called so.
+WORDS = C_WORDS | {"EPSILON", "SLOWEST"}
+_LOCALS = "p v z s l dt a b x y u w side real R FN sign_of rate force dv_dt"
+ARGUMENTS = frozenset({"K", "error"})  # of the equations below: no constant can be called so
+_TAKEN = WORDS | C_FUNCTIONS | frozenset(_LOCALS.split())
+
+
+class CWriter(Writer):
+    """Writes numbers as R(x), so that float code holds no double."""
+
+    def _format(self, node: Expr) -> tuple[str, int]:
+        text, precedence = super()._format(node)
+        if node.op != "constant":
+            return text, precedence
+        assert isinstance(node.value, float)
+        sign, size = ("-", text[1:]) if text.startswith("-") else ("", text)
+        return (f"{sign}R({size})" if size[0].isdigit() else f"(real)({text})"), precedence
+
+
+def statements(outputs: Sequence[tuple[str, Expr]], inputs: Mapping[str, str], names: Names) -> str:
+    """Lines of C that assign expressions to their targets; the target ``return`` returns."""
+    roots = {re.split(r"\W", text)[0] for text in (*inputs.values(), *(target for target, _ in outputs))}
+    written = CWriter(DIALECT, inputs, taken=_TAKEN | roots, names=names).write(outputs)
+    return "\n".join(f"    {line.replace('return = ', 'return ', 1)}" for line in written)
+
+
+@dataclass(frozen=True)
+class LawCode:
+    """A law's equations and their derivatives as expressions of v, z and the constants' names; ``rate`` is dz/dt as
+    an argument of the force."""
+
+    law: Law
+    names: Names = field(default_factory=Names, init=False, compare=False)  # of what the equations hold
+
+    @cached_property
+    def expressions(self) -> dict[str, Expr]:
+        """dz/dt, F, F for a given dz/dt, their derivatives by v and z, and the bound of z where the law has one."""
+        law, v, z, rate = self.law, symbol("v"), symbol("z"), symbol("rate")
+        p = law.symbolic(symbol, law.form, self.names.term)
+        found = {"rate": wrap(law.dz_dt(p, v, z) if law.has_z else 0.0)}
+        found["force_at_rate"] = wrap(law.friction(p, v, z, rate if law.has_z else wrap(0.0)))
+        found["force"] = wrap(law.friction(p, v, z, found["rate"]))
+        found |= {f"{of}_{by.value}": derivative(found[of], by) for of in ("rate", "force") for by in (v, z)}
+        if self.observable:
+            found["pull"] = wrap(correction(p, symbol("K"), symbol("error")))
+        # a law linear in z: dz/dt = a z + b at held v
+        found["a"], found["b"] = found["rate_z"], substitute([found["rate"]], {z: wrap(0.0)}, self.names)[0]
+        found["steady_force"] = steady_force(type(law), p, v, symbol("side"))
+        if self.bounded:
+            found["bound"] = wrap(law.z_bound(p))
+        return found
+
+    @property
+    def linear(self) -> bool:
+        """True where dz/dt is linear in z: the zero-order hold is exact then."""
+        return "z" not in symbols([self.expressions["rate_z"]])
+
+    @property
+    def bounded(self) -> bool:
+        """True where the law claims a bound of z."""
+        return bool(self.law.has_z and self.law.guarantees()["bounded"])
+
+    @property
+    def observable(self) -> bool:
+        """True where the tracking error can correct z: it is weighed by sigma_0."""
+        return self.law.has_z and "sigma_0" in self.law.constants()
+
+    def body(self, outputs: Sequence[tuple[str, str]], arguments: Sequence[str]) -> str:
+        """Statements that assign expressions, given as (target, name), for a function that has these arguments."""
+        found = self.expressions
+        inputs = {name: f"p->{self.inside(name)}" for name in self.law.numbers(self.law.form)}
+        inputs |= {name: name for name in arguments if name != "p"}
+        used = symbols(found[name] for _, name in outputs)
+        unused = [name for name in arguments if name != "p" and name not in used]
+        if not used & set(self.law.numbers(self.law.form)):
+            unused.insert(0, "p")
+        written = statements([(target, found[name]) for target, name in outputs], inputs, self.names)
+        return "\n".join([*(f"    (void){name};" for name in unused), written])
+
+    def inside(self, name: str) -> str:
+        """A constant as a member of what the equations are given in C."""
+        law = self.law
+        return name if not law.inputs else f"load.{name}" if name in law.inputs else f"p.{name}"
+
+    def uses(self, *operations: str) -> bool:
+        """True where any expression needs one of these operations."""
+        return any(node.op in operations for node in ordered(self.expressions.values()))
+
+
+@dataclass(frozen=True)
+class Call:
+    """How a law's functions in C are given its constants, and the loads of a contact where it has inputs."""
+
+    name: str
+    inputs: Sequence[str]
+
+    @property
+    def type(self) -> str:
+        """What the equations take."""
+        return "given" if self.inputs else "parameters"
+
+    @property
+    def declared(self) -> str:
+        """The first arguments of each function in the header."""
+        return f"const {self.name}_parameters *p" + (f", const {self.name}_load *load" if self.inputs else "")
+
+    @property
+    def declared_inside(self) -> str:
+        """The same where the function is defined."""
+        return f"const parameters *constants, const {self.name}_load *load" if self.inputs else "const parameters *p"
+
+    @property
+    def begin(self) -> str:
+        """Lines that make ``p`` of these arguments."""
+        if not self.inputs:
+            return ""
+        finite = " || ".join(f"!isfinite(load->{name})" for name in self.inputs)
+        lines = (
+            "const given now = { *constants, *load }, *const p = &now;",
+            f"if ({finite}) return {self.name}_NOT_FINITE;",
+        )
+        return "".join(f"    {line}\n" for line in lines)
+
+    def given(self, p: str, load: str) -> str:
+        """What a caller writes for them."""
+        return f"{p}, {load}" if self.inputs else p
+
+
+def c_condition(holds: Callable[[Constants], Value], law: Law, place: str = "p->") -> str:
+    """A relation between the constants as a condition in C; ``place``: of what they are members."""
+    writer = CWriter(DIALECT, {name: f"{place}{name}" for name in law.constants()}, taken=_TAKEN)
+    line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.form))))])[-1]
+    return line.removeprefix("result = ").removesuffix(";")
+
+
+def expression(node: Expr, names: Iterable[str]) -> str:
+    """An expression of these symbols in C, on one line."""
+    line = CWriter(DIALECT, {name: name for name in names}, taken=_TAKEN).write([("result", node)])[-1]
+    return line.removeprefix("result = ").removesuffix(";")
+
+
+def net_force() -> dict[str, str]:
+    """What accelerates a body under the drive's force u and the friction F, and its derivative by F, in C."""
+    u, F = symbol("u"), symbol("F")
+    value = wrap(bodies.sum_of_forces(u, F))
+    return {"value": expression(value, ("u", "F")), "by_F": expression(derivative(value, F), ("u", "F"))}
+
+
+def pair(name: str, part: str, values: Mapping[str, object]) -> dict[str, str]:
+    """``NAME.h`` and ``NAME.c`` from the templates of the part."""
+    return {f"{name}.{kind}": render(f"{part}.{kind}", **values) for kind in ("h", "c")}
+
+
+def _number(x: object) -> str:
+    """A number as C and Python write it, NumPy's too."""
+    return repr(float(x) if isinstance(x, float) else x)
+
+
+def render(template: str, **values: object) -> str:
+    """A template of this package, filled in."""
+    with needed("an export", "fmu"):
+        import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("stribeck.exports"), trim_blocks=True, lstrip_blocks=True,
+        keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
+        comment_start_string="{##", autoescape=False,
+    )  # fmt: skip
+    environment.filters["plain"] = ascii_only
+    return environment.get_template(template).render(repr=_number, **values)

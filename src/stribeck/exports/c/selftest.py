@@ -1,0 +1,145 @@
+"""Values that the exported C must reproduce: computed here by the law's NumPy equations and by SciPy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.errors import InputError, arg, needed
+from stribeck.exports.c.ccode import LawCode
+from stribeck.exports.request import Request
+from stribeck.expressions import ops
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import BOUND, Expr, ordered, partials, slope_at, substitute, wrap
+from stribeck.expressions.ops import Value
+from stribeck.laws.base import Law
+
+
+def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
+    """Rows of numbers as C writes them, by function; the last number of a row is the sum of the absolute terms.
+
+    Raises:
+        InputError: with these constants single precision cannot hold the motion that is checked, or a value is not finite.
+    """
+    with np.errstate(all="ignore"):
+        return _cases(request)
+
+
+def _cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
+    law = at_a_load(request.law)
+    equations = LawCode(law)
+    scales, rng = law.scales(law.p), np.random.default_rng(1)
+    speeds = scales.speed * np.array([0.0, 1e-9, -1e-3, 0.3, -1.0, 2.5, -30.0, 1e4])
+    z = scales.length * rng.uniform(-1, 1, speeds.size) if law.has_z else np.zeros(speeds.size)
+    v, z = _single(speeds), _single(z)
+    size = terms(equations, ("rate", "force"))
+    rates, forces = law.rate(v, z), law.force(v, z)
+    found: dict[str, list[tuple[str, ...]]] = {"points": [], "steps": []}
+    found["load"] = [_row(law.values[name] or 0.0 for name in law.inputs)]
+    for i in range(v.size):
+        rate_terms, force_terms = size(v[i], z[i])
+        row = (v[i], z[i], rates[i], rate_terms, forces[i], force_terms, float(law.steady_force(v[i])))
+        found["points"].append(_row(row))
+    for i in range(1, v.size - 1):
+        dt = float(_single(np.array(min(0.05 * scales.length / abs(v[i]), _settled(law, v[i], scales.length)))))
+        after = advance(law, v[i], z[i], dt)
+        found["steps"].append(_row((v[i], z[i], dt, after, scales.length)))
+    return found
+
+
+def at_a_load(law: Law) -> Law:
+    """The law with numbers for its inputs at which its loads show: some of its own force, half of its length."""
+    force = float(law.scales(law.p).force) or 1.0
+    given = {n: 1.25 if n.startswith("factor_") else 0.5 * float(law.scales(law.p).length) for n in law.inputs}
+    given |= {n: (1 - 1.75 * (i % 2)) * force for i, n in enumerate(law.inputs) if n.startswith("load_")}
+    return law.replace(**{n: float(np.float32(x)) for n, x in given.items()}) if given else law
+
+
+def _single(numbers: Array) -> Array:
+    """The numbers as single precision has them: the C that is compiled so has the same inputs."""
+    small, size = np.finfo(np.float32), abs(numbers)
+    wrong = numbers[~((numbers == 0) | ((size >= small.tiny) & (size <= small.max)))]
+    if wrong.size:
+        text = (
+            f"the check of these constants needs {wrong[0]:g}, which single precision does not hold (1.2e-38 to 3.4e38)"
+        )
+        raise InputError(f"{arg('self_test')}: {text}")
+    return numbers.astype(np.float32).astype(float)
+
+
+def _settled(law: Law, v: float, length: float) -> float:
+    """A time after which z has long settled at a speed, s: beyond it an explicit solver takes minutes to show nothing new."""
+    fastest = max(abs(float(law.rate(v, z + 1e-6 * length) - law.rate(v, z))) for z in (-length, 0.0, length)) / (
+        1e-6 * length
+    )
+    return 100 / fastest if fastest else np.inf
+
+
+def terms(equations: LawCode, names: tuple[str, ...]) -> Value:
+    """A function (v, z) -> for each expression the sum of its absolute terms: what its rounding is measured by."""
+    known: dict[Expr, Expr] = {}
+    outputs = [equations.expressions[name] for name in names]
+    for node in ordered(outputs):
+        known[node] = _magnitude(node, known)
+    p = equations.law
+    symbols = list(p.numbers(p.form))
+    function = python_function([*symbols, "v", "z"], [known[node] for node in outputs])
+    values = [p.values[name] for name in symbols]
+
+    def at(v: float, z: float) -> tuple[float, ...]:
+        with np.errstate(all="ignore"):
+            return tuple(float(x) for x in function(*values, v, z))
+
+    return at
+
+
+def output_spread(outputs: list[Expr]) -> list[Expr]:
+    """By how much each output can change where every symbol and constant is wrong by a share of itself, per share, to
+    first order: the sum of the absolute terms, where terms pass through functions. Rounding is measured by it."""
+    known: dict[Expr, Expr] = {}
+    for node in ordered(outputs):
+        total = wrap(0.0)
+        for slope, of in zip(partials(node), node.args, strict=False):
+            total = total + abs(slope) * known[of]
+        if node.op == "root":
+            total = substitute([known[node.args[0]]], {BOUND: node})[0] / abs(slope_at(node))
+        known[node] = total if node.args else abs(node)
+    return [known[node] for node in outputs]
+
+
+def _magnitude(node: Expr, known: dict[Expr, Expr]) -> Expr:
+    parts = [known[arg] for arg in node.args]
+    if node.op in ("add", "sub"):
+        return parts[0] + parts[1]
+    if node.op == "mul":
+        return parts[0] * parts[1]
+    if node.op == "div":
+        return parts[0] / abs(node.args[1])
+    if node.op == "neg":
+        return parts[0]
+    if node.op == "where":
+        return wrap(ops.where(node.args[0], parts[1], parts[2]))
+    return node if node.op in ("lt", "le", "both", "either") else abs(node)
+
+
+def advance(law: Law, v: float, z: float, dt: float) -> float:
+    """z after dt with v held, by SciPy at tolerances near rounding."""
+    with needed("a self-test", "fmu"):
+        from scipy.integrate import solve_ivp
+
+    if not law.has_z:
+        return z
+    length = law.scales(law.p).length
+    solution = solve_ivp(
+        lambda t, x: [float(law.rate(v, x[0]))], (0, dt), [z], method="DOP853", rtol=1e-13, atol=1e-13 * length
+    )
+    return float(solution.y[0, -1])
+
+
+def _row(numbers: Iterable[float]) -> tuple[str, ...]:
+    found = [float(x) for x in numbers]
+    if not np.all(np.isfinite(found)):
+        raise InputError(f"{arg('self_test')}: a value to check by is not finite with these constants")
+    return tuple(map(repr, found))

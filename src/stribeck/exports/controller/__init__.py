@@ -1,0 +1,1 @@
+"""A machine's controller, or what it does against friction, as equations of one sample."""

@@ -1,0 +1,171 @@
+"""``--target fmu``: an FMU of the law or of a body with it, for FMI 3.0 or 2.0, with sources and binaries."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from typing import Unpack
+
+from stribeck.errors import InputError
+from stribeck.exports.c import c99
+from stribeck.exports.c.ccode import expression, pair, render
+from stribeck.exports.c.sampling import resolution
+from stribeck.exports.fmu.binaries import binaries
+from stribeck.exports.fmu.description import (
+    Description,
+    Details,
+    Variable,
+    build_description,
+    model_description,
+    parameter,
+)
+from stribeck.exports.request import Request
+from stribeck.expressions.graph import derivative, symbol, wrap
+from stribeck.laws.base import Scales
+from stribeck.machine.elements.bodies import MASS, sum_of_forces
+
+
+def files(request: Request) -> dict[str, str | bytes]:
+    """The archive, under the name of the model."""
+    return packed("law", "fmu_model", *described(request))
+
+
+def packed(part: str, model: str, of: Description, values: Mapping[str, object]) -> dict[str, str | bytes]:
+    """The archive of what the templates ``part`` and ``model`` say of this FMU; ``fmu.c`` includes the rest."""
+    values = {**values, **of.values()}
+    name, fmi = of.prefix, of.fmi
+    sources = pair(name, part, values) | {
+        f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
+        "fmu.c": render(f"{model}.c", **values) + render(f"fmi{fmi}.c", **values),
+    }
+    content: dict[str, str | bytes] = {"modelDescription.xml": model_description(of)}
+    content |= {f"sources/{file}": text for file, text in sources.items()}
+    if fmi == 3:
+        content["sources/buildDescription.xml"] = build_description(of.model)
+    for folder, library in binaries(sources, fmi, of.everywhere).items():
+        content[f"binaries/{folder}/{of.model}{_suffix(folder)}"] = library
+    content["documentation/index.html"] = _page(of.about)
+    return {f"{of.model}.fmu": _zipped(content)}
+
+
+def described(request: Request) -> tuple[Description, dict[str, object]]:
+    """The FMU of a law or a body, and what its templates need beside."""
+    law, body = request.law, request.part == "body"
+    values = c99.context(Request(law, "law", request.scenario, request.step, request.origin))
+    scales = law.scales(law.p)
+    mass = request.mass if body else 1.0
+    initial = request.scenario.initial if request.scenario is not None and body else {}
+    variables = _variables(request, mass, initial, scales)
+    by_name = {v.name: v.reference for v in variables}
+    states = [v for v in variables if v.start is not None and v.name in ("y", "v", "z") and v.nominal is not None]
+    model = f"{request.name}_{request.part}"
+    about = [*request.about(), *([f"mass = {mass!r} {request.unit('kg')}"] if body else [])]
+    of = Description(
+        request.name, model, request.options.fmi, about, variables, states, exchange=True, slopes=not law.inputs,
+        everywhere=request.options.everywhere,
+    )  # fmt: skip
+    return of, values | {
+        "body": body, "mass": mass, "acceleration": _acceleration(),
+        "partials": _partials(by_name, body, law.has_z), "length": float(scales.length), "speed": float(scales.speed),
+        "unknowns": [v.reference for v in variables if v.calculated_from or v.derivative_of is not None],
+        "knowns": [v.reference for v in variables if (v.causality == "input" or v in states) and v.name not in law.inputs],
+    }  # fmt: skip
+
+
+def _variables(request: Request, mass: float, initial: dict[str, float], scales: Scales) -> list[Variable]:
+    law, body = request.law, request.part == "body"
+    found: list[Variable] = []
+
+    def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Unpack[Details]) -> int:
+        variability = "tunable" if causality == "parameter" else "continuous"
+        unit, meaning = request.unit(unit), request.words(meaning)
+        found.append(Variable(len(found), name, unit, meaning, causality, variability, c, **rest))
+        return len(found) - 1
+
+    add("time", "s", "time", "independent", "m->time", settable=False)
+    if body:
+        u = add("u", "N", "force that drives the body", "input", "m->input", start=0.0)
+        y = add("y", "m", "position", "output", "m->x[0]", start=initial.get("y", 0.0), nominal=float(scales.length))
+        v = add("v", "m/s", "velocity", "output", "m->x[1]", start=initial.get("v", 0.0), nominal=float(scales.speed))
+    else:
+        v = add("v", "m/s", "velocity", "input", "m->input", start=0.0)
+    loads = tuple(
+        add(n, c.unit.removeprefix("1"), c.meaning, "input", f"m->load.{n}", start=request.constants[n])
+        for n, c in law.constants().items()
+        if n in law.inputs
+    )
+    z = -1
+    meaning = "mean bristle deflection"
+    if law.has_z:
+        slot = f"m->x[{2 if body else 0}]"
+        z = add("z", "m", meaning, "local", slot, start=initial.get("z", 0.0), nominal=float(scales.length))
+    of = (v, *loads, z) if law.has_z else (v, *loads)
+    force = "friction force, positive when it opposes positive velocity"
+    add("F", "N", force, "output", "e.force", settable=False, calculated_from=of)
+    slots: list[tuple[str, str, int, tuple[int, ...]]] = []
+    if body:
+        slots = [("der(y)", "m/s", y, (v,)), ("der(v)", "m/s^2", v, (u, *of))]
+    if law.has_z:
+        slots.append(("der(z)", "m/s", z, of))
+    for i, (name, unit, state, known) in enumerate(slots):
+        c = f"e.rate[{i}]"
+        add(name, unit, f"rate of {name[4]}", "local", c, derivative_of=state, settable=False, calculated_from=known)
+    if body:
+        add("mass", "kg", MASS.meaning, "parameter", "m->mass", start=mass, minimum=0.0)
+    if bad := [
+        key for key in request.constants if key not in law.inputs and key in {variable.name for variable in found}
+    ]:
+        raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
+    for key, value in request.constants.items():
+        if key not in law.inputs:
+            found.append(parameter(len(found), key, request.declared[key], f"m->p.{key}", value))
+    return found
+
+
+def _acceleration() -> dict[str, str]:
+    mass, u, F = symbol("mass"), symbol("u"), symbol("F")
+    value = wrap(sum_of_forces(u, F) / mass)
+    names = ("mass", "u", "F")
+    return {
+        "value": expression(value, names),
+        "by_u": expression(derivative(value, u), names),
+        "by_F": expression(derivative(value, F), names),
+    }
+
+
+def _partials(at: dict[str, int], body: bool, has_z: bool) -> list[tuple[int, int, str]]:
+    """(unknown, known, C) of every derivative that is not 0."""
+    found = [("F", "v", "l.force_v")]
+    if has_z:
+        found += [("F", "z", "l.force_z"), ("der(z)", "v", "l.rate_v"), ("der(z)", "z", "l.rate_z")]
+    if body:
+        found += [("der(y)", "v", "1"), ("der(v)", "u", "acceleration_by_u(m->mass)")]
+        found += [("der(v)", known, f"acceleration_by_F(m->mass) * {slope}") for of, known, slope in found if of == "F"]
+    return [(at[unknown], at[known], c) for unknown, known, c in found]
+
+
+def _suffix(folder: str) -> str:
+    return ".dll" if "win" in folder and "darwin" not in folder else ".dylib" if "darwin" in folder else ".so"
+
+
+def _page(lines: list[str]) -> str:
+    from html import escape
+
+    text = escape("\n".join(lines))
+    return f"<!DOCTYPE html>\n<html lang='en'><meta charset='utf-8'><title>FMU</title><pre>{text}</pre></html>\n"
+
+
+def _zipped(content: dict[str, str | bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in sorted(content.items()):
+            entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))  # the same FMU every time
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, data, zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()
+
+
+def notes(request: Request) -> list[str]:
+    """What co-simulation loses at the communication step that was given."""
+    return resolution(request) if request.part == "law" else []

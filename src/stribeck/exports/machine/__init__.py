@@ -1,0 +1,1 @@
+"""Whole machines: part ``machine`` of the targets c and fmu."""

@@ -1,0 +1,142 @@
+"""PyTorch: a law's equations on tensors, and an implicit step of thousands of joints, with gradients."""
+
+from __future__ import annotations
+
+from types import ModuleType, SimpleNamespace
+
+from stribeck.exports.optional import package
+from stribeck.exports.python import stepping
+from stribeck.exports.python.constants import with_load
+from stribeck.exports.python.written import FUNCTIONS, written_equations
+from stribeck.expressions import ops
+from stribeck.expressions.ops import Value
+from stribeck.laws.base import Law
+
+_NAMES = {"both": "logical_and", "either": "logical_or"}
+
+
+class _Backend:
+    """The operations of :mod:`stribeck.expressions.ops` on tensors."""
+
+    def __getattr__(self, op: str) -> Value:
+        return getattr(package("torch"), _NAMES.get(op, op))
+
+
+ops.register("torch", _Backend())
+
+
+class TorchLaw:
+    """A law on PyTorch tensors. The law's constants hold unless they are given by name, one number or one for each
+    world: ``law.step(z, v, effort, inertia, dt, F_s=1.5 + torch.rand(4096))``.
+
+    The type of the tensors is that of ``v`` (or of ``z``): single precision serves, double holds some 1e-9 of it.
+    """
+
+    def __init__(self, law: Law) -> None:
+        torch: ModuleType = package("torch")
+        self.law = law
+        self._torch = torch
+        scope = {name: getattr(torch, _NAMES.get(name, name)) for name in FUNCTIONS}
+        self._equations = written_equations(law, {**scope, "like": torch.full_like})
+
+    def rate(self, v: Value, z: Value, load: Value = None, **constants: Value) -> Value:
+        """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
+        p, (v, z) = self._prepared(load, constants, v, z)
+        return self._equations.slopes(p, v, z)[0] + 0 * v
+
+    def force(self, v: Value, z: Value = 0.0, load: Value = None, **constants: Value) -> Value:
+        """Friction force in N for velocities v (m/s) and deflections z (m)."""
+        p, (v, z) = self._prepared(load, constants, v, z)
+        return self.law.friction(p, v, z, self.law.dz_dt(p, v, z))
+
+    def step(
+        self,
+        state: Value,
+        v: Value,
+        effort: Value,
+        inertia: Value,
+        dt: Value,
+        load: Value = None,
+        **constants: Value,
+    ) -> tuple[Value, Value]:
+        """One implicit step of joints and their bristles: the state after it, and the friction during it.
+
+        An engine that then takes ``v + dt (effort - friction)/inertia`` for the velocity is as stable as the law at
+        any step, and holds what the law holds. Gradients, of the first order, reach every argument and constant.
+
+        Args:
+            state: z of every joint, m (rad); zeros at first. All arguments broadcast.
+            v: the velocities at the start of the step, m/s (rad/s).
+            effort: what else acts on the joints during the step, N (N m): drives, gravity, the rest of the machine.
+            inertia: what the joints feel, kg (kg m^2); a smaller number than the true one is on the safe side.
+            dt: the step, s.
+            load: of a contact (:func:`stribeck.exports.contact_law`) what its level follows, held over the step: its
+                inputs along the last axis, or its one input.
+            **constants: constants of the law in the place of its own.
+
+        Returns:
+            z and the friction, N (N m), positive against positive velocity; nan where a number was not finite.
+        """
+        p, given = self._prepared(load, constants, v, state, effort, inertia, dt)
+        v, state, *rest = self._torch.broadcast_tensors(*given, *vars(p).values())[:5]
+        names = [name for name, value in vars(p).items() if value.requires_grad]
+        arguments = (state, v, *rest)
+        if self._torch.is_grad_enabled() and (names or any(x.requires_grad for x in arguments)):
+            step = _differentiable(self._torch)
+            z, friction = step(self._equations, p, names, *arguments, *(getattr(p, n) for n in names))
+            return z, friction
+        z, friction, _, _ = stepping.solved(self._torch, stepping.loop, self._equations, p, arguments)
+        return z, friction
+
+    def settle(self, state: Value, v: Value, dt: Value, load: Value = None, **constants: Value) -> Value:
+        """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
+        p, (v, state, dt) = self._prepared(load, constants, v, state, dt)
+        return stepping.settled(self._torch, stepping.loop, self._equations, p, v, state + 0 * v, dt)
+
+    def _prepared(
+        self, load: Value, constants: dict[str, Value], *values: Value
+    ) -> tuple[SimpleNamespace, list[Value]]:
+        """The constants and the values as tensors of one type, on one device."""
+        given = with_load(self.law, constants, None if load is None else self._torch.as_tensor(load))
+        tensors = [x for x in values if self._torch.is_tensor(x)]
+        like = next((x for x in tensors if x.is_floating_point()), self._torch.zeros((), dtype=self._torch.float64))
+
+        def made(x: Value) -> Value:
+            return self._torch.as_tensor(x, dtype=like.dtype, device=like.device)
+
+        numbers = {n: made(x) for n, x in {**self.law.values, **given}.items() if x is not None}
+        return SimpleNamespace(**numbers), [made(x) for x in values]
+
+
+_function: list[Value] = []
+
+
+def _differentiable(torch: Value) -> Value:
+    """The step as a function with a gradient of its own, made when torch is there."""
+    if not _function:
+        from torch.autograd.function import once_differentiable
+
+        class Step(torch.autograd.Function):  # type: ignore[misc]
+            @staticmethod
+            def forward(ctx: Value, law: Value, p: Value, names: Value, *values: Value) -> Value:
+                given = tuple(x.detach() for x in values[:5])
+                bare = SimpleNamespace(**{n: x.detach() for n, x in vars(p).items()})
+                x, force, w, jump = stepping.solved(torch, stepping.loop, law, bare, given)
+                ctx.law, ctx.p, ctx.names, ctx.solution, ctx.given = law, bare, names, (x, w, jump), given
+                ctx.shapes = [value.shape for value in values]
+                return x, force
+
+            @staticmethod
+            @once_differentiable  # type: ignore[untyped-decorator]
+            def backward(ctx: Value, by_z: Value, by_force: Value) -> Value:
+                first, each = stepping.adjoint(torch, ctx.law, ctx.p, ctx.solution, ctx.given, by_z, by_force)
+                found = [*first, *(each[name] for name in ctx.names)]
+                return None, None, None, *(g.sum_to_size(s) for g, s in zip(found, ctx.shapes, strict=True))
+
+        _function.append(Step.apply)
+    return _function[0]
+
+
+def to_torch(law: Law) -> TorchLaw:
+    """A law in PyTorch: ``rate``, ``force``, and ``step(state, v, effort, inertia, dt, load) -> (state, friction)``."""
+    return TorchLaw(law)

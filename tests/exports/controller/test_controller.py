@@ -1,0 +1,155 @@
+"""A machine's controller on its target: the same bits as the simulation, on this processor and on another."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+import tomli_w
+
+import stribeck
+from stribeck.cli import _status
+from stribeck.errors import StribeckNote
+from stribeck.exports.controller.block import block_of
+from tests.exports.controller.stages import CASES, stage
+from tests.exports.harness import STRICT, need
+
+DRIVER = r"""
+#include <stdio.h>
+#include "stage_axis.h"
+int main(void)
+{
+    stage_axis_parameters p;
+    stage_axis_state s;
+    stage_axis_input in = {0};
+    stage_axis_output o;
+    double y, k = 0;
+    stage_axis_defaults(&p);
+    stage_axis_reset(&s);
+    for (; scanf("%la", &y) == 1; k++) {
+        in.y = y;
+        if (stage_axis_path_at(&p, k * 1e-3, &in) || stage_axis_step(&p, &s, &in, &o)) return 1;
+        printf("%a\n", o.u);
+    }
+    return 0;
+}
+"""
+HERE, ARM = (("gcc",), ()), (("arm-linux-gnueabihf-gcc", "-static"), ("qemu-arm",))
+
+
+def readings(run):
+    """What the encoder read at each sample."""
+    return np.floor(np.asarray(run["a.y"]) / 1e-6 + 0.5) * 1e-6
+
+
+@pytest.mark.share(3)
+@pytest.mark.parametrize("target", [HERE, ARM], ids=["here", "arm"])
+@pytest.mark.parametrize("case", CASES)
+def test_processor_in_the_loop(case, target, tmp_path):
+    """Fed with what the simulated encoder read, the exported C puts out what the simulated controller did, to the bit: put
+    in its place it would therefore move the machine to the bit the same."""
+    (cc, *static), run = target
+    for tool in (cc, *run):
+        if shutil.which(tool) is None:
+            pytest.skip(f"{tool} is not installed")
+    scenario = stage(case)
+    with pytest.warns(StribeckNote, match="act 0.0005 s after the sample"):
+        stribeck.export(scenario, "c", tmp_path, part="controller")
+    (tmp_path / "driver.c").write_text(DRIVER)
+    program, sources = str(tmp_path / "loop"), [str(tmp_path / f) for f in ("stage_axis.c", "driver.c")]
+    subprocess.run([cc, *static, *STRICT, "-O2", *sources, "-o", program, "-lm"], check=True)
+    simulated = stribeck.simulate(scenario)
+    given = "\n".join(float(y).hex() for y in readings(simulated))
+    done = subprocess.run([*run, program], input=given, capture_output=True, text=True, check=True)
+    found = np.array([float.fromhex(line) for line in done.stdout.split()])
+    acting = np.asarray(simulated["axis.u"])[1:]  # an output begins to act half a period after its sample
+    assert len(found) == 401
+    assert len(set(acting.tolist())) > 200
+    assert found[:-1].tolist() == acting.tolist()
+
+
+def test_one_wrong_constant_is_seen(tmp_path):
+    """The test above can fail: another gain gives other bits."""
+    scenario = stage("filtered")
+    other = scenario.with_changes({"controllers.axis.K_d": 200.0 * (1 + 1e-14)})
+    u = [np.asarray(stribeck.simulate(x)["axis.u"]) for x in (scenario, other)]
+    assert (u[0] != u[1]).any()
+
+
+@pytest.mark.parametrize("part", ["controller", "compensator"])
+@pytest.mark.parametrize("case", ["measured", "reference", "elastic", "filtered", "dithered", "square"])
+def test_self_test(case, part, tmp_path):
+    """Without a warning, in double and in single precision; no allocation."""
+    need("gcc")
+    if part == "compensator" and "compensation" not in CASES[case]:
+        with pytest.raises(stribeck.InputError, match="compensation: missing"):
+            stribeck.export(stage(case), "c", tmp_path / "out", part=part)
+        assert not (tmp_path / "out").exists()
+        return
+    files = stribeck.export(stage(case), "c", tmp_path, part=part, self_test=True)
+    name = files[0].stem
+    for define in ("-DDOUBLE", f"-D{name.upper()}_FLOAT"):
+        words = ["gcc", *STRICT, "-O1", define, *(str(f) for f in files if f.suffix == ".c")]
+        subprocess.run([*words, "-o", str(tmp_path / "check"), "-lm"], check=True)
+        assert (
+            "all checks passed"
+            in subprocess.run([tmp_path / "check"], capture_output=True, text=True, check=True).stdout
+        )
+    text = "".join(f.read_text() for f in files)
+    assert "malloc" not in text
+    assert re.search(r"One sample takes at most \d", text)
+    assert not re.search(r"takes at most .*\b1 (\w+s\b|calls)", text)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmu(fmi, tmp_path):
+    """One communication step is one sample: the first outputs of a replay are those of the block's equations."""
+    need("gcc")
+    fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
+    from fmpy.validation import validate_fmu
+
+    scenario = stage("filtered")
+    (path,) = stribeck.export(scenario, "fmu", tmp_path / "axis.fmu", part="controller", fmi=fmi)
+    assert validate_fmu(str(path)) == []
+    run = stribeck.simulate(scenario)
+    y = readings(run)
+    given = np.zeros(len(y), dtype=[("time", float), ("r", float), ("y", float)])
+    given["time"], given["r"], given["y"] = run.t, run["axis.r"], y
+    found = fmpy.simulate_fmu(str(path), stop_time=0.3, output_interval=1e-3, input=given, output=["u"])
+    shown = np.asarray(found["u"])[1:]
+    expected = np.asarray(run["axis.u"])[1 : len(shown) + 1]
+    assert np.abs(shown - expected).max() <= 1e-9 * np.abs(expected).max()
+
+
+def test_a_table_of_the_compensation(tmp_path):
+    scenario = stage("measured")
+    (path,) = stribeck.export(scenario, "table", tmp_path / "f.csv", part="compensator")
+    v, F = np.loadtxt([x for x in path.read_text().splitlines() if x[:1] not in "#v"], delimiter=",").T
+    steady = scenario.rig.laws["contacts.guide.law"].steady_force(v)
+    assert np.abs(F - 0.8 * steady).max() <= 0.02 * F.max()
+    with pytest.raises(stribeck.InputError, match="must be one of law, compensator"):
+        stribeck.export(scenario, "table", tmp_path / "g.csv", part="controller")
+
+
+def test_a_continuous_controller_needs_a_sample_time():
+    scenario = stage("measured", sampling=None)
+    with pytest.raises(stribeck.InputError, match="has no sampling: give its sample time"):
+        block_of(scenario, "controller")
+    assert "simulate what is exported with" in block_of(scenario, "controller", step=1e-3).notes()[0]
+    with pytest.raises(stribeck.InputError, match="must be left out"):
+        block_of(stage(), "controller", step=2e-3)
+    with pytest.raises(stribeck.InputError, match="no such controller"):
+        block_of(stage(), "controller", controller="axi")
+
+
+def test_the_command(tmp_path, capsys):
+    file = tmp_path / "stage.toml"
+    file.write_text(tomli_w.dumps(stage().data))
+    words = ["export", str(file), "--part", "controller", "--target", "c", "--out", str(tmp_path / "out"), "--json"]
+    assert _status([*words, "--set", "controllers.axis.K_v=140.0"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["part"] == "controller"
+    assert "p->K_v = R(140.0)" in (tmp_path / "out" / "stage_axis.c").read_text()
+    assert _status(["export", "lugre", "--parameters", "canudas1995", *words[2:]]) == 2

@@ -1,0 +1,215 @@
+"""An export carries what the file says, or says by name what it does not: every key of a machine, every target."""
+
+import copy
+import json
+import re
+import warnings
+import zipfile
+
+import pytest
+
+import stribeck
+from stribeck import InputError, Scenario
+from stribeck.exports import TARGETS
+from stribeck.exports.fmu import binaries
+from stribeck.scenario import schema
+from tests.machine.machines import law, machine
+
+WAVE = {"kind": "sine", "amplitude": 0.5, "frequency": 2.0}
+LOADS = [
+    {"force": {"gear": 1.0, "weight": -0.4}, "F_c": 0.1, "F_s": 0.2},
+    {"force": "gear", "against": "weight", "F_c": 0.01, "F_s": 0.02},
+]
+RIPPLE = {"amplitude": [0.05], "waves": [8.0], "phase": [0.2]}
+FACTORS = {"level": RIPPLE, "sigma_2": {"signal": {"kind": "points", "t": [0.0, 0.4], "value": [1.0, 1.5]}}}
+RUB = {"name": "lugre_majorant", "k_v": 1e5, "v_d": 0.1, "delta": 1.5, "parameters": law()["parameters"]}
+CONTROLLER = {
+    "kind": "cascade", "on": "drive", "measures": "rotor", "signal": WAVE, "K_p": 30.0, "K_v": 0.5, "T_i": 0.05,
+    "limit": 2.0, "feedforward": {"inertia": 1e-3},
+    "compensation": {"law": RUB, "speed": "measured", "share": 0.8, "lead": 1e-3},
+    "sampling": {"period": 1e-3, "delay": 5e-4, "resolution": 1e-5, "noise": 1e-5, "seed": 3, "bandwidth": 500.0},
+    "dither": {"kind": "sine", "amplitude": 0.1, "frequency": 80.0},
+}  # fmt: skip
+EVERY = machine(
+    {
+        "rotor": {"inertia": 1e-3, "initial": {"y": 0.1, "v": 0.2}},
+        "arm": {"inertia": 0.1},
+        "flange": {"inertia": 0.01, "tied_to": "arm", "ratio": 2.0},
+        "slide": {"kind": "laden", "mass": 2.0, "added": WAVE},
+        "belt": {"velocity": {"signal": WAVE}, "rotary": True},
+    },
+    0.4,
+    energy=False,
+    links={
+        "gear": {"from": "rotor", "to": "arm", "ratio": 0.1, "stiffness": 50.0, "damping": 0.2, "gap": 1e-3},
+        "stop": {
+            "kind": "spring",
+            "from": "slide",
+            "to": "ground",
+            "stiffness": 5.0,
+            "preload": 0.1,
+            "reach": 0.01,
+            "second": 30.0,
+        },
+    },
+    contacts={
+        "mesh": {"from": "arm", "to": "ground", "ratio": 3.0, "law": RUB, "loads": LOADS, "factors": FACTORS},
+        "rub": {"from": "rotor", "to": "belt", "law": law(), "initial": {"z": 1e-6}},
+    },
+    loads={
+        "weight": {"on": "arm", "kind": "pendulum", "amplitude": 0.4, "phase": 0.1},
+        "cogging": {"on": "rotor", "kind": "ripple", **RIPPLE},
+        "detent": {"on": "slide", "kind": "by_position", "position": [-0.1, 0.2], "value": [0.3, -0.1]},
+        "push": {"on": "slide", "kind": "signal", "signal": WAVE, "gain": 2.0},
+    },
+    motors={
+        "drive": {"on": "rotor", "K": 0.1, "R": 1.0, "L": 1e-3, "voltage": 40.0, "current_time": 2e-3},
+        "second": {"on": "arm", "K": 0.1, "R": 1.0, "signal": WAVE},
+    },
+    controllers={
+        "axis": CONTROLLER,
+        "hold": {
+            "kind": "pid",
+            "on": "arm",
+            "signal": WAVE,
+            "K_p": 3.0,
+            "K_i": 2.0,
+            "K_d": 0.1,
+            "compensation": {"contact": "rub", "speed": "reference"},
+        },
+    },
+    sensors={"scale": {"kind": "encoder", "on": "slide", "resolution": 1e-4, "ratio": 2.0, "offset": 0.01}},
+)
+EVERY["solve"] |= {"rtol": 1e-8, "max_steps": 10**6, "atol": {"arm.y": 1e-9}}
+OTHER = {"sine": "square", "measured": "reference", "ground": "rotor"}
+
+
+@pytest.fixture(autouse=True)
+def _sources_only(monkeypatch):
+    """FMUs as they are written without a compiler: what counts here is their text."""
+    monkeypatch.setattr(binaries.compiler, "find", lambda: None)
+
+
+def leaves(node, *path):
+    """The keys whose value is no table; lists of numbers are values."""
+    if isinstance(node, dict):
+        return [leaf for key, inner in node.items() for leaf in leaves(inner, *path, key)]
+    if isinstance(node, list) and isinstance(node[0], dict):
+        return [leaf for i, inner in enumerate(node) for leaf in leaves(inner, *path, i)]
+    return [path]
+
+
+def at(data, path):
+    for key in path:
+        data = data[key]
+    return data
+
+
+def with_value(data, path, value):
+    data = copy.deepcopy(data)
+    at(data, path[:-1])[path[-1]] = value
+    return data
+
+
+def without(data, *path):
+    data = copy.deepcopy(data)
+    del at(data, path[:-1])[path[-1]]
+    return data
+
+
+def moved(value):
+    """Another value of the same kind."""
+    if isinstance(value, list):
+        return [*value[:-1], moved(value[-1])]
+    return value + 1 if isinstance(value, int) and not isinstance(value, bool) else value * 1.125
+
+
+def exported(data, target, part, folder):
+    """The files by name with their bytes, FMUs unpacked, and every line that was said or refused."""
+    words = {"contact": "mesh"} if part in ("law", "observer") else {"controller": "axis"} if part != "machine" else {}
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            files = stribeck.export(Scenario(data), target, folder, part=part, **words)
+        except InputError as error:
+            return {}, "\n".join(error.problems)
+    content = {file.name if TARGETS[target].folder else "": file.read_bytes() for file in files}
+    if target == "fmu":
+        (file,) = files
+        with zipfile.ZipFile(file) as archive:
+            content = {n: archive.read(n) for n in archive.namelist() if not n.startswith("binaries")}
+    return content, "\n".join(str(each.message) for each in said)
+
+
+def keys(node, apart):
+    """The keys of every table that a node of the JSON Schema describes, but for tables with such words in them."""
+    if isinstance(node, list):
+        return set().union(*(keys(each, apart) for each in node))
+    if not isinstance(node, dict) or any(word in json.dumps(node.get("properties", {}).get("kind")) for word in apart):
+        return set()
+    own = set(node["properties"]) if isinstance(node.get("properties"), dict) else set()
+    return own.union(*(keys(inner, apart) for inner in node.values()))
+
+
+def test_every_key_of_a_machine_is_in_the_one_that_is_tried():
+    tables = schema.json_schema()["$defs"]["machine"]["properties"]
+    used = {key for path in leaves(EVERY) for key in path}
+    for section in ("bodies", "links", "contacts", "loads", "motors", "controllers", "sensors", "solve"):
+        assert keys(tables[section], apart=["pneumatic", "pressure"]) <= used, section
+
+
+# What a value is changed to is another structure, which the tests of machines have.
+STRUCTURE = {"schema", "name", "kind", "on", "from", "tied_to", "measures", "force", "against", "contact", "energy"}
+
+
+def not_carried(target, part, folder, inside, data=EVERY, refused=()):
+    """The keys below ``inside`` whose other value changes neither a file nor what is said of it by name."""
+    untouched, _ = exported(data, target, part, folder / "as-it-is")
+    assert untouched
+    lost = []
+    for path in leaves(data):
+        value, name = at(data, path), ".".join(map(str, path))
+        if not name.startswith(inside) or path[-1] in STRUCTURE or (isinstance(value, str) and value not in OTHER):
+            continue
+        new = OTHER[value] if isinstance(value, str) else moved(value)
+        files, said = exported(with_value(data, path, new), target, part, folder / "changed")
+        if files == untouched and not any(name.startswith(word) for word in re.findall(r"[\w.]+\.\w+", said)):
+            lost.append(name)
+    return lost
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("target", ["c", "fmu"])
+def test_a_machine_carries_every_key(target, tmp_path):
+    """By other bytes for every other value."""
+    assert not_carried(target, "machine", tmp_path, "") == []
+
+
+@pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "law" in each.parts and each.loads])
+def test_the_friction_of_a_contact_carries_every_key_or_names_it(target, tmp_path):
+    lost = not_carried(target, "law", tmp_path, "contacts.mesh.")
+    apart = ("contacts.mesh.to", "contacts.mesh.factors.sigma_2.signal.")  # where it is; what is an input
+    assert [name for name in lost if not name.startswith(apart)] == []
+
+
+@pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "controller" in each.parts])
+def test_a_controller_carries_every_key_or_names_it(target, tmp_path):
+    lost = not_carried(target, "controller", tmp_path, "controllers.axis.")
+    if target == "fmu":  # whose reference is an input
+        lost = [name for name in lost if not name.startswith("controllers.axis.signal.")]
+    assert lost == []
+
+
+@pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "compensator" in each.parts])
+def test_a_compensator_carries_every_key_or_names_it(target, tmp_path):
+    data = EVERY if target != "table" else without(EVERY, "controllers", "axis", "compensation", "lead")
+    lost = not_carried(target, "compensator", tmp_path, "controllers.axis.compensation.", data)
+    if target == "table":  # the steady friction does not depend on the bristles' damping
+        lost = [name for name in lost if not name.endswith(("law.v_d", "parameters.sigma_1"))]
+    assert lost == []
+
+
+def test_what_a_table_cannot_have_is_refused_by_name(tmp_path):
+    files, said = exported(EVERY, "table", "compensator", tmp_path / "out")
+    assert not files
+    assert said.startswith("controllers.axis.compensation.lead: would be lost")

@@ -1,0 +1,531 @@
+"""FMUs, validated and run by FMPy, against the simulation."""
+
+import importlib.util
+import os
+import subprocess
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.errors import StribeckNote
+from stribeck.exports.fmu import binaries
+from stribeck.exports.fmu.description import dimensions
+from tests.exports.harness import law, need
+
+fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("fmu")
+
+
+def rig(name, drive, t_end=1.0, step=0.01):
+    own = {n: x for n, x in law(name).values.items() if n in stribeck_constants(name) and x is not None}
+    return stribeck.Scenario({
+        "schema": 1, "law": {"name": name, "parameters": "canudas1995", **own}, "plant": {"mass": 1.0}, "drive": drive,
+        "solve": {"t_end": t_end}, "output": {"step": step},
+    })  # fmt: skip
+
+
+def stribeck_constants(name):
+    return type(law(name)).own_constants()
+
+
+FORCE = {"kind": "force", "signal": {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}}
+VELOCITY = {"kind": "velocity", "signal": {"kind": "sine", "amplitude": 2e-3, "frequency": 1.0}}
+
+
+def fmu(name, part, fmi, folder):
+    need("gcc")
+    path = folder / f"{name}_{part}_{fmi}.fmu"
+    if not path.exists():
+        scenario = rig(name, FORCE) if part == "body" else None
+        stribeck.export(law(name), "fmu", path, part=part, fmi=fmi, scenario=scenario)
+    return str(path)
+
+
+CASES = [("lugre_majorant", "law"), ("elastoplastic_majorant", "body"), ("makkar", "law"), ("makkar", "body")]
+
+
+@pytest.mark.share(4)
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(("name", "part"), CASES)
+def test_valid(name, part, fmi, folder):
+    from fmpy.validation import validate_fmu
+
+    path = fmu(name, part, fmi, folder)
+    assert validate_fmu(path) == []
+    description = fmpy.read_model_description(path)
+    assert description.fmiVersion == f"{fmi}.0"
+    parameters = {v.name: v for v in description.modelVariables if v.causality == "parameter"}
+    expected = {n: x for n, x in law(name).values.items() if x is not None} | ({"mass": 1.0} if part == "body" else {})
+    assert {n: float(v.start) for n, v in parameters.items()} == expected
+    assert all(v.variability == "tunable" for v in parameters.values())
+    constants = law(name).constants()
+    assert all(v.unit == constants[n].unit for n, v in parameters.items() if n != "mass" and constants[n].unit)
+
+
+def held(drive, h, t_end=1.0):
+    """The drive with its signal held over steps of h, as a co-simulation holds its inputs."""
+    n = round(t_end / h)
+    wave = drive["signal"]["amplitude"] * np.sin(2 * np.pi * drive["signal"]["frequency"] * h * np.arange(n))
+    t = np.repeat(h * np.arange(n + 1), 2)[1:-1]
+    return {"kind": drive["kind"], "signal": {"kind": "points", "t": t.tolist(), "value": np.repeat(wave, 2).tolist()}}
+
+
+def by_steps(path, drive, column, h, output, t_end=1.0):
+    """FMPy's co-simulation with steps of h, every 10 ms."""
+    t = h * np.arange(round(t_end / h) + 1)
+    signals = np.zeros(t.size, dtype=[("time", float), (column, float)])
+    signals["time"] = t
+    signals[column] = drive["signal"]["amplitude"] * np.sin(2 * np.pi * drive["signal"]["frequency"] * t)
+    found = fmpy.simulate_fmu(
+        path, stop_time=t_end, fmi_type="CoSimulation", input=signals, output_interval=h, output=output,
+        relative_tolerance=1e-8,
+    )  # fmt: skip
+    return found[:: round(0.01 / h)]
+
+
+@pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic_majorant", 3), ("makkar", 2)])
+def test_body_in_model_exchange(name, fmi, folder):
+    """FMPy's CVODE, a constant force (FMPy holds inputs between communication points)."""
+    push = {"kind": "force", "signal": {"kind": "points", "t": [0.0], "value": [3.0]}}
+    exact = stribeck.simulate(rig(name, push))
+    found = fmpy.simulate_fmu(
+        fmu(name, "body", fmi, folder), stop_time=1.0, fmi_type="ModelExchange", start_values={"u": 3.0},
+        output_interval=0.01, relative_tolerance=1e-8, output=["y", "v", "F"],
+    )  # fmt: skip
+    for column in ("y", "v"):
+        assert found[column] == pytest.approx(exact[column], abs=2e-6 * np.max(exact[column]))
+    assert found["F"][5:] == pytest.approx(exact["F"][5:], rel=1e-4)
+
+
+@pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic_majorant", 3), ("makkar", 2)])
+def test_body_in_co_simulation(name, fmi, folder):
+    exact = stribeck.simulate(rig(name, held(FORCE, 5e-3)))
+    found = by_steps(fmu(name, "body", fmi, folder), FORCE, "u", 5e-3, ["y", "v"])
+    assert found["y"] == pytest.approx(exact["y"], abs=1e-4 * np.max(abs(exact["y"])))
+    assert found["v"] == pytest.approx(exact["v"], abs=1e-3 * np.max(abs(exact["v"])))
+
+
+@pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic", 3), ("makkar", 2)])
+def test_law_in_co_simulation(name, fmi, folder):
+    """The velocity held over each step: F is compared just before the next value comes."""
+    exact = stribeck.simulate(rig(name, held(VELOCITY, 1e-3), step=0.01))
+    found = by_steps(fmu(name, "law", fmi, folder), VELOCITY, "v", 1e-3, ["F", *(["z"] if name != "makkar" else [])])
+    if name != "makkar":
+        assert found["z"] == pytest.approx(exact["z"], abs=(1e-6 if name == "lugre_majorant" else 1e-3) * 1.5e-5)
+    chosen, v = law(name), 2e-3 * np.sin(2 * np.pi * (0.01 * np.arange(101) - 1e-3))
+    z = found["z"] if name != "makkar" else 0.0
+    assert found["F"][1:] == pytest.approx(chosen.force(v, z)[1:], rel=1e-9)
+
+
+def test_law_in_model_exchange(folder):
+    """The bristle after a jump of the velocity, by FMPy's CVODE and in closed form."""
+    found = fmpy.simulate_fmu(
+        fmu("lugre_majorant", "law", 3, folder), stop_time=0.05, fmi_type="ModelExchange", start_values={"v": 1e-3},
+        output_interval=1e-3, relative_tolerance=1e-9, output=["z", "F"],
+    )  # fmt: skip
+    chosen = law("lugre_majorant")
+    rate = float(chosen.jacobian(1e-3, 0.0)[1])
+    z = chosen.steady_deflection(1e-3) * -np.expm1(rate * found["time"])
+    assert found["z"] == pytest.approx(z, abs=1e-7 * 1.5e-5)
+    assert found["F"] == pytest.approx(chosen.force(1e-3, z), rel=1e-6)
+
+
+class Slave:
+    """An FMU instance of FMI 3.0, its messages kept."""
+
+    def __init__(self, path, unpacked):
+        from fmpy.fmi3 import FMU3Slave
+
+        description = fmpy.read_model_description(path)
+        self.reference = {v.name: v.valueReference for v in description.modelVariables}
+        self.messages = []
+        self.fmu = FMU3Slave(
+            guid=description.guid, unzipDirectory=unpacked, modelIdentifier=description.coSimulation.modelIdentifier
+        )
+        from fmpy.fmi3 import fmi3LogMessageCallback
+
+        def log(environment, status, category, message):
+            self.messages.append(message.decode())
+
+        self._keep = fmi3LogMessageCallback(log)
+        self.fmu.instantiate(loggingOn=True, logMessage=self._keep)
+
+    def start(self):
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def set(self, name, value):
+        self.fmu.setFloat64([self.reference[name]], [value])
+
+    def get(self, name):
+        return self.fmu.getFloat64([self.reference[name]])[0]
+
+    def step(self, t, h):
+        self.fmu.doStep(currentCommunicationPoint=t, communicationStepSize=h)
+
+
+@pytest.fixture
+def slave(folder):
+    path = fmu("lugre_majorant", "body", 3, folder)
+    unpacked = fmpy.extract(path)
+    return lambda: Slave(path, unpacked)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [("k_v", -1.0, "k_v must be a finite number > 0"), ("F_s", 0.5, "at least F_c"), ("mass", 0.0, "mass must be"),
+     ("sigma_0", float("nan"), "sigma_0 must be"), ("v_s", float("inf"), "v_s must be")],
+)  # fmt: skip
+def test_wrong_parameters(key, value, said, slave):
+    from fmpy.fmi1 import FMICallException
+
+    body = slave()
+    body.set(key, value)
+    with pytest.raises(FMICallException):
+        body.start()
+    assert any(said in message for message in body.messages)
+    other = slave()
+    other.start()
+    other.set(key, value)  # tuned wrongly on the way
+    with pytest.raises(FMICallException):
+        other.step(0.0, 1e-3)
+    assert any(said in message for message in other.messages)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_tolerance_below_rounding(fmi, folder):
+    """It is no reason to go on for ever: 1e-15 is taken as the finest that rounding allows."""
+    name, path = "lugre_majorant", fmu("lugre_majorant", "body", fmi, folder)
+    inputs = np.array([(0.0, 3.0), (1.0, 3.0)], dtype=[("time", float), ("u", float)])
+    ways = {"stop_time": 0.02, "fmi_type": "CoSimulation", "output_interval": 0.01, "input": inputs, "output": ["y"]}
+    fine, finest = (fmpy.simulate_fmu(path, relative_tolerance=x, timeout=60, **ways)["y"] for x in (1e-9, 1e-15))
+    force = {"kind": "force", "signal": {"kind": "points", "t": [0.0], "value": [3.0]}}
+    y = stribeck.simulate(rig(name, force, t_end=0.02))["y"]
+    assert finest == pytest.approx(y, rel=1e-7)
+    assert finest == pytest.approx(fine, rel=1e-6)
+
+
+def test_steps_without_end_are_given_up(slave):
+    """A tolerance that needs more steps than can be made is an error, and the state stays."""
+    from fmpy.fmi1 import FMICallException
+
+    body = slave()
+    body.fmu.enterInitializationMode(tolerance=1e-15)
+    body.fmu.exitInitializationMode()
+    body.set("u", 3.0)
+    with pytest.raises(FMICallException):
+        body.step(0.0, 1e4)
+    assert any("the tolerance needs more steps" in message for message in body.messages)
+    assert (body.get("y"), body.get("v"), body.get("z")) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(("name", "fmi"), [("makkar", 2), ("makkar", 3), ("lugre_majorant", 3)])
+def test_an_input_that_is_no_number_in_model_exchange(name, fmi, folder):
+    from fmpy.fmi1 import FMICallException
+    from fmpy.fmi2 import FMU2Model
+    from fmpy.fmi3 import FMU3Model
+
+    path = fmu(name, "law", fmi, folder)
+    description = fmpy.read_model_description(path)
+    reference = {v.name: v.valueReference for v in description.modelVariables}
+    model = (FMU2Model if fmi == 2 else FMU3Model)(
+        guid=description.guid, unzipDirectory=fmpy.extract(path),
+        modelIdentifier=description.modelExchange.modelIdentifier,
+    )  # fmt: skip
+    model.instantiate()
+    if fmi == 2:
+        model.setupExperiment()
+    model.enterInitializationMode()
+    model.exitInitializationMode()
+    put, get = (model.setReal, model.getReal) if fmi == 2 else (model.setFloat64, model.getFloat64)
+    put([reference["v"]], [1e-3])
+    assert np.isfinite(get([reference["F"]])).all()
+    for wrong in (np.nan, np.inf):
+        put([reference["v"]], [wrong])
+        with pytest.raises(FMICallException):
+            get([reference["F"]])
+        with pytest.raises(FMICallException):
+            model.newDiscreteStates() if fmi == 2 else model.updateDiscreteStates()
+    put([reference["v"]], [1e-3])
+    assert np.isfinite(get([reference["F"]])).all()
+
+
+class Exchanged:
+    """An instance for model exchange: what each state of an FMU computes, told whether it is refused."""
+
+    def __init__(self, path, fmi):
+        from fmpy.fmi2 import FMU2Model
+        from fmpy.fmi3 import FMU3Model
+
+        self.of, self.fmi = fmpy.read_model_description(path), fmi
+        self.fmu = (FMU2Model if fmi == 2 else FMU3Model)(
+            guid=self.of.guid, unzipDirectory=fmpy.extract(path),
+            modelIdentifier=self.of.modelExchange.modelIdentifier,
+        )  # fmt: skip
+        self.fmu.instantiate()
+        self.put, self.get = (
+            (self.fmu.setReal, self.fmu.getReal) if fmi == 2 else (self.fmu.setFloat64, self.fmu.getFloat64)
+        )
+        self.outputs = [v.valueReference for v in self.of.modelVariables if v.causality == "output" and not v.start]
+        self.known = [v.valueReference for v in self.of.modelVariables if v.causality == "input"]
+
+    def reach(self, state):
+        """Until this state of an FMU."""
+        if self.fmi == 2:
+            self.fmu.setupExperiment()
+        for name in ("enterInitializationMode", "exitInitializationMode", "enterContinuousTimeMode"):
+            if state == name:
+                return
+            getattr(self.fmu, name)()
+
+    def computes(self):
+        """What the FMU is asked to compute, by name."""
+        import ctypes
+
+        n = len(self.of.derivatives)
+        rates = (ctypes.c_double * max(n, 1))()
+        asked = {f"output {r}": lambda r=r: self.get([r]) for r in self.outputs}
+        if n:
+            take = self.fmu.getDerivatives if self.fmi == 2 else self.fmu.getContinuousStateDerivatives
+            asked["rates"] = lambda: take(rates, n)
+        return asked
+
+    def refused(self):
+        """Whether each of these is refused."""
+        from fmpy.fmi1 import FMICallException
+
+        found = {}
+        for name, ask in self.computes().items():
+            try:
+                ask()
+                found[name] = False
+            except FMICallException:
+                found[name] = True
+        return found
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "fmi"), [("dahl", "law", 2), ("dahl", "law", 3), ("makkar", "law", 2), ("makkar", "body", 3)]
+)
+@pytest.mark.parametrize(
+    "state", ["enterInitializationMode", "exitInitializationMode", "enterContinuousTimeMode", "end"]
+)
+def test_nothing_is_computed_with_constants_that_are_not_allowed(name, part, fmi, state, folder):
+    """F_c = inf was taken where it was set while time goes on: only a step, or the end of the initialisation, looked."""
+    model = Exchanged(fmu(name, part, fmi, folder), fmi)
+    model.reach(state)
+    assert not any(model.refused().values())
+    for v in model.of.modelVariables:
+        if v.causality != "parameter":
+            continue
+        constant = law(name).constants().get(v.name)
+        wrong = [np.nan, np.inf, -np.inf, -1.0, *([0.0] if constant is None or constant.above is not None else [])]
+        for value in (x for x in wrong if constant is None or constant.problem(x)):
+            model.put([v.valueReference], [value])
+            assert all(model.refused().values()), (v.name, value)
+        model.put([v.valueReference], [float(v.start)])
+        assert not any(model.refused().values())
+    model.put(model.known[:1], [np.nan])
+    assert all(model.refused().values())
+
+
+@pytest.mark.parametrize(("name", "part", "fmi"), [("dahl", "law", 2), ("makkar", "body", 3)])
+def test_states_and_times_are_numbers(name, part, fmi, folder):
+    import ctypes
+
+    from fmpy.fmi1 import FMICallException
+
+    model = Exchanged(fmu(name, part, fmi, folder), fmi)
+    model.reach("end")
+    n = len(model.of.derivatives)
+    for bad in (np.nan, np.inf, -np.inf):
+        with pytest.raises(FMICallException):
+            model.fmu.setTime(bad)
+        for i in range(n):
+            x = (ctypes.c_double * n)(*[bad if k == i else 0.0 for k in range(n)])
+            with pytest.raises(FMICallException):
+                model.fmu.setContinuousStates(x, n)
+            assert not any(model.refused().values())
+
+
+def test_two_instances_share_nothing(slave):
+    one, two = slave(), slave()
+    for each in (one, two):
+        each.start()
+    one.set("u", 3.0)
+    two.set("F_c", 0.9)
+    for i in range(50):
+        for each in (one, two):
+            each.step(i * 1e-3, 1e-3)
+    alone = slave()
+    alone.start()
+    alone.set("u", 3.0)
+    for i in range(50):
+        alone.step(i * 1e-3, 1e-3)
+    assert one.get("y") == alone.get("y") != 0
+    assert (two.get("y"), two.get("F_c"), one.get("F_c")) == (0, 0.9, 1.0)
+
+
+def test_state_is_kept_and_brought_back(slave):
+    body = slave()
+    body.start()
+    body.set("u", 3.0)
+    body.step(0.0, 0.01)
+    kept = body.fmu.getFMUState()
+    serialised = body.fmu.serializeFMUState(kept)
+    at = [body.get(n) for n in ("y", "v", "z", "F")]
+    body.step(0.01, 0.01)
+    further = body.get("y")
+    assert further != at[0]
+    body.fmu.setFMUState(kept)
+    assert [body.get(n) for n in ("y", "v", "z", "F")] == at
+    body.step(0.01, 0.01)
+    assert body.get("y") == further
+    other = slave()
+    other.start()
+    other.fmu.setFMUState(other.fmu.deserializeFMUState(serialised))
+    assert [other.get(n) for n in ("y", "v", "z", "F")] == at
+
+
+def test_directional_derivatives(slave):
+    body, chosen = slave(), law("lugre_majorant")
+    body.start()
+    v, z = 2e-3, 7e-6
+    body.set("v", v)
+    body.set("z", z)
+    ref = body.reference
+    by_v, by_z = chosen.jacobian(v, z)
+
+    def slope(unknown, known):
+        return body.fmu.getDirectionalDerivative(unknowns=[ref[unknown]], knowns=[ref[known]], seed=[1.0])[0]
+
+    assert slope("der(z)", "v") == pytest.approx(by_v, rel=1e-12)
+    assert slope("der(z)", "z") == pytest.approx(by_z, rel=1e-12)
+    assert slope("F", "z") == pytest.approx(1e5 + 316.22776601683796 * by_z, rel=1e-12)
+    assert slope("der(v)", "u") == pytest.approx(1.0)
+    assert slope("der(v)", "v") == pytest.approx(-(316.22776601683796 * by_v + 0.4), rel=1e-12)
+    assert slope("der(y)", "v") == 1
+    assert slope("der(y)", "z") == 0
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("cc", ["gcc", "clang"])
+def test_sources_compile_without_a_warning(fmi, cc, folder):
+    need(cc)
+    for part in ("law", "body"):
+        unpacked = folder / f"sources{fmi}{part}"
+        with zipfile.ZipFile(fmu("lugre_majorant", part, fmi, folder)) as archive:
+            archive.extractall(unpacked)
+        words = [cc, "-c", "-std=c99", "-Wall", "-Wextra", "-Werror", "fmu.c", "-o", "fmu.o"]
+        done = subprocess.run(words, cwd=unpacked / "sources", capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+
+
+_LAYOUT = {
+    2: ("fmi2Pending", "fmi2CoSimulation", "fmi2Terminated", "fmi2True", "sizeof(fmi2ValueReference)", "sizeof(fmi2Byte)",
+        "sizeof(fmi2CallbackFunctions)", "offsetof(fmi2CallbackFunctions, componentEnvironment)", "sizeof(fmi2EventInfo)",
+        "offsetof(fmi2CallbackFunctions, stepFinished)", "offsetof(fmi2EventInfo, nextEventTime)",
+        "offsetof(fmi2EventInfo, nextEventTimeDefined)", "offsetof(fmi2EventInfo, terminateSimulation)",
+        "strcmp(fmi2Version, \"2.0\")", "strcmp(fmi2TypesPlatform, \"default\")"),
+    3: ("fmi3Fatal", "fmi3Dependent", "fmi3IntervalChanged", "fmi3True", "sizeof(fmi3ValueReference)",
+        "sizeof(fmi3Boolean)", "sizeof(fmi3Clock)", "sizeof(fmi3Float32)", "sizeof(fmi3Int8)", "sizeof(fmi3UInt64)",
+        "sizeof(*(fmi3Binary)0)", "strcmp(fmi3Version, \"3.0\")"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_our_header_says_what_the_standards_says(fmi, folder, tmp_path):
+    """The FMU compiles against the headers that FMPy ships in the place of ours, and values and layouts are the same."""
+    need("gcc")
+    theirs = Path(fmpy.__file__).parent / "c-code"
+    if not (theirs / f"fmi{fmi}Functions.h").is_file():
+        pytest.skip("this FMPy ships no headers")
+    with zipfile.ZipFile(fmu("lugre_majorant", "body", fmi, folder)) as archive:
+        archive.extractall(tmp_path)
+    source, include = tmp_path / "sources", f'#include "fmi{fmi}Functions.h"\n'
+    names = {path.name for path in source.iterdir()}
+    assert not {name for name in names if name.startswith("fmi") and name != f"fmi{fmi}.h"}  # no text of others
+    (source / "probe.c").write_text(
+        f'#include <stdio.h>\n#include <stddef.h>\n#include <string.h>\n#include "fmi{fmi}.h"\nint main(void)\n{{\n'
+        + "".join(f'    printf("%d\\n", (int)({text}));\n' for text in _LAYOUT[fmi]) + "    return 0;\n}\n"
+    )  # fmt: skip
+
+    def built():
+        strict = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-strict-prototypes", "-I", str(theirs)]
+        for words in ([*strict, "-c", "fmu.c", "-o", "fmu.o"], [*strict, "probe.c", "-o", "probe"]):
+            done = subprocess.run(words, cwd=source, capture_output=True, text=True, check=False)
+            assert done.returncode == 0, done.stderr
+        return subprocess.run(["./probe"], cwd=source, capture_output=True, text=True, check=True).stdout
+
+    ours = built()
+    (source / f"fmi{fmi}.h").write_text(include)
+    assert built() == ours
+    assert len(ours.split()) == len(_LAYOUT[fmi])
+
+
+@pytest.mark.skipif(not os.environ.get("STRIBECK_TEST_CROSS"), reason="minutes at first; STRIBECK_TEST_CROSS=1 runs it")
+def test_for_other_platforms(tmp_path, monkeypatch):
+    pytest.importorskip("ziglang", reason="ziglang, of the extra 'export', is not installed")
+    monkeypatch.setattr(binaries, "_ACROSS", ("x86_64-windows", "aarch64-darwin"))
+    (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu", fmi=3, platforms="all")
+    with zipfile.ZipFile(path) as archive:
+        found = {n.split("/")[1]: archive.read(n)[:4] for n in archive.namelist() if n.startswith("binaries/")}
+    assert found["x86_64-windows"][:2] == b"MZ"
+    assert found["aarch64-darwin"] == b"\xcf\xfa\xed\xfe"
+    first = path.read_bytes()
+    assert (
+        stribeck.export(law("dahl"), "fmu", path, fmi=3, platforms="all")[0].read_bytes() == first
+    )  # no times, no folders of this machine
+
+
+def test_no_folder_of_this_machine_is_in_it(tmp_path, monkeypatch):
+    """Nor the moment when it was made: the same bytes each time, with a compiler that notes its folders too."""
+    need("gcc")
+    monkeypatch.setenv("STRIBECK_CC", "gcc -g")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu")
+    with zipfile.ZipFile(path) as archive:
+        (library,) = (archive.read(name) for name in archive.namelist() if name.startswith("binaries/"))
+    assert bytes(tmp_path) not in library
+    first = path.read_bytes()
+    assert stribeck.export(law("dahl"), "fmu", path)[0].read_bytes() == first
+
+
+def test_without_a_compiler_the_sources_are_there(tmp_path, monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "none")
+    found = importlib.util.find_spec
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "ziglang" else found(name))
+    with pytest.warns(StribeckNote, match="sources only"):
+        (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu")
+    with zipfile.ZipFile(path) as archive:
+        assert "sources/fmu.c" in archive.namelist()
+
+
+def test_a_body_needs_a_mass(tmp_path):
+    with pytest.raises(stribeck.InputError, match=r"plant\.mass"):
+        stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu", part="body")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("unit", "powers"),
+    [
+        ("N s/m", {"kg": 1, "s": -1}),
+        ("N m/A", {"kg": 1, "m": 2, "s": -2, "A": -1}),
+        ("ohm", {"kg": 1, "m": 2, "s": -3, "A": -2}),
+        ("H", {"kg": 1, "m": 2, "s": -2, "A": -2}),
+        ("W", {"kg": 1, "m": 2, "s": -3}),
+        ("N m/(rad s)", {"kg": 1, "m": 2, "s": -3, "rad": -1}),
+        ("furlong", None),
+    ],
+)
+def test_units_in_powers_of_the_si(unit, powers):
+    found = dimensions(unit)
+    assert (found and {n: k for n, k in found.items() if k}) == powers

@@ -1,0 +1,255 @@
+"""Whole machines in C and as FMUs against the simulation; laws of their contacts."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck import Scenario, examples, simulate
+from stribeck.cli import _status
+from stribeck.exports.fmu import binaries
+from stribeck.simulation.native import sampled_share
+from tests.exports.harness import STRICT, need
+from tests.machine.machines import assert_balanced, law, machine
+from tests.machine.test_mistakes import edited
+from tests.machine.test_servo import SAMPLED, SERVO, as_machine
+
+PULL = {"kind": "points", "t": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.1, 0.2, -0.2]}
+MOVE = {"kind": "point_to_point", "t": [0.1, 0.35, 0.45], "value": [0.0, 0.3, 0.1]}
+SAMPLING = {"period": 4e-3, "delay": 9e-3, "resolution": 1e-4, "noise": 1e-4, "seed": 3}
+EVERY = machine(  # of each kind of element one
+    {
+        "a": {"mass": 0.5, "initial": {"v": 0.1}}, "b": {"inertia": 0.02}, "c": {"mass": 0.1, "tied_to": "a", "ratio": -2.0},
+        "belt": {"velocity": {"signal": {"kind": "ramp", "rate": 0.3}}},
+    },
+    t_end=0.5,
+    links={
+        "k": {"from": "a", "to": "b", "ratio": 3.0, "stiffness": 40.0, "damping": 0.1, "gap": 0.01},
+        "far": {"from": {"signal": PULL}, "to": "a", "stiffness": 20.0},
+    },
+    contacts={
+        "s": {"from": "a", "to": "belt", "law": law(), "loads": [{"force": {"k": 1.0, "g": -0.5}, "F_c": 0.1, "F_s": 0.2}]},
+        "r": {"from": "b", "law": law("lugre"), "factors": {"sigma_2": {"signal": {"kind": "points", "t": [0], "value": [0.8]}}}},
+    },
+    loads={
+        "g": {"on": "b", "kind": "pendulum", "amplitude": 0.3},
+        "w": {"on": "a", "kind": "ripple", "amplitude": [0.1], "waves": [50]},
+    },
+    motors={"m": {"on": "b", "K": 0.5, "R": 1.0, "L": 0.01, "voltage": 3.0}},
+    controllers={
+        "u": {"kind": "cascade", "on": "m", "K_p": 20.0, "K_v": 0.2, "T_i": 0.1, "limit": 1.0, "signal": MOVE,
+              "sampling": SAMPLING},
+        "q": {"kind": "pid", "on": "a", "K_p": 20.0, "K_d": 2.0, "signal": MOVE},
+    },
+)  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _this_platform_only(monkeypatch):
+    monkeypatch.setattr(binaries, "_FLAGS", ("-std=c99", "-O0", "-shared", "-fvisibility=hidden"))  # each is run once
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return Scenario(EVERY)
+
+
+@pytest.fixture(scope="module")
+def exact(scenario):
+    return simulate(scenario)
+
+
+def close(found, exact, share=1e-6):
+    for name in exact:
+        if name != "t":
+            size = max(np.max(np.abs(exact[name])), 1e-12)
+            assert np.max(np.abs(found[name] - exact[name])) <= share * size, name
+
+
+@pytest.mark.parametrize("cc", ["gcc", "clang"])
+def test_c(cc, scenario, exact, tmp_path):
+    need(cc)
+    files = stribeck.export(scenario, "c", tmp_path)
+    assert sorted(f.name for f in files) == ["machine.c", "machine.h", "machine_run.c"]
+    words = [
+        cc,
+        *STRICT,
+        "-O1",
+        *(str(tmp_path / f) for f in ("machine.c", "machine_run.c")),
+        "-o",
+        str(tmp_path / "run"),
+    ]
+    done = subprocess.run([*words, "-lm"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
+    close(table(out), exact)
+    assert_balanced(table(out))
+
+
+_ODD = """
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include "machine.h"
+int main(void)
+{
+    const double odd[] = {NAN, INFINITY, -INFINITY};
+    machine *m = malloc(machine_size());
+    for (int place = -1; place < MACHINE_STATES; place++)
+        for (int i = 0; i < 3; i++)
+            for (int later = 0; later < 2; later++) {
+                const double t = place < 0 ? NAN : later ? 0.01 : 0;
+                machine_start(m);
+                if (place >= 0) machine_states(m)[place] = odd[i];
+                if (machine_advance(m, t) != MACHINE_NOT_FINITE) printf("%d %d %g\\n", place, i, t);
+            }
+    machine_start(m);
+    printf("%d\\n", machine_advance(m, 0.01));
+    free(m);
+    return 0;
+}
+"""
+
+
+def test_times_and_states_that_are_no_numbers(tmp_path):
+    """A time that is nan was done, and so was every state that is none where no step was made, an energy in any case."""
+    need("gcc")
+    one = machine({"a": {"mass": 1.0}}, t_end=0.1, contacts={"s": {"from": "a", "law": law("lugre")}})
+    stribeck.export(Scenario(one), "c", tmp_path)
+    (tmp_path / "odd.c").write_text(_ODD)
+    words = [
+        "gcc",
+        *STRICT,
+        "-O0",
+        *(str(tmp_path / f) for f in ("machine.c", "odd.c")),
+        "-o",
+        str(tmp_path / "odd"),
+        "-lm",
+    ]
+    subprocess.run(words, check=True)
+    assert subprocess.run([str(tmp_path / "odd")], capture_output=True, text=True, check=True).stdout == "0\n"
+
+
+def table(text):
+    """Columns of a CSV by name."""
+    head, *rows = text.strip().split("\n")
+    values = np.array([[float(x) for x in row.split(",")] for row in rows])
+    return dict(zip(head.split(","), values.T, strict=True))
+
+
+@pytest.mark.share(4)
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmu(fmi, scenario, exact, tmp_path):
+    need("gcc")
+    fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
+    from fmpy.validation import validate_fmu
+
+    (path,) = stribeck.export(scenario, "fmu", tmp_path / "machine.fmu", fmi=fmi)
+    assert validate_fmu(str(path)) == []
+    names = [c.name for c in exact.columns]
+    times = {"stop_time": 0.5, "output_interval": scenario.output.step, "output": names}
+    found = fmpy.simulate_fmu(str(path), **times)
+    close({n: found[n] for n in names}, exact)
+    assert_balanced(found)
+    exchanged = fmpy.simulate_fmu(
+        str(path), **times, fmi_type="ModelExchange", solver="CVode", relative_tolerance=1e-9, record_events=False
+    )
+    close({n: exchanged[n] for n in names}, exact)
+    if fmi == 2:
+        return
+    # a constant that is changed, and an input, against the same in the file
+    inputs = np.array([(0.0, 0.4)], dtype=[("time", float), ("loads.push.signal", float)])
+    pushed = scenario.replace({"loads.push": {"on": "a", "kind": "signal", "signal": {"kind": "ramp", "rate": 0.0}}})
+    (path,) = stribeck.export(pushed, "fmu", tmp_path / "pushed.fmu", fmi=fmi)
+    found = fmpy.simulate_fmu(
+        str(path), **times, input=inputs, start_values={"contacts.s.law.F_c": 0.7, "bodies.a.mass": 0.6}
+    )
+    constant = {"kind": "points", "t": [0.0], "value": [0.4]}
+    other = simulate(
+        pushed.replace({"loads.push.signal": constant, "contacts.s.law.parameters.F_c": 0.7, "bodies.a.mass": 0.6})
+    )
+    close({n: found[n] for n in names}, {n: other[n] for n in names})
+    with pytest.raises(Exception, match="fmi"):
+        fmpy.simulate_fmu(str(path), **times, start_values={"bodies.a.mass": -1.0})
+
+
+@pytest.fixture(scope="module")
+def servo():
+    """A pneumatic servo as a machine: sampled, with an observer that adapts."""
+    changes = {**SAMPLED, "drive.adaptive": True, "solve.t_end": 0.3}
+    return Scenario(as_machine(edited(SERVO, changes)))
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_c_of_a_pressure_cascade(sampled, servo, tmp_path):
+    need("gcc")
+    scenario = servo if sampled else Scenario(as_machine(edited(SERVO, {"solve.t_end": 0.3})))
+    stribeck.export(scenario, "c", tmp_path)
+    words = ["gcc", *STRICT, "-O1", *map(str, tmp_path.glob("*.c")), "-o", str(tmp_path / "run"), "-lm"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
+    close(table(out), simulate(scenario))
+    if sampled:  # the share of a tolerance that a step may take, as in Python
+        (name,) = (path.stem.removesuffix("_run") for path in tmp_path.glob("*_run.c"))
+        rtol = [1e-4, 1e-6, 1e-7, 1e-8, 1e-10]
+        lines = "".join(f'{name}_tolerance(&m, {x!r}); printf("%.17g ", m.run.rtol);' for x in rtol)
+        main = (
+            f'#include "{name}.c"\n#include <stdio.h>\nstatic struct {name} m; int main(void) {{ {lines} return 0; }}'
+        )
+        (tmp_path / "asked.c").write_text(main)
+        subprocess.run(["gcc", str(tmp_path / "asked.c"), "-o", str(tmp_path / "asked"), "-lm"], check=True)
+        told = subprocess.run([str(tmp_path / "asked")], capture_output=True, text=True, check=True).stdout
+        assert [float(x) for x in told.split()] == pytest.approx([sampled_share(x) * x for x in rtol], rel=1e-14)
+
+
+def test_fmu_of_a_pressure_cascade(servo, tmp_path):
+    """What a sampled controller remembers is shown between its samples, whoever integrates."""
+    need("gcc")
+    fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
+    exact = simulate(servo)
+    (path,) = stribeck.export(servo, "fmu", tmp_path / "servo.fmu")
+    names = [c.name for c in exact.columns]
+    times = {"stop_time": 0.3, "output_interval": servo.output.step, "output": names}
+    found = fmpy.simulate_fmu(str(path), **times)
+    close({n: found[n] for n in names}, exact)
+    exchange = {"fmi_type": "ModelExchange", "solver": "CVode", "relative_tolerance": 1e-11, "record_events": False}
+    found = fmpy.simulate_fmu(str(path), **times, **exchange)
+    close({n: found[n] for n in names}, exact)
+
+
+def test_of_a_contact(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    arm = str(examples.path("arm"))
+    assert _status(["export", arm, "--target", "c", "--contact", "bearing", "--out", "bearing", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["part"], found["parameters"]["F_s"]) == ("law", 0.012)
+    assert "N m s/rad" in (tmp_path / "bearing/lugre_majorant.h").read_text()
+    assert _status(["export", arm, "--target", "table", "--part", "law", "--out", "x.csv"]) == 2
+    assert "--contact: missing: must be given (one of bearing, seal)" in capsys.readouterr().err
+    assert not (tmp_path / "x.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["{arm}", "--target", "table"], "--part: 'machine': target 'table' has none"),
+        (["{arm}", "--target", "c", "--step", "0.1"], "--step: 0.1: must be left out"),
+        (["{arm}", "--target", "c", "--self-test"], "--self-test: true: must be left out"),
+        (["{arm}", "--target", "c", "--part", "machine", "--contact", "seal"], "--contact: 'seal': must be left out"),
+        (["{rig}", "--target", "c", "--part", "machine"], "part 'machine' needs a machine"),
+        (["--target", "c", "--part", "machine"], "part 'machine' needs a machine"),
+        (["{arm}", "--target", "c", "--set", "links.gear.ratio=0"], "links.gear.ratio: 0: must be"),
+        (["{arm}", "--target", "c", "--scenario", "{arm}"], "must be left out, or a law"),
+    ],
+)
+def test_mistakes(words, text, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    places = {"arm": examples.path("arm"), "rig": examples.path("stick_slip")}
+    assert _status(["export", *(w.format(**places) for w in words), "--out", "out"]) == 2
+    err = capsys.readouterr().err
+    assert text in err
+    assert len(err.splitlines()) == 1, err
+    assert not (tmp_path / "out").exists()
