@@ -34,7 +34,7 @@ def processor_seconds(name: str, backend: str, folder: str) -> float:
 
 def main() -> None:
     """Measure, print, and write the results."""
-    given = options(__doc__, "backends", repetitions=15, quick=3)
+    given = options(__doc__, "backends", repetitions=(15, 3))
     found = compiler.find()
     if found is None:
         sys.exit("there is no C compiler to compare with")

@@ -2,15 +2,12 @@
 verdict of the file, from other starts, along a range and on both sides of every boundary named, 5 % away; and the factor by
 which compensation lowers the error after a reversal.
 
-    python benchmarks/design_attack.py [--machines N] [--axes N] [--seed S] [--out FILE]
-
 The equations and the judgement of the verdicts' machines stand here, the equations of the factors are
 tests/machine/independent.py. Takes minutes.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import sys
@@ -20,7 +17,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from measure import RESULTS, machine
+from measure import machine, options, write
 from scipy.integrate import odeint
 
 ROOT = Path(__file__).parent.parent
@@ -307,24 +304,19 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
 
 def main() -> None:
     """Run both, print rows as they come, and write them."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--machines", type=int, default=20)
-    parser.add_argument("--axes", type=int, default=3)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--out", type=Path, default=RESULTS / "design_attack.json")
-    options = parser.parse_args()
-    random, begun = np.random.default_rng(options.seed), time.process_time()
+    given = options(__doc__, "design_attack", machines=(20, 1), axes=(3, 1), seed=1)
+    random, begun = np.random.default_rng(given.seed), time.process_time()
     rows: list[Data] = []
     factors: list[Data] = []
 
     def keep() -> None:
-        about = {"machine": machine(), "seed": options.seed, "seconds": round(time.process_time() - begun)}
-        options.out.write_text(json.dumps({**about, "verdicts": rows, "factors": factors}, indent=1) + "\n")
+        about = {"machine": machine(), "seed": given.seed, "seconds": round(time.process_time() - begun)}
+        write(given.out, {**about, "verdicts": rows, "factors": factors})
 
-    for i in range(options.axes):
+    for i in range(given.axes):
         factors += compensation(random, sampled=bool(i % 2))
         keep()
-    for kind, data, vary in machines(random, options.machines):
+    for kind, data, vary in machines(random, given.machines):
         rows += verdicts(kind, data, vary, random)
         keep()
     print(f"{sum(r['agrees'] for r in rows)} of {len(rows)} verdicts agree; "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import ctypes
 import json
 import math
@@ -16,7 +15,7 @@ from typing import Any
 import in_mujoco
 import mujoco
 import numpy as np
-from measure import RESULTS, machine, table
+from measure import machine, options, table, write
 
 import stribeck
 
@@ -112,10 +111,7 @@ def measure() -> Iterator[dict[str, Any]]:
 
 def main() -> None:
     """Print a table, write the results."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=RESULTS / "discretisation.json")
-    parser.add_argument("--repetitions", type=int, help="of no use here: the errors do not vary")
-    options = parser.parse_args()
+    given = options(__doc__, "discretisation")
     rows = []
     for row in measure():
         rows.append(row)
@@ -134,9 +130,7 @@ def main() -> None:
     ]
     print(table(head, lines))
     result = {"machine": machine(), "mujoco": metadata.version("mujoco"), "rows": rows}
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    clean = json.loads(json.dumps(result), parse_constant=lambda word: None)
-    options.out.write_text(json.dumps(clean, indent=2) + "\n")
+    write(given.out, json.loads(json.dumps(result), parse_constant=lambda word: None))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Are the two uncertainties of static fits right, and do their predictions hold? Counts on fresh seeds, by family of records.
 
-    python benchmarks/estimates.py other lacking bent pointed agree same held rigs kinds [--first 70000] [--count 20] [--page]
+    python benchmarks/estimates.py [--families other lacking ...] [--first 70000] [--count 20]
+    python benchmarks/estimates.py --page    # docs/evidence/static-fits.md of what was counted
 
 other, lacking, bent, pointed: wrong or incomplete friction; how many intervals and ranges hold the truth, and are usable.
 agree, same: halves of a record and records with other motions; the same motion measured twice.
@@ -9,7 +10,6 @@ held, rigs, kinds: the error on further motions, as the logarithm of its ratio t
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 import warnings
@@ -17,12 +17,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import held_out
-import held_out_kinds
-import held_out_rigs
-import lacking_terms
 import numpy as np
-import other_friction
+import static_records as records
+from measure import options, write
 
 from stribeck.identify.api import read_log
 from stribeck.identify.core.choice import chosen
@@ -35,7 +32,6 @@ from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import record_of
 from stribeck.identify.models.static_problem import rows_of
 
-RESULTS = Path(__file__).parent / "results" / "estimates.json"
 PAGE = Path(__file__).parent.parent / "docs" / "evidence" / "static-fits.md"
 NAMES, SPEED = {"time": "t", "position": "y", "force": "F"}, {"time": "t", "velocity": "v", "force": "F"}
 OF_ALL = ("mass", "offset", "F_c", "sigma_2")
@@ -68,12 +64,12 @@ def usable(name: str, e: Estimate) -> bool:
 
 def truths(family: str, seed: int) -> Iterator[dict[str, Any]]:
     """Each estimate with a truth: whether its interval and its range hold, its state, and how wide it is."""
-    for kind in other_friction.KINDS if family == "other" else [family]:
+    for kind in records.OTHER_KINDS if family == "other" else [family]:
         friction: Any = None
         if family == "other":
-            what, (columns, truth, _) = kind, other_friction.record(kind, seed)
+            what, (columns, truth, _) = kind, records.other_record(kind, seed)
         else:
-            of = getattr(lacking_terms, "record" if family == "lacking" else family)
+            of = getattr(records, family)
             what, columns, truth, friction = of(seed)
         log = read_log(columns, columns=NAMES)
         for law in FAMILIES[family]:
@@ -98,24 +94,24 @@ def pairs(family: str, seed: int) -> Iterator[tuple[list[Log], str, dict[str, fl
     """Two records whose estimates should agree, the law, and the truth where the law is complete."""
     draw = np.random.default_rng(seed)
     if family == "agree":
-        m = held_out.machine(draw, held_out.FRICTION[seed % 6])
-        motions = [held_out.motion(draw, held_out.MOTION[seed // 6 % 4]) for _ in range(2)]
-        logs = [read_log(held_out.record(m, v, draw), columns=SPEED) for v in motions]
+        m = records.speed_machine(draw, records.SPEED_FRICTION[seed % 6])
+        motions = [records.speed_motion(draw, records.SPEED_MOTIONS[seed // 6 % 4]) for _ in range(2)]
+        logs = [read_log(records.speed_record(m, v, draw), columns=SPEED) for v in motions]
         middle = len(logs[0]) // 2
         yield [logs[0].rows(slice(None, middle)), logs[0].rows(slice(middle, None))], "stribeck_tanh", {}
         yield logs, "stribeck_tanh", {}
         return
-    m = other_friction.machine(draw, bool(seed % 2))
-    at = other_friction.motion(draw, other_friction.MOTIONS[seed // 2 % 4], m["fastest"])
+    m = records.other_machine(draw, bool(seed % 2))
+    at = records.other_motion(draw, records.OTHER_MOTIONS[seed // 2 % 4], m["fastest"])
     complete = seed // 8 % 2 == 0
     kind = ("belt", "directions", "bristles", "gms")[seed // 16 % 4]
-    force = (other_friction.complete if complete else other_friction.KINDS[kind][1])(draw, m, at)
+    force = (records.complete if complete else records.OTHER_KINDS[kind][1])(draw, m, at)
     force = force + m["mass"] * at[2] + m["offset"]
-    rows, e = slice(other_friction.WITHIN // 2, None, other_friction.WITHIN), m["encoder"]
+    rows, e = slice(records.WITHIN // 2, None, records.WITHIN), m["encoder"]
     y, force, logs = at[0][rows], force[rows], []
     for _ in range(2):
         seen = e * np.round((y + e * draw.uniform(-0.5, 0.5) + 0.3 * e * draw.standard_normal(len(y))) / e)
-        t = np.arange(len(y)) * other_friction.STEP
+        t = np.arange(len(y)) * records.OTHER_STEP
         noise = m["noise"] * draw.standard_normal(len(y))
         logs.append(read_log({"t": t, "y": seen, "F": force + noise}, columns=NAMES))
     names = ("mass", "offset", "F_c", "sigma_2", *(("F_s", "v_s") if seed % 2 else ()))
@@ -140,26 +136,31 @@ def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
     """The error on each further motion beside the best plain fit's."""
     draw = np.random.default_rng(seed)
     if family == "held":
-        m, kind = held_out.machine(draw, held_out.FRICTION[seed % 6]), held_out.MOTION[seed // 6 % 4]
-        logs = [read_log(held_out.record(m, held_out.motion(draw, kind), draw), columns=SPEED) for _ in range(2)]
-        rows = [np.flatnonzero(held_out.away_from_rest(log)) for log in logs]
+        m, kind = records.speed_machine(draw, records.SPEED_FRICTION[seed % 6]), records.SPEED_MOTIONS[seed // 6 % 4]
+        logs = [
+            read_log(records.speed_record(m, records.speed_motion(draw, kind), draw), columns=SPEED) for _ in range(2)
+        ]
+        rows = [np.flatnonzero(records.away_from_rest(log)) for log in logs]
         seen = [
             (log.velocity[r], log.acceleration[r], log.force[r], np.zeros((len(r), 0)))
             for log, r in zip(logs, rows, strict=True)
         ]
     else:
-        bench: Any = {"rigs": held_out_rigs, "kinds": held_out_kinds}[family]
-        kind = bench.KINDS[seed % len(bench.KINDS)]
-        m = bench.machine(draw, kind)
-        made = [bench.record(m, kind, draw) for _ in range(4)]
+        kinds, rig, record = {
+            "rigs": (records.RIGS, records.rig, records.rig_record),
+            "kinds": (records.UNSEEN, records.unseen_rig, records.unseen_record),
+        }[family]
+        kind = kinds[seed % len(kinds)]
+        m = rig(draw, kind)
+        made = [record(m, kind, draw) for _ in range(4)]
         logs = [read_log(c, columns=NAMES) for c in made]
         rows = [np.flatnonzero(~at_rest(log)) for log in logs]
         seen = []
         for c, log in zip(made, logs, strict=True):
-            (v, a, w), inside = held_out_rigs.measured(c), held_out_rigs.in_motion(c, log)
+            (v, a, w), inside = records.measured(c), records.in_motion(c, log)
             seen.append((v[inside], a[inside], c["F"][inside], w[inside]))
     plain = []
-    for way in (held_out.least_squares, held_out.tanh_stribeck):
+    for way in (records.least_squares, records.tanh_stribeck):
         for weigh in (False, True) if seen[0][3].shape[1] else (False,):
             v, a, force, w = seen[0]
             plain.append((weigh, way(v, a, force, w if weigh else w[:, :0])))
@@ -269,17 +270,9 @@ def page(kept: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run the families that are asked for; print and write the counts."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("families", nargs="*", metavar="FAMILY", help=", ".join(ASKED))
-    parser.add_argument("--page", action="store_true", help="write docs/evidence/static-fits.md of what was counted")
-    parser.add_argument("--first", type=int, default=70000)
-    parser.add_argument("--count", type=int, default=20)
-    parser.add_argument("--out", type=Path, default=RESULTS)
-    given = parser.parse_args()
-    if unknown := set(given.families) - set(ASKED):
-        parser.error(f"{', '.join(unknown)}: must be of {', '.join(ASKED)}")
+    given = options(__doc__, "estimates", families=list(ASKED), first=70000, count=(20, 1), page=False)
     kept = json.loads(given.out.read_text()) if given.out.exists() else {}
-    for family in given.families:
+    for family in given.families or ([] if given.page else ASKED):
         found, began = list[dict[str, Any]](), time.process_time()
         of = truths if family in FAMILIES else agreements if family in ("agree", "same") else motions
         for seed in range(given.first, given.first + given.count):
@@ -292,7 +285,7 @@ def main() -> None:
             by_kind[kind] = counted(family, [e for e in found if e["kind"] == kind])
         kept[family] = {"first": given.first, "seeds": given.count, **counts, "kinds": by_kind}
         print(family, {k: v for k, v in kept[family].items() if k != "kinds"}, flush=True)
-        given.out.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+        write(given.out, kept)
     if given.page:
         PAGE.write_text(page(kept), encoding="utf-8")
 

@@ -1,18 +1,27 @@
-"""How long does a LuGre fit by simulation take: 25 s at 1 kHz, 20 starts, with profile intervals?
+"""How long do fits take? Seconds on the wall and of the processor, which say on a busy machine what free cores would do.
 
-Beside the wall clock stands the processor time: on a machine that others use too, it says what two free cores would do.
+By simulation: LuGre's law from 25 s at 1 kHz with 20 starts, and a joint with play from recordings of 6 s at 200 Hz with
+8 unknown numbers and 20 starts. Static fits, whole commands: files of constant speed, and one long record, with a law and
+without.
 """
 
 from __future__ import annotations
 
-import argparse
+import os
+import subprocess
+import sys
+import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import coverage_records as records
 import numpy as np
-from interval_coverage import loop, stroke
-from measure import RESULTS, machine, write
+from measure import machine, options, say, table, write
 
+from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.log import Log
 from stribeck.identify.onebody import fit_simulated
 from stribeck.identify.options import FitOptions
@@ -20,45 +29,86 @@ from stribeck.identify.plan import motion
 from stribeck.identify.synthetic import Sensors, experiment
 from stribeck.laws import find
 
-TRUTH = {"sigma_0": 1e6, "sigma_1": 1e3, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
-SECONDS, STEP, FINER = 25.0, 1e-3, 4
+STEP = 1e-3
+# seconds of the LuGre record; recordings of the joint; constant-speed files and rows of each; rows of the long record
+USUAL, QUICK = (25.0, 16, 54, 28_000, 50_000), (3.0, 2, 6, 2_800, 5_000)
+JOINT = {"links.gear.damping": 0.1, f"{records.LAW}F_s": 1.0, f"{records.LAW}v_s": 0.3}
 
 
-def log() -> Log:
-    """A synthetic record: reversals of several sizes, then strokes of several speeds, over and over."""
-    tests = [*(loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (1.0, 4.0, 20.0)),
-             *map(stroke, np.geomspace(2e-4, 0.1, 15).tolist())]  # fmt: skip
-    _, v = motion(tests, STEP / FINER)
-    count = round(SECONDS / STEP) * FINER + 1
-    velocity = np.resize(v, count)
-    made = experiment(
-        find("lugre")(TRUTH), (np.arange(count) * STEP / FINER, velocity), Sensors(force_noise=0.1), seed=1, every=FINER
-    )
-    return made.log
+def lugre_log(seconds: float) -> Log:
+    """Reversals of several sizes, then strokes of several speeds, over and over."""
+    tests = [*(records.loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (1.0, 4.0, 20.0)),
+             *map(records.stroke, np.geomspace(2e-4, 0.1, 15).tolist())]  # fmt: skip
+    _, v = motion(tests, STEP / records.FINER)
+    count = round(seconds / STEP) * records.FINER + 1
+    moves = np.arange(count) * STEP / records.FINER, np.resize(v, count)
+    return experiment(find("lugre")(records.RIG), moves, Sensors(force_noise=0.1), seed=1, every=records.FINER).log
+
+
+def lugre(seconds: float) -> Callable[[], object]:
+    """A fit of LuGre's law."""
+    log = lugre_log(seconds)
+    return lambda: fit_simulated(log, "lugre", FitOptions(mass=0.0))
+
+
+def joint(count: int) -> Callable[[], object]:
+    """A fit of a rotor and an arm with play, whose friction grows with the gear's torque, by an encoder alone."""
+    case, draw, recordings = records.CASES["joint"], np.random.default_rng(0), []
+    truth = case.usual | JOINT
+    for i in range(count):
+        size = 0.3 + 0.7 * (i % 2)
+        t, y, u = records.joint(draw, truth, size, records.Term(), 6.0)
+        outputs = {"arm.y": Channel("y", t, y + case.noise * draw.standard_normal(len(t)))}
+        recordings.append(Recording(f"run{i}", t, outputs, {case.drive: Channel("u", t, u)}, case.known(size)))
+    logs = Logs(tuple(recordings), tuple(Sought(n, 0.2 * x, 5 * x) for n, x in truth.items()))
+    made = {**case.machine, "solve": {"t_end": 6.0}}
+    return lambda: fit_machine(made, logs, starts=20, baselines=False)
+
+
+def saved(path: Path, v: np.ndarray, seed: int) -> str:
+    """A CSV file of a joint: a Stribeck curve, inertia 1.2, gravity of an unbalanced arm, an offset, noise, an encoder."""
+    draw, x = np.random.default_rng(seed), np.cumsum(v) * STEP
+    friction = np.tanh(v / 2e-3) * (11.0 + 3.0 * np.exp(-((v / 0.05) ** 2))) + 8.0 * v
+    force = friction + 1.2 * np.gradient(v, STEP) + 0.8 * np.sin(x) + 0.4 + draw.normal(0, 0.3, len(v))
+    columns = np.column_stack([STEP * np.arange(len(v)), np.round(x / 5e-6) * 5e-6, force])
+    np.savetxt(path, columns, delimiter=",", fmt="%.7g", header="t,q,F", comments="")
+    return str(path)
+
+
+def static(folder: Path, files: list[str], law: str) -> Callable[[], object]:
+    """A whole command: reading, fit, intervals, pictures and page."""
+    words = ["fit", *files, "--time", "t", "--position", "q", "--force", "F", "--out", str(folder / "out")]
+    words += ["--law", law] if law else []
+    return lambda: subprocess.run([sys.executable, "-m", "stribeck", *words], check=True, stdout=subprocess.DEVNULL)
 
 
 def main() -> None:
-    """Measure and write."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--repetitions", type=int, default=3)
-    parser.add_argument("--out", type=Path, default=RESULTS / "fit_speed.json")
-    options = parser.parse_args()
-    record, wall, processor = log(), [], []
-    fit_simulated(record.rows(slice(0, 2000)), "lugre", FitOptions(mass=0.0, starts=1))  # compiles
-    for _ in range(options.repetitions):
-        started, used = time.perf_counter(), time.process_time()
-        fit = fit_simulated(record, "lugre", FitOptions(mass=0.0))
-        wall.append(time.perf_counter() - started)
-        processor.append(time.process_time() - used)
-    assert fit.unidentified == ()
-    result = {
-        "machine": machine(), "samples": len(record), "starts": 20,
-        "wall_seconds": wall, "processor_seconds": processor,
-    }  # fmt: skip
-    write(options.out, result)
-    print(
-        f"{len(record)} samples, 20 starts: {np.median(wall):.1f} s wall, {np.median(processor):.1f} s processor time"
-    )
+    """Measure, print, write."""
+    given = options(__doc__, "fit_speed")
+    seconds, recordings, files, each, long = QUICK if given.quick else USUAL
+    lugre(1.0)()  # compiles
+    rows: list[dict[str, Any]] = []
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        t = STEP * np.arange(each)
+        shape = np.clip(8 * np.sin(2 * np.pi * t / 7.0), -1, 1)
+        many = [saved(folder / f"{i}.csv", v * shape, i) for i, v in enumerate(np.geomspace(5e-3, 1.5, files))]
+        t = STEP * np.arange(long)
+        v = sum(a * np.sin(2 * np.pi * f * t) for a, f in ((0.3, 0.31), (0.15, 0.83), (0.02, 2.9)))
+        one = [saved(folder / "long.csv", np.asarray(v), 99)]
+        jobs = {
+            f"lugre, {seconds:g} s at 1 kHz": lugre(seconds), f"joint, {recordings} recordings": joint(recordings),
+            f"stribeck, {files} files": static(folder, many, "stribeck"), f"any law, {files} files": static(folder, many, ""),
+            f"stribeck, {long} rows": static(folder, one, "stribeck"), f"any law, {long} rows": static(folder, one, ""),
+        }  # fmt: skip
+        for name, job in jobs.items():
+            wall, before = time.perf_counter(), os.times()
+            job()
+            spent = sum(b - a for a, b in zip(before[:4], os.times()[:4], strict=True))
+            rows.append({"fit": name, "processor_s": round(spent, 1), "wall_s": round(time.perf_counter() - wall, 1)})
+            say(str(rows[-1]))
+    print(table(("fit", "processor, s", "wall, s"), [[str(x) for x in row.values()] for row in rows]))
+    write(given.out, {"machine": machine(), "fits": rows})
 
 
 if __name__ == "__main__":

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
 import ctypes
-import json
 import math
 import re
 import subprocess
@@ -18,7 +16,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from measure import RESULTS, machine
+from measure import machine, options, write
 
 import stribeck
 from stribeck.exports import export
@@ -131,10 +129,7 @@ def first_maximum(force: Any) -> float:
 
 def main() -> None:
     """Print a table, and write the results."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=RESULTS / "in_mujoco.json")
-    parser.add_argument("--repetitions", type=int, help="of no use here: the errors do not vary")
-    options = parser.parse_args()
+    given = options(__doc__, "in_mujoco")
     known = references()
     print(f"{'':24} step     stick-slip, max error of y   break-away, error   drift in 16 s, error   us a step")
     rows = []
@@ -151,8 +146,7 @@ def main() -> None:
         "drift": float(known["dither"]["y"][-1]),
     }
     result = {"machine": machine(), "mujoco": metadata.version("mujoco"), "reference": reference, "rows": rows}
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps(result, indent=2) + "\n")
+    write(given.out, result)
 
 
 if __name__ == "__main__":

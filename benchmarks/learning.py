@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import importlib.util
 import json
 import tempfile
@@ -17,7 +16,7 @@ import mujoco_warp
 import numpy as np
 import torch
 import warp as wp
-from measure import RESULTS, machine
+from measure import machine, options, write
 
 import stribeck
 from stribeck.exports import export
@@ -234,34 +233,27 @@ def speeds(makers: dict[str, Any], count: int, rounds: int = 3) -> dict[str, flo
 
 def main() -> None:
     """Print a table, and write the results."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=RESULTS / "learning.json")
-    parser.add_argument("--seconds", type=float, default=100.0, help="how long the load is held")
-    parser.add_argument("--steps", type=float, nargs="*", default=STEPS, help="s; none: only steps a second")
-    parser.add_argument("--only", help="engines whose name has this in it")
-    parser.add_argument("--repetitions", type=int, help="of no use here: the behaviour does not vary")
-    options = parser.parse_args()
+    given = options(__doc__, "learning", seconds=(100.0, 4.0), only="")  # of holding; engines with this in their name
     wp.config.quiet = True
     torch.set_num_threads(1)  # its threads wait by turning: on a busy machine that is most of their time
     rows = []
-    chosen = {name: make for name, make in ENGINES.items() if not options.only or options.only in name}
+    chosen = {name: make for name, make in ENGINES.items() if given.only in name}
     for name, make in chosen.items():
         row: dict[str, Any] = {"engine": name}
-        for step in options.steps:
-            seconds = options.seconds if "this law" in name else min(10.0, options.seconds)  # theirs creep evenly
+        for step in STEPS:
+            seconds = given.seconds if "this law" in name else min(10.0, given.seconds)  # theirs creep evenly
             row[f"{step:g}"] = {**behaviour(make, step, seconds), "held": seconds}
         rows.append(row)
         print(json.dumps(row), flush=True)
     many = {name: make for name, make in chosen.items() if name != "MuJoCo, frictionloss"}
-    if not options.only:
+    if not given.only:
         many["Warp kernel alone, this law"] = lambda step, worlds: Kernel(step, worlds)
     steps = speeds(many, 20)
     print(json.dumps(steps), flush=True)
     packages = ("mujoco", "mujoco-warp", "mujoco-mjx", "newton", "warp-lang", "torch", "jax")
     result = {"machine": machine(), "versions": {n: metadata.version(n) for n in packages}, "worlds": WORLDS}
     result |= {"constants": CONSTANTS, "rows": rows, "steps_a_processor_second": steps}
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps(result, indent=2) + "\n")
+    write(given.out, result)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,6 @@
 """Machine files that combine every feature, through the command line, against equations written apart from the project's:
 columns, events, energy, and how long SciPy needs for the same.
 
-    python benchmarks/machine_attack.py [NAME ...]
-
 The files are tests/reference/unseen/*.toml (and, if it is there, ../shared/scenarios/machines), the equations
 tests/reference/apart.py. Takes a few minutes.
 """
@@ -16,8 +14,10 @@ import tempfile
 import time
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from measure import machine, options, write
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
@@ -42,15 +42,15 @@ def run(file: Path, out: str) -> tuple[dict[str, np.ndarray], dict[str, dict[str
     return dict(zip(head.split(","), table, strict=True)), json.loads(done.stdout)["events"]
 
 
-def compare(file: Path) -> str:
-    """A line on how far both are apart."""
+def compare(file: Path) -> dict[str, Any]:
+    """How far both are apart."""
     begun = time.process_time()
     expected, events = apart.solve(tomllib.loads(file.read_text()), FINE)
     seconds = time.process_time() - begun
     with tempfile.TemporaryDirectory() as out:
         found, happened = run(file, out)
     if list(found) != list(expected):
-        return f"{file.stem:22} columns {list(found)}, not {list(expected)}"
+        return {"machine": file.stem, "agrees": False, "columns": list(found), "expected": list(expected)}
     error = {n: np.max(np.abs(found[n] - x)) / max(np.max(np.abs(x)), 1e-12) for n, x in expected.items()}
     motion = max(x for n, x in error.items() if n.endswith(MOTION))
     force = max(x for n, x in error.items() if not n.endswith(MOTION))
@@ -64,15 +64,21 @@ def compare(file: Path) -> str:
                 other.append(f"{element}.{kind}: {len(there)}, not {len(times)}")
             elif times:
                 count, late = count + len(times), max(late, float(np.max(np.abs(np.subtract(there, times)))))
-    verdict = "agrees" if motion <= 1e-5 and force <= 2e-4 and energy <= 1e-6 and not other else "DIFFERS"
-    return (
-        f"{file.stem:22} {verdict:8} {motion:8.1e} {force:8.1e} {energy:8.1e} {count:5} {late:8.1e} {seconds:7.1f}"
-        f" {'; '.join(other)}"
-    )
+    return {
+        "machine": file.stem, "agrees": motion <= 1e-5 and force <= 2e-4 and energy <= 1e-6 and not other,
+        "motion": motion, "force": force, "energy": float(energy), "events": count, "seconds_off": late, "other": other,
+        "scipy_seconds": seconds,
+    }  # fmt: skip
+
+
+def main() -> None:
+    """Compare each file, print a line of it, and write all."""
+    given, rows = options(__doc__, "machine_attack"), []
+    for file in FILES[:2] if given.quick else FILES:
+        rows.append(compare(file))
+        print(*(f"{x:.3g}" if isinstance(x, float) else x for x in rows[-1].values()), flush=True)
+    write(given.out, {"machine": machine(), "rows": rows})
 
 
 if __name__ == "__main__":
-    print(f"{'machine':22} {'':8} {'motion':>8} {'force':>8} {'energy':>8} {'events':>5} {'s off':>8} {'SciPy s':>7}")
-    for path in FILES:
-        if len(sys.argv) < 2 or path.stem in sys.argv[1:]:
-            print(compare(path), flush=True)
+    main()

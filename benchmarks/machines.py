@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache, partial
 from itertools import pairwise
 from math import atan, exp, pi
@@ -49,17 +49,13 @@ def by_pieces(
     return np.concatenate(found)
 
 
-def casadi_drive(
-    equations: Callable[..., Sequence[Any]], torque: Any, rows: Array, scales: Array
-) -> Callable[[float], Array]:
+def casadi_drive(torque: Any, rows: Array, scales: Array) -> Callable[[float], Array]:
     """CVODES through CasADi: symbolic equations, derived Jacobian; one absolute tolerance for states scaled to 1."""
     import casadi
 
     t, x, p = casadi.SX.sym("t"), casadi.SX.sym("x", len(scales)), casadi.SX.sym("p", 3)
-    functions = {"exp": casadi.exp, "atan": casadi.atan, "min": casadi.fmin}
-    rates = equations(
-        t, [xi * s for xi, s in zip(casadi.vertsplit(x), scales, strict=True)], casadi.vertsplit(p), functions
-    )
+    equations = drive_equations(casadi.exp, casadi.atan, casadi.fmin)
+    rates = equations(t, [xi * s for xi, s in zip(casadi.vertsplit(x), scales, strict=True)], casadi.vertsplit(p))
     ode = {"t": t, "x": x, "p": p, "ode": casadi.vertcat(*(r / s for r, s in zip(rates, scales, strict=True)))}
 
     @lru_cache
@@ -77,20 +73,22 @@ def casadi_drive(
     return solve
 
 
-def numbalsoda_drive(
-    equations: Callable[..., Sequence[Any]], torque: Any, rows: Array, scales: Array
-) -> Callable[[float], Array]:
+def numbalsoda_drive(torque: Any, rows: Array, scales: Array) -> Callable[[float], Array]:
     """numbalsoda's LSODA, the equations compiled by numba; one absolute tolerance for states scaled to 1."""
     try:
         from numbalsoda import lsoda, lsoda_sig
     except ImportError as error:
         raise Missing("numbalsoda") from error
-    import numba as nb
+    import numba
 
-    code = _as_source(equations, scales)
-    scope: dict[str, Any] = {"nb": nb, "lsoda_sig": lsoda_sig}
-    exec(code, scope)
-    function = scope["rates"]
+    equations, own = numba.njit(drive_equations(exp, atan, min)), tuple(scales.tolist())
+
+    @numba.cfunc(lsoda_sig)
+    def function(t, x, derivative, data):  # type: ignore[no-untyped-def]
+        state = (x[0] * own[0], x[1] * own[1], x[2] * own[2], x[3] * own[3], x[4] * own[4], x[5] * own[5])
+        found = equations(t, state, (data[0], data[1], data[2]))
+        for i in range(6):
+            derivative[i] = found[i] / own[i]
 
     def solve(rtol: float) -> Array:
         def piece(times: Array, x0: Array, q: tuple[float, ...]) -> Array:
@@ -106,52 +104,34 @@ def numbalsoda_drive(
     return solve
 
 
-def _as_source(equations: Callable[..., Sequence[Any]], scales: Array) -> str:
-    """The equations as a function that numba compiles, traced from the same Python function."""
+def scipy_drive(way: str, torque: Any, rows: Array, scales: Array) -> Callable[[float], Array]:
+    """SciPy's odeint, or solve_ivp by a method, on plain floats."""
+    equations = drive_equations(exp, atan, min)
 
-    class Text(str):
-        def __new__(cls, text: object) -> Text:
-            return str.__new__(cls, text)
+    def solve(rtol: float) -> Array:
+        def piece(times: Array, x0: Array, q: tuple[float, ...]) -> Array:
+            how: dict[str, Any] = {"args": (q,), "rtol": rtol, "atol": rtol * scales}
+            if way == "odeint":
+                return np.asarray(odeint(equations, x0, times, tfirst=True, mxstep=10**6, **how))
+            return np.asarray(solve_ivp(equations, (times[0], times[-1]), x0, way, times, **how).y.T)
 
-        def _two(self, sign: str, other: object, swap: bool = False) -> Text:
-            a, b = (other, self) if swap else (self, other)
-            return Text(f"({a} {sign} {b})")
+        return by_pieces(torque, rows, len(scales), piece)
 
-        __add__ = lambda s, o: s._two("+", o)  # noqa: E731
-        __radd__ = lambda s, o: s._two("+", o, True)  # noqa: E731
-        __sub__ = lambda s, o: s._two("-", o)  # noqa: E731
-        __rsub__ = lambda s, o: s._two("-", o, True)  # noqa: E731
-        __mul__ = lambda s, o: s._two("*", o)  # noqa: E731
-        __rmul__ = lambda s, o: s._two("*", o, True)  # noqa: E731
-        __truediv__ = lambda s, o: s._two("/", o)  # noqa: E731
-        __rtruediv__ = lambda s, o: s._two("/", o, True)  # noqa: E731
-        __pow__ = lambda s, o: s._two("**", o)  # noqa: E731
-        __neg__ = lambda s: Text(f"(-{s})")  # noqa: E731
-
-    functions = {n: (lambda *a, n=n: Text(f"{n}({', '.join(map(str, a))})")) for n in ("exp", "atan", "min")}
-    x = [Text(f"(x_[{i}] * {s!r})") for i, s in enumerate(scales.tolist())]
-    rates = equations(Text("t"), x, [Text(f"p_[{i}]") for i in range(3)], functions)
-    body = "".join(f"    dx_[{i}] = {r} / {s!r}\n" for i, (r, s) in enumerate(zip(rates, scales.tolist(), strict=True)))
-    head = "from math import atan, exp\n@nb.cfunc(lsoda_sig)\ndef rates(t, x, dx, p):\n"
-    return f"{head}    x_, dx_, p_ = nb.carray(x, ({len(x)},)), nb.carray(dx, ({len(x)},)), nb.carray(p, (3,))\n{body}"
+    return solve
 
 
 def chain_equations(
-    count: int, p: dict[str, float], k_v: float, stiffness: float, damping: float
+    mathematics: Any, join: Callable[..., Any], p: dict[str, float], k_v: float, stiffness: float, damping: float
 ) -> Callable[..., Any]:
-    """The chain with arrays: y, v and z of every body, the push on the first."""
+    """The chain by arrays of y, v and z of every body, the push on the first; with somebody's functions of arrays."""
 
-    def rates(t: float, x: Array) -> Array:
-        y, v, z = x[:count], x[count : 2 * count], x[2 * count :]
-        m = v * (2 / pi) * np.arctan(k_v * v) + 2 / (pi * k_v)
-        g = (p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((v / p["v_s"]) ** 2))) / p["sigma_0"]
+    def rates(t: Any, y: Any, v: Any, z: Any) -> Any:
+        m = v * (2 / pi) * mathematics.arctan(k_v * v) + 2 / (pi * k_v)
+        g = (p["F_c"] + (p["F_s"] - p["F_c"]) * mathematics.exp(-((v / p["v_s"]) ** 2))) / p["sigma_0"]
         dz = v - m / g * z
-        force = np.zeros(count)
-        force[0] = 5.0 * count * np.sin(2 * pi * t)
         f = stiffness * (y[:-1] - y[1:]) + damping * (v[:-1] - v[1:])
-        force[:-1] -= f
-        force[1:] += f
-        return np.concatenate([v, force - p["sigma_0"] * z - p["sigma_1"] * dz - p["sigma_2"] * v, dz])
+        push = 5.0 * y.shape[0] * mathematics.sin(2 * pi * t)
+        return join(v, join(push, f) - join(f, 0.0) - p["sigma_0"] * z - p["sigma_1"] * dz - p["sigma_2"] * v, dz)
 
     return rates
 
@@ -165,14 +145,14 @@ def sparse_chain(count: int, p: dict[str, float], k_v: float, stiffness: float, 
         raise Missing("scikit-sundae") from error
     from scipy.sparse import bmat, diags, eye
 
-    rates = chain_equations(count, p, k_v, stiffness, damping)
+    rates = chain_equations(np, lambda *parts: np.hstack(parts), p, k_v, stiffness, damping)
     near, one = diags([1.0, 1.0, 1.0], [-1, 0, 1], shape=(count, count)), eye(count)
     pattern = (bmat([[None, one, None], [near, near, one], [None, one, one]]) != 0).astype(float)
     n = 3 * count
-    own = np.concatenate([np.full(count, scales[0]), np.full(count, scales[1]), np.full(count, scales[2])])
+    own = np.repeat(scales, count)
 
     def right_side(t: float, x: Array, dx: Array) -> None:
-        dx[:] = rates(t, x)
+        dx[:] = rates(t, x[:count], x[count : 2 * count], x[2 * count :])
 
     def solve(rtol: float) -> Array:
         solver = CVODE(
@@ -197,22 +177,10 @@ def casadi_chain(count: int, p: dict[str, float], k_v: float, stiffness: float, 
     import casadi
 
     t, x = casadi.SX.sym("t"), casadi.SX.sym("x", 3 * count)
-    own = np.concatenate([np.full(count, s) for s in scales])
-    xs = [xi * s for xi, s in zip(casadi.vertsplit(x), own, strict=True)]
-    y, v, z = xs[:count], xs[count : 2 * count], xs[2 * count :]
-    force: list[Any] = [0.0] * count
-    force[0] = 5.0 * count * casadi.sin(2 * pi * t)
-    for i in range(count - 1):
-        f = stiffness * (y[i] - y[i + 1]) + damping * (v[i] - v[i + 1])
-        force[i], force[i + 1] = force[i] - f, force[i + 1] + f
-    rates: list[Any] = [*v]
-    dz = []
-    for vi, zi in zip(v, z, strict=True):
-        m = vi * (2 / pi) * casadi.atan(k_v * vi) + 2 / (pi * k_v)
-        dz.append(vi - m * p["sigma_0"] / (p["F_c"] + (p["F_s"] - p["F_c"]) * casadi.exp(-((vi / p["v_s"]) ** 2))) * zi)
-    for fi, vi, zi, di in zip(force, v, z, dz, strict=True):
-        rates.append(fi - p["sigma_0"] * zi - p["sigma_1"] * di - p["sigma_2"] * vi)
-    ode = {"t": t, "x": x, "ode": casadi.vertcat(*(r / s for r, s in zip([*rates, *dz], own, strict=True)))}
+    own = np.repeat(scales, count)
+    xs = x * own
+    rates = chain_equations(casadi, casadi.vertcat, p, k_v, stiffness, damping)
+    ode = {"t": t, "x": x, "ode": rates(t, xs[:count], xs[count : 2 * count], xs[2 * count :]) / own}
 
     @lru_cache
     def integrator(rtol: float) -> Any:
@@ -249,58 +217,23 @@ def drive(rtol: float = 1e-8) -> Scenario:
     })  # fmt: skip
 
 
-def symbolic(t: Any, x: Any, p: Any, functions: Any) -> list[Any]:
-    """The same for any kind of number, within one piece of the torque: p = (its begin, the level there, the slope)."""
-    a, b = (tuple(c[n] for n in ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")) for c in (BEARING, GUIDE))
-    exp, atan, least = functions["exp"], functions["atan"], functions["min"]
-    y1, y2, v1, v2, z1, z2 = x
-    g1 = (a[3] + (a[4] - a[3]) * exp(-((v1 / a[5]) ** 2))) / a[0]
-    dz1 = v1 - (v1 * 2 / pi * atan(1e4 * v1) + 2 / (pi * 1e4)) / g1 * z1
-    g2 = (b[3] + (b[4] - b[3]) * exp(-least((v2 / b[5]) ** 2, 700.0))) / b[0]
-    sign = 2 / pi * atan(1e5 * v2)
-    dz2 = sign * sign * v2 - v2 * sign / g2 * z2
-    f = 2e7 * (RATIO * y1 - y2) + 3e3 * (RATIO * v1 - v2)
-    F1, F2 = a[0] * z1 + a[1] * dz1 + a[2] * v1, b[0] * z2 + b[1] * dz2 + b[2] * v2
-    torque = p[1] + p[2] * (t - p[0])
-    return [v1, v2, (torque - RATIO * f - F1) / 1.2e-4, (f - F2) / 20.0, dz1, dz2]
-
-
-def equations(t0: float, level: float, slope: float) -> Callable[[float, Any], list[float]]:
-    """The same in plain floats, written for speed."""
+def drive_equations(exp: Any, atan: Any, least: Any) -> Callable[..., Any]:
+    """The same with somebody's functions, within one piece of the torque: p = (its begin, the level there, the slope)."""
     a, b = (tuple(p[n] for n in ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")) for p in (BEARING, GUIDE))
 
-    def rates(t: float, x: Any) -> list[float]:
+    def rates(t: Any, x: Any, p: Any) -> Any:
         y1, y2, v1, v2, z1, z2 = x
         g1 = (a[3] + (a[4] - a[3]) * exp(-((v1 / a[5]) ** 2))) / a[0]
         dz1 = v1 - (v1 * 2 / pi * atan(1e4 * v1) + 2 / (pi * 1e4)) / g1 * z1
-        g2 = (b[3] + (b[4] - b[3]) * exp(-min((v2 / b[5]) ** 2, 700.0))) / b[0]
+        g2 = (b[3] + (b[4] - b[3]) * exp(-least((v2 / b[5]) ** 2, 700.0))) / b[0]
         sign = 2 / pi * atan(1e5 * v2)
         dz2 = sign * sign * v2 - v2 * sign / g2 * z2
         f = 2e7 * (RATIO * y1 - y2) + 3e3 * (RATIO * v1 - v2)
         F1, F2 = a[0] * z1 + a[1] * dz1 + a[2] * v1, b[0] * z2 + b[1] * dz2 + b[2] * v2
-        torque = level + slope * (t - t0)
-        return [v1, v2, (torque - RATIO * f - F1) / 1.2e-4, (f - F2) / 20.0, dz1, dz2]
+        torque = p[1] + p[2] * (t - p[0])
+        return v1, v2, (torque - RATIO * f - F1) / 1.2e-4, (f - F2) / 20.0, dz1, dz2
 
     return rates
-
-
-def scipy_way(way: str, rtol: float) -> np.ndarray:
-    """The states at the rows, one run for each piece of the torque."""
-    rows, x, found = np.arange(round(T_END / STEP) + 1) * STEP, np.zeros(6), []
-    for (t0, u0), (t1, u1) in pairwise(zip(*TORQUE, strict=True)):
-        if t1 == t0:
-            continue
-        rates = equations(t0, u0, (u1 - u0) / (t1 - t0))
-        inner = rows[(rows >= t0 - 1e-9) & ((rows < t1 - 1e-9) | (t1 == T_END))]
-        times = np.concatenate([[t0], inner[(inner > t0 + 1e-9) & (inner < t1 - 1e-9)], [t1]])
-        if way == "odeint":
-            states = odeint(rates, x, times, tfirst=True, rtol=rtol, atol=rtol * SCALES, mxstep=10**6)
-        else:
-            states = solve_ivp(rates, (t0, t1), x, way, times, rtol=rtol, atol=rtol * SCALES).y.T
-        x = states[-1]
-        found.append(states[np.abs(times - rows[np.clip(np.rint(times / STEP).astype(int), 0, len(rows) - 1)]) < 1e-9]
-                     [: len(inner)])  # fmt: skip
-    return np.concatenate(found)
 
 
 def error(states: np.ndarray, exact: np.ndarray) -> float:
@@ -355,11 +288,11 @@ def two_masses(repetitions: int) -> list[dict[str, Any]]:
     ways: dict[str, Callable[[float], np.ndarray]] = {"stribeck": own}
     for name, make in (("CasADi CVODES", casadi_drive), ("numbalsoda", numbalsoda_drive)):
         try:
-            ways[name] = make(symbolic, TORQUE, rows, SCALES)
+            ways[name] = make(TORQUE, rows, SCALES)
         except (Missing, ImportError) as missing:
             say(f"two masses: {name} left out: {missing} is not installed")
-    ways["SciPy odeint"] = lambda rtol: scipy_way("odeint", rtol)
-    ways["SciPy solve_ivp LSODA"] = lambda rtol: scipy_way("LSODA", rtol)
+    ways["SciPy odeint"] = scipy_drive("odeint", TORQUE, rows, SCALES)
+    ways["SciPy solve_ivp LSODA"] = scipy_drive("LSODA", TORQUE, rows, SCALES)
     return measured({n: (w, *tolerance(f"two masses: {n}", w, exact)) for n, w in ways.items()}, repetitions)
 
 
@@ -412,7 +345,7 @@ def chains(sizes: tuple[int, ...], repetitions: int) -> list[dict[str, Any]]:
 
 def main() -> None:
     """Measure, print, write."""
-    given = options(__doc__, "machines", 15, 2)
+    given = options(__doc__, "machines", repetitions=(15, 2))
     drive_rows = two_masses(given.repetitions)
     chain_rows = chains((2, 4) if given.repetitions <= 2 else (2, 4, 8, 16), given.repetitions)
     print(f"Two-mass drive, 2 s, error of y and v at most {ERROR:g} of the peak:")

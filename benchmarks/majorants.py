@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
-from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
-from measure import RESULTS, machine, spread, table, write
+from measure import machine, options, spread, table, write
 
 from stribeck import Scenario, examples, simulate
 
@@ -39,10 +37,7 @@ def _cell(result: dict[str, float]) -> str:
 
 def main() -> None:
     """Print a table and write the results."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--repetitions", type=int, default=9)
-    parser.add_argument("--out", type=Path, default=RESULTS / "majorants.json")
-    options = parser.parse_args()
+    given = options(__doc__, "majorants", repetitions=(9, 1))
     found: dict[str, Any] = {}
     for name in SCENARIOS:
         scenarios = under(name)
@@ -50,7 +45,7 @@ def main() -> None:
         seconds: dict[str, list[float]] = {label: [] for label in scenarios}
         for scenario in scenarios.values():
             simulate(scenario)
-        for _ in range(options.repetitions):
+        for _ in range(given.repetitions):
             for label, scenario in scenarios.items():
                 started = process_time()
                 simulate(scenario)
@@ -66,10 +61,7 @@ def main() -> None:
     rows = [[label, *(_cell(found[name][label]) for name in SCENARIOS)] for label in VARIANTS]
     print(f"k_v = {STEEPNESS:g} s/m: CPU time over lugre's, largest deviation of y over its peak")
     print(table(["law", *SCENARIOS], rows))
-    write(
-        options.out,
-        {"machine": machine(), "steepness": STEEPNESS, "repetitions": options.repetitions, "results": found},
-    )
+    write(given.out, {"machine": machine(), "steepness": STEEPNESS, "repetitions": given.repetitions, "results": found})
 
 
 if __name__ == "__main__":

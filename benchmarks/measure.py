@@ -42,16 +42,24 @@ def say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def options(about: str | None, name: str, repetitions: int, quick: int, **flags: str) -> argparse.Namespace:
-    """The options that every benchmark has, and flags of its own: repetitions, quick, out."""
-    parser = argparse.ArgumentParser(description=(about or "").partition("\n")[0])
-    parser.add_argument("--repetitions", type=int, help=f"{repetitions} unless given")
-    parser.add_argument("--quick", action="store_true", help="only see whether it works; the figures mean little")
+def options(about: str | None, name: str, **defaults: Any) -> argparse.Namespace:
+    """The options of a benchmark: --out, --quick, and one for each default; of a pair, --quick takes the second."""
+    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=RESULTS / f"{name}.json", help="file of the results")
-    for flag, text in flags.items():
-        parser.add_argument(f"--{flag}", action="store_true", help=text)
+    parser.add_argument("--quick", action="store_true", help="only see whether it works; the figures mean little")
+    for key, value in defaults.items():
+        word, usual = f"--{key.replace('_', '-')}", value[0] if isinstance(value, tuple) else value
+        if isinstance(usual, bool):
+            parser.add_argument(word, action="store_true")
+        elif isinstance(usual, list):
+            parser.add_argument(word, nargs="+", choices=usual, metavar="NAME", help=f"of {', '.join(usual)}")
+        else:
+            parser.add_argument(word, type=type(usual), help=f"{usual} unless given")
     given = parser.parse_args()
-    given.repetitions = given.repetitions or (quick if given.quick else repetitions)
+    for key, value in defaults.items():
+        if getattr(given, key) is None:
+            usual, quick = value if isinstance(value, tuple) else (value, value)
+            setattr(given, key, quick if given.quick else usual)
     return given
 
 
@@ -125,13 +133,6 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         return "  ".join(cells).rstrip()
 
     return "\n".join([line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)])
-
-
-def targets_table(targets: Sequence[dict[str, Any]]) -> str:
-    """Which targets are met."""
-    said = {True: "met", False: "NOT met", None: ""}
-    rows = [(t["target"], t["wanted"], t["measured"] or "not measured", said[t["met"]]) for t in targets]
-    return table(("target", "wanted", "measured", ""), rows)
 
 
 def write(path: Path, results: dict[str, Any]) -> None:

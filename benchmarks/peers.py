@@ -18,7 +18,7 @@ from stribeck.codegen import source
 from stribeck.simulation import cache, compiler, native
 
 Array = NDArray[np.float64]
-Solve = Callable[[float, float | None], Array]
+Solve = Callable[[float, float | None], Array]  # rtol, atol (None: the solver's own choice) -> y at the times
 
 MOST_STEPS = 10**6
 DIFFRAX_FIRST_STEP = 1e-6
@@ -169,7 +169,6 @@ class Peer:
         like: the peer whose tolerances it takes.
         shares: the ratios atol/rtol that a scan tries, where they are not the usual ones.
         compiles: whether making it takes long.
-        curve: whether it has a curve of its own where error is set against time.
     """
 
     name: str
@@ -179,7 +178,6 @@ class Peer:
     like: str | None = None
     shares: tuple[float, ...] | None = None
     compiles: bool = False
-    curve: bool = True
 
 
 _PLAIN, _TUNED = "Python equations, state unpacked", "Python equations on x.tolist()"
@@ -188,21 +186,17 @@ PEERS = (
     Peer("numbalsoda", "numbalsoda", "LSODA, equations compiled by numba", numbalsoda, compiles=True),
     Peer("CasADi CVODES", "casadi", "BDF, symbolic equations, derived Jacobian", casadi),
     Peer("scikit-sundae CVODE", "scikit-sundae", f"BDF, {_PLAIN}", cvode),
-    Peer("SciPy odeint", "scipy", _PLAIN, partial(odeint, tuned=False), curve=False),
+    Peer("SciPy odeint", "scipy", _PLAIN, partial(odeint, tuned=False)),
     Peer("SciPy odeint, tuned", "scipy", _TUNED, partial(odeint, tuned=True), like="SciPy odeint"),
-    Peer("solve_ivp LSODA", "scipy", _PLAIN, partial(solve_ivp, method="LSODA", tuned=False), curve=False),
+    Peer("solve_ivp LSODA", "scipy", _PLAIN, partial(solve_ivp, method="LSODA", tuned=False)),
     Peer("solve_ivp LSODA, tuned", "scipy", _TUNED, partial(solve_ivp, method="LSODA", tuned=True),
-         like="solve_ivp LSODA", curve=False),
+         like="solve_ivp LSODA"),
     Peer("solve_ivp Radau", "scipy", _PLAIN, partial(solve_ivp, method="Radau", tuned=False)),
     Peer("diffrax Kvaerno3", "diffrax", f"order 3, {_JAX}", partial(diffrax, method="Kvaerno3"), shares=(1e-3,),
          compiles=True),
     Peer("diffrax Kvaerno5", "diffrax", f"order 5, {_JAX}", partial(diffrax, method="Kvaerno5"), shares=(1e-3,),
-         compiles=True, curve=False),
+         compiles=True),
 )  # fmt: skip
-
-
-Array = NDArray[np.float64]
-Solve = Callable[[float, float | None], Array]  # rtol, atol (None: the solver's own choice) -> y at the times
 
 BASE = "stribeck"
 PEERS_ATOL = "stribeck, peers' atol"

@@ -10,9 +10,7 @@ where the reference takes more than 20 000 steps.
 
 from __future__ import annotations
 
-import argparse
 import ctypes
-import json
 import subprocess
 import sys
 import tempfile
@@ -23,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import RESULTS, machine
+from measure import machine, options, write
 
 import stribeck
 
@@ -136,18 +134,13 @@ def outcome(library: ctypes.CDLL, p: Case) -> tuple[str, dict[str, float]]:
 
 def main() -> None:
     """Count."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=600)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--minutes", type=float, default=15.0)
-    parser.add_argument("--out", type=Path, default=RESULTS)
-    options = parser.parse_args()
-    library, rng, begun = compiled(), np.random.default_rng(options.seed), time.process_time()
+    given = options(__doc__, "promise", count=(600, 20), seed=1, minutes=15.0)
+    library, rng, begun = compiled(), np.random.default_rng(given.seed), time.process_time()
     counts: Counter[str] = Counter()
     worst: dict[str, float] = dict.fromkeys(PROMISED, 0.0)
     wrong: list[Case] = []
-    for i in range(options.count):
-        if time.process_time() - begun > 60 * options.minutes:
+    for i in range(given.count):
+        if time.process_time() - begun > 60 * given.minutes:
             break
         p = random_case(rng)
         what, errors = outcome(library, p)
@@ -158,15 +151,8 @@ def main() -> None:
             wrong.append({"index": i, "what": what, "errors": errors, **p})
             print(i, what, errors, p, flush=True)
     print(dict(counts), "worst that was kept:", worst)
-    written = {
-        "machine": machine(),
-        "seed": options.seed,
-        "counts": dict(counts),
-        "worst_kept": worst,
-        "not_kept": wrong,
-    }
-    options.out.mkdir(exist_ok=True)
-    (options.out / "promise.json").write_text(json.dumps(written, indent=1) + "\n")
+    about = {"machine": machine(), "seed": given.seed, "counts": dict(counts)}
+    write(given.out, {**about, "worst_kept": worst, "not_kept": wrong})
     sys.exit(1 if counts["broken"] else 0)
 
 

@@ -16,28 +16,25 @@ from measure import RESULTS, machine
 
 FAMILIES = {
     "speed": ("single", "ensemble", "machines", "sampled", "majorants", "startup", "backends", "explorer", "fit_speed"),
-    "accuracy": ("default_tolerance", "machine_attack"),
-    "export": ("arm_instructions", "controller_instructions", "discretisation", "in_mujoco", "learning"),
+    "accuracy": ("default_tolerance", "promise", "machine_attack"),
+    "export": ("instructions", "discretisation", "in_mujoco", "learning"),
     "verdicts": ("verdicts", "design_attack"),
+    "fits": ("estimates", "coverage"),
 }
-PRINTED = ("machine_attack", "verdicts")  # on the screen alone
-PACED = ("speed",)  # families whose scripts take --repetitions and --quick
+NAMED = {"instructions": "arm_instructions"}  # results of another name than the script's
 
 
 def main() -> None:
     """Run the benchmarks that are asked for; the exit status is 1 where one failed to run."""
-    scripts = {name: family for family, names in FAMILIES.items() for name in names}
+    known = (*FAMILIES, *(name for names in FAMILIES.values() for name in names))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join([*FAMILIES, *scripts])}")
-    parser.add_argument("--repetitions", type=int, help="repetitions of each, of speed")
-    parser.add_argument("--quick", action="store_true", help="only see whether they work, of speed")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(known)}")
+    parser.add_argument("--quick", action="store_true", help="only see whether they work")
     parser.add_argument("--out", type=Path, default=RESULTS, help="folder of the results")
-    options = parser.parse_args()
-    chosen: list[str] = []
-    for name in options.names or ["speed"]:
-        if name not in FAMILIES and name not in scripts:
-            parser.error(f"{name}: must be one of {', '.join([*FAMILIES, *scripts])}")
-        chosen += FAMILIES.get(name, (name,))
+    given = parser.parse_args()
+    if unknown := [name for name in given.names if name not in known]:
+        parser.error(f"{', '.join(unknown)}: must be of {', '.join(known)}")
+    chosen = [script for name in given.names or ["speed"] for script in FAMILIES.get(name, (name,))]
     about = machine()
     print(f"{about['date']}: {about['processor']}, {about['cores']} cores, {about['system']}, Python {about['python']}")
     print(f"compiler: {about['compiler'] or 'none'}; load: {about['load']}")
@@ -46,10 +43,7 @@ def main() -> None:
     for name in chosen:
         started = perf_counter()
         command = [sys.executable, str(Path(__file__).with_name(f"{name}.py"))]
-        command += [] if name in PRINTED else ["--out", str(options.out / f"{name}.json")]
-        if scripts[name] in PACED:
-            command += ["--quick"] if options.quick else []
-            command += ["--repetitions", str(options.repetitions)] if options.repetitions else []
+        command += ["--out", str(given.out / f"{NAMED.get(name, name)}.json"), *(["--quick"] if given.quick else [])]
         if subprocess.run(command, check=False).returncode != 0:
             failed.append(name)
         print(f"({name}: {perf_counter() - started:.0f} s)\n", flush=True)

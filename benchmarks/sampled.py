@@ -65,7 +65,7 @@ def measured(name: str, scenarios: dict[str, Scenario], repetitions: int) -> lis
 
 def main() -> None:
     """Measure, print, write."""
-    given = options(__doc__, "sampled", 31, 3)
+    given = options(__doc__, "sampled", repetitions=(31, 3))
     rows = [row for name, data in files().items() for row in measured(name, ways(data), given.repetitions)]
     rows += measured("servo", servo(), given.repetitions)
     print(f"At {1 / PERIOD:g} Hz against the same machine under the continuous controller (at most {WANTED:g} wanted):")

@@ -23,8 +23,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from measure import Seconds, keep, kept, machine, options, say, spread, table, targets_table, timed, write
-from peers import BASE, PEERS_ATOL, Array, Solver, Stribeck, available, solve_ivp
+from measure import Seconds, keep, kept, machine, options, say, spread, table, timed, write
+from peers import BASE, Array, Solver, Stribeck, available, solve_ivp
 from problems import LIMIT_CYCLE
 
 LIMIT = 1e-6  # of the range of y
@@ -38,12 +38,6 @@ TRUSTED = (LIMIT / 3, 1.5 * LIMIT)  # typical errors between which kept toleranc
 BLOCK = 0.03  # s: a solver's calls within a repetition take about so long together; their median counts
 MOST_CALLS = 15
 SLOW, FEW = 0.4, 5  # solvers slower than so many s take part in so many repetitions only
-# what, which peer, how many times faster than it, in which direction
-TARGETS = (
-    ("faster than SciPy odeint", "SciPy odeint", 60.0),
-    ("faster than solve_ivp LSODA", "solve_ivp LSODA", 120.0),
-    ("faster than numbalsoda", "numbalsoda", 3.5),
-)
 
 
 @dataclass
@@ -196,28 +190,8 @@ def entry(choice: Choice, base: Choice) -> dict[str, Any]:
     }
 
 
-def judge(choices: list[Choice]) -> list[dict[str, Any]]:
-    """The targets, and whether they are met, at this project's default atol and at the peers' atol."""
-    times = {choice.solver.name: choice.times for choice in choices}
-    judged = []
-    for base in (BASE, PEERS_ATOL):
-        for text, peer, wanted in TARGETS:
-            ratio = None
-            if peer in times and base in times:
-                ratio = statistics.median(theirs.cpu / times[base][i].cpu for i, theirs in times[peer].items())
-            judged.append(
-                {
-                    "target": f"{base}: {text}",
-                    "wanted": f">= {wanted:g} x",
-                    "measured": None if ratio is None else f"{ratio:.3g} x",
-                    "met": None if ratio is None else ratio >= wanted,
-                }
-            )
-    return judged
-
-
 def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
-    """Find the tolerances, measure, and judge."""
+    """Find the tolerances, and measure."""
     about_machine = machine()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["STRIBECK_CACHE"] = folder
@@ -238,7 +212,6 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
         "reference": about,
         "solvers": lines,
         "not_measured": missing,
-        "targets": judge(choices),
     }
 
 
@@ -256,12 +229,12 @@ def report(results: dict[str, Any]) -> str:
         )  # fmt: skip
     head = ("solver", "ms", "quartiles", f"/ {BASE}", "quartiles", "error/range", "rtol", "atol")
     missing = "".join(f"{name}: not measured: {reason}\n" for name, reason in results["not_measured"].items())
-    return f"{results['benchmark']}\n\n{table(head, rows)}\n{missing}\n{targets_table(results['targets'])}\n"
+    return f"{results['benchmark']}\n\n{table(head, rows)}\n{missing}"
 
 
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
-    given = options(__doc__, "single", repetitions=15, quick=2, scan="scan the slow solvers too (some minutes)")
+    given = options(__doc__, "single", repetitions=(15, 2), scan=False)
     results = benchmark(given.repetitions, given.scan)
     write(given.out, results)
     print(report(results))

@@ -17,27 +17,19 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from measure import machine, options, spread, table, targets_table, write
+from measure import machine, options, spread, table, write
 from problems import LIMIT_CYCLE
 
-MEMORY_LIMIT = 200.0  # MB
 KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
 
 
 @dataclass
 class Case:
-    """A command to time; ``prepare`` makes what it needs and returns the cache folder and further arguments.
-
-    Attributes:
-        limit: the target in s, or None.
-        beyond: the case whose time is taken off before the limit is applied.
-    """
+    """A command to time; ``prepare`` makes what it needs and returns the cache folder and further arguments."""
 
     name: str
     command: list[str]
     prepare: Callable[[], tuple[Path, list[str]]]
-    limit: float | None = None
-    beyond: str | None = None
     times: list[float] = field(default_factory=list)
     cpu: list[float] = field(default_factory=list)
     megabytes: list[float] = field(default_factory=list)
@@ -73,7 +65,7 @@ def stribeck() -> list[str]:
 
 
 def cases(folder: Path) -> list[Case]:
-    """The commands, each with its target."""
+    """The commands."""
     scenario, filled = folder / "limit_cycle.toml", folder / "filled"
     scenario.write_text(LIMIT_CYCLE.toml)
 
@@ -87,11 +79,11 @@ def cases(folder: Path) -> list[Case]:
     return [
         Case("python -c pass", [sys.executable, "-c", "pass"], lambda: (filled, [])),
         Case("python -c 'import numpy'", [sys.executable, "-c", "import numpy"], lambda: (filled, [])),
-        Case("stribeck --help", [*stribeck(), "--help"], lambda: (filled, []), 0.2),
-        Case("run --json, cached", run, lambda: (filled, []), 0.4),
-        Case("run --json, new", run, lambda: (fresh(), []), 1.2),
-        Case("run --json --out, cached", run, lambda: with_out(filled), 0.8, "run --json, cached"),
-        Case("run --json --out, new", run, lambda: with_out(fresh()), 0.8, "run --json, new"),
+        Case("stribeck --help", [*stribeck(), "--help"], lambda: (filled, [])),
+        Case("run --json, cached", run, lambda: (filled, [])),
+        Case("run --json, new", run, lambda: (fresh(), [])),
+        Case("run --json --out, cached", run, lambda: with_out(filled)),
+        Case("run --json --out, new", run, lambda: with_out(fresh())),
     ]
 
 
@@ -99,35 +91,6 @@ def figures(case: Case) -> dict[str, Any]:
     """A case's line of the results."""
     peak = max(case.megabytes)
     return {"case": case.name, "seconds": spread(case.times), "cpu_seconds": spread(case.cpu), "peak_megabytes": peak}
-
-
-def judge(measured: list[Case]) -> list[dict[str, Any]]:
-    """The targets, and whether they are met by the medians."""
-    medians = {case.name: spread(case.times)["median"] for case in measured}
-    judged = []
-    for case in measured:
-        if case.limit is None:
-            continue
-        value = medians[case.name] - (medians[case.beyond] if case.beyond else 0.0)
-        text = f"{case.name}, beyond the same without --out" if case.beyond else case.name
-        judged.append(
-            {
-                "target": text,
-                "wanted": f"<= {case.limit:g} s",
-                "measured": f"{value:.3f} s",
-                "met": value <= case.limit,
-            }
-        )
-    peak = max(max(case.megabytes) for case in measured)
-    judged.append(
-        {
-            "target": "peak memory of any of them",
-            "wanted": f"< {MEMORY_LIMIT:g} MB",
-            "measured": f"{peak:.0f} MB",
-            "met": peak < MEMORY_LIMIT,
-        }
-    )
-    return judged
 
 
 def benchmark(repetitions: int) -> dict[str, Any]:
@@ -148,7 +111,6 @@ def benchmark(repetitions: int) -> dict[str, Any]:
         "benchmark": "start-up, whole processes",
         "machine": about_machine,
         "cases": [figures(case) for case in measured],
-        "targets": judge(measured),
     }
 
 
@@ -167,12 +129,12 @@ def report(results: dict[str, Any]) -> str:
             )
         )
     head = ("command", "s", "quartiles", "cpu s", "peak MB")
-    return f"{results['benchmark']}\n\n{table(head, rows)}\n\n{targets_table(results['targets'])}\n"
+    return f"{results['benchmark']}\n\n{table(head, rows)}"
 
 
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
-    given = options(__doc__, "startup", repetitions=11, quick=1)
+    given = options(__doc__, "startup", repetitions=(11, 1))
     results = benchmark(given.repetitions)
     write(given.out, results)
     print(report(results))

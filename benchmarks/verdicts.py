@@ -3,19 +3,14 @@
 The truth of the former is derived by hand (tests/properties/nasty); that of the latter follows from the exact
 conditions of docs/explanation/theory.md, evaluated here with rational numbers. A counterexample to passivity is integrated anew.
 
-    python benchmarks/verdicts.py [--sets 20] [--seed 0] [--nasty | --builtin] [--list]
-    python benchmarks/verdicts.py --builtin --results benchmarks/results/verdicts.json --seconds 150   # again until it is done
+    python benchmarks/verdicts.py [--sets 20] [--seed 0] [--only NAME] [--kinds KIND ...]
 
-prints a table: laws, verdicts, wrong ones, crashes, undecided (of natural laws and ordinary sets apart), CPU seconds.
+Prints a table: laws, verdicts, wrong ones, crashes, undecided (of natural laws and ordinary sets apart), CPU seconds.
 Every yes is given to the second checker, and counts as wrong where that one refuses its certificate.
-With ``--results`` a run goes on where the last one with the same sources of the check and seed stopped, also with more sets.
 """
 
 from __future__ import annotations
 
-import argparse
-import hashlib
-import json
 import math
 import random
 import sys
@@ -27,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import mpmath
+from measure import machine, options, write
 from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
@@ -37,6 +33,7 @@ from tests.properties.nasty import PROPERTIES, cases
 
 MAJORANTS = [f"{law}/{m}" for law in ("lugre_majorant", "elastoplastic_majorant") for m in ("atan", "sqrt", "compact")]
 BUILTIN = ["lugre", "lugre_arctan", "lugre_sobczyk", "elastoplastic", "elastoplastic_sobczyk", "dahl", *MAJORANTS]
+NATURAL = "natural laws"
 DIGITS = 60
 FAILED = "the equations cannot be treated"  # how check says that it failed itself
 
@@ -121,17 +118,14 @@ def replayed(law: Any, evidence: Any) -> str | None:
     return None
 
 
-def nasty(names: list[str]) -> Iterator[Row]:
+def nasty(only: str, every: int) -> Iterator[Row]:
     """A row for each kind of nasty law, and one for the natural ones among all."""
-    natural = Row("natural laws")
+    natural = Row(NATURAL)
     rows: dict[str, Row] = {}
-    for case in cases():
-        full = f"{case.kind}.{case.name}"
-        if names and not any(word in full for word in names):
-            continue
+    for case in (c for c in list(cases())[::every] if only in f"{c.kind}.{c.name}"):
         row = rows.setdefault(case.kind, Row(case.kind))
         before = (row.verdicts, row.undecided)
-        row.judge(full, case.law(), case.truth)
+        row.judge(f"{case.kind}.{case.name}", case.law(), case.truth)
         if case.natural:
             natural.laws += 1
             natural.verdicts += row.verdicts - before[0]
@@ -268,64 +262,20 @@ def law_of(name: str, values: dict[str, float]) -> Any:
     return stribeck.law(law, values, **({"smooth_abs": majorant} if majorant else {}))
 
 
-def builtin(kind: str, names: list[str], progress: Progress) -> Iterator[Row]:
+def builtin(kind: str, given: Any) -> Iterator[Row]:
     """A row for each built-in law with sets of one kind."""
-    for name in BUILTIN:
-        if names and name not in names:
-            continue
-        row = progress.row(f"{kind} {name}")
-        while row.sets < progress.sets and not progress.spent():
-            values = SETS[kind](random.Random(f"{progress.seed} {kind} {name} {row.sets}"), name)
+    for name in (n for n in BUILTIN if given.only in n):
+        row = Row(f"{kind} {name}")
+        for k in range(given.sets):
+            values = SETS[kind](random.Random(f"{given.seed} {kind} {name} {k}"), name)
             row.sets += 1
             try:
                 law = law_of(name, values)
             except stribeck.InputError:  # z_ba rounded up to F_c/sigma_0
                 continue
             row.judge(f"{name} {values}", law, truth_of(name, values))
-            progress.save()
+        print(row.line(), flush=True)
         yield row
-
-
-class Progress:
-    """Rows that are done, kept in a file between runs; a run ends when its CPU seconds are spent."""
-
-    def __init__(self, file: Path | None, sets: int, seed: int, seconds: float) -> None:
-        self.file, self.sets, self.seed, self.until = file, sets, seed, time.process_time() + seconds
-        self.rows: dict[str, Row] = {}
-        self.about = {"check": sources(), "seed": seed}
-        if file is not None and file.exists():
-            data = json.loads(file.read_text())
-            if all(data.get(n) == x for n, x in self.about.items()):
-                self.rows = {n: Row(**row) for n, row in data["rows"].items()}
-
-    def row(self, name: str) -> Row:
-        """The row of that name, as far as it is."""
-        return self.rows.setdefault(name, Row(name))
-
-    def spent(self) -> bool:
-        """Whether this run is to end."""
-        return time.process_time() > self.until
-
-    def save(self) -> None:
-        """Write what is done."""
-        if self.file is not None:
-            whole = total("all", list(self.rows.values()))
-            table = {**self.about, "sets": self.sets, "done": all(row.sets >= self.sets for row in self.rows.values())}
-            counts = {
-                "laws": whole.laws, "verdicts": whole.verdicts, "undecided": whole.undecided, "wrong": len(whole.wrong),
-                "crashes": len(whole.crashes), "cpu_seconds": whole.seconds, "slowest_law_cpu_seconds": whole.slowest,
-            }  # fmt: skip
-            rows = {n: asdict(row) for n, row in self.rows.items()}
-            beside = self.file.with_suffix(".part")
-            beside.write_text(json.dumps({**table, "all": counts, "rows": rows}, indent=1) + "\n")
-            beside.replace(self.file)
-
-
-def sources() -> str:
-    """A short name of the code that decides: other results belong to other code."""
-    folder = Path(stribeck.__file__).parent
-    files = [f for part in ("properties", "expressions") for f in sorted((folder / part).rglob("*.py"))]
-    return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()[:12]
 
 
 def total(name: str, rows: list[Row]) -> Row:
@@ -338,40 +288,27 @@ def total(name: str, rows: list[Row]) -> Row:
 
 
 def main() -> int:
-    """Print the table; the exit status is 1 where a verdict is wrong or a check crashed."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("names", nargs="*", help="parts of nasty laws' names, or built-in laws; all unless given")
-    parser.add_argument("--sets", type=int, default=20, help="sets of each kind for each built-in law")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--kind", choices=list(SETS), help="only this kind of sets")
-    parser.add_argument("--nasty", action="store_true", help="only the nasty laws")
-    parser.add_argument("--builtin", action="store_true", help="only built-in laws")
-    parser.add_argument("--list", action="store_true", help="list what stayed undecided")
-    parser.add_argument("--results", type=Path, help="file of built-in laws' results, to go on with")
-    parser.add_argument("--seconds", type=float, default=1e9, help="CPU seconds after which built-in laws are left")
-    options = parser.parse_args()
+    """Print the table, and write it; the exit status is 1 where a verdict is wrong or a check crashed."""
+    given = options(__doc__, "verdicts", sets=(20, 1), seed=0, only="", kinds=list(SETS))
     print(HEAD)
-    rows, all_rows = [], []
-    if not options.builtin:
-        for row in nasty(options.names):
-            print(row.line(), flush=True)
-            rows.append(row)
-        natural = rows.pop()
-        print(total("nasty laws", rows).line())
-        all_rows += [*rows, natural]
-    progress = Progress(options.results, options.sets, options.seed, options.seconds)
-    for kind in SETS if not options.nasty else ():
-        if options.kind in (None, kind):
-            rows = []
-            for row in builtin(kind, options.names, progress):
-                print(row.line(), flush=True)
-                rows.append(row)
-            print(total(f"all {kind}", rows).line())
-            all_rows += rows
-    bad = [text for row in all_rows for text in (*row.wrong, *(f"CRASH {x}" for x in row.crashes))]
+    rows = {}
+    for row in nasty(given.only, 20 if given.quick else 1):
+        print(row.line(), flush=True)
+        rows[row.name] = row
+    print(total("nasty laws", [row for name, row in rows.items() if name != NATURAL]).line())
+    for kind in given.kinds or SETS:
+        of_kind = list(builtin(kind, given))
+        print(total(f"all {kind}", of_kind).line(), flush=True)
+        rows |= {row.name: row for row in of_kind}
+    whole = total("all", [row for name, row in rows.items() if name != NATURAL])
+    counts = {
+        "laws": whole.laws, "verdicts": whole.verdicts, "undecided": whole.undecided, "wrong": len(whole.wrong),
+        "crashes": len(whole.crashes), "cpu_seconds": whole.seconds, "slowest_law_cpu_seconds": whole.slowest,
+    }  # fmt: skip
+    about = {"machine": machine(), "seed": given.seed, "sets": given.sets, "all": counts}
+    write(given.out, {**about, "rows": {name: asdict(row) for name, row in rows.items()}})
+    bad = [*whole.wrong, *(f"CRASH {x}" for x in whole.crashes)]
     print(*bad, sep="\n")
-    if options.list:
-        print("undecided:", *(text for row in all_rows for text in row.open), sep="\n")
     return 1 if bad else 0
 
 

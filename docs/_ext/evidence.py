@@ -156,16 +156,34 @@ def learning(d: Any) -> Rows:
 
 
 def design_attack(d: Any) -> Rows:
-    """The table of design_attack.json."""
-    return ["boundary of", "value", "checked at", "reported", "SciPy found", "agrees"], [
-        [r["path"], r["value"], r["at"], r["said"], r["found"], "yes" if r["agrees"] else "no"] for r in d["boundaries"]
-    ]
+    """Of design_attack.json how many verdicts and factors agree, by kind of machine and of compensation."""
+    kinds: dict[tuple[str, str], list[bool]] = {}
+    for what in ("verdicts" if "verdicts" in d else "boundaries", "factors"):
+        for r in d[what]:
+            kinds.setdefault((what, r["kind"]), []).append(r["agrees"])
+    return ["what", "kind", "asked", "agree"], [[*key, len(x), sum(x)] for key, x in kinds.items()]
 
 
 def verdicts(d: Any) -> Rows:
     """The table of verdicts.json."""
     words = ("laws", "verdicts", "undecided", "wrong", "crashes")
     return list(words), [[d["all"][word] for word in words]]
+
+
+def coverage(d: Any) -> Rows:
+    """The counts of coverage.json, added up by kind of record."""
+    kinds: dict[str, list[int]] = {}
+    for name, c in d["cases"].items():
+        kind = "machine that lacks a term" if "lacks" in name else name.partition(",")[0]
+        counts = (c["experiments"], c["numbers"], c["identifiable"], c["interval"], c["range"])
+        kinds[kind] = [a + b for a, b in zip(kinds.get(kind, [0] * 5), counts, strict=True)]
+    head = ["records", "experiments", "numbers", "identifiable", "intervals hold", "ranges hold"]
+    return head, [[kind, *counts] for kind, counts in kinds.items()]
+
+
+def fit_speed(d: Any) -> Rows:
+    """The table of fit_speed.json."""
+    return ["fit", "processor (s)", "wall (s)"], [[r["fit"], r["processor_s"], r["wall_s"]] for r in d["fits"]]
 
 
 def explorer(d: Any) -> Rows:
@@ -180,7 +198,8 @@ TABLES: dict[str, Callable[[Any], Rows]] = {
     "backends": backends, "sampled": sampled, "default_tolerance": default_tolerance, "majorants": majorants,
     "discretisation": discretisation, "in_mujoco": in_mujoco, "arm_instructions": arm_instructions,
     "controller_instructions": controller_instructions, "learning": learning,
-    "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer,
+    "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer, "coverage": coverage,
+    "fit_speed": fit_speed,
 }  # fmt: skip
 FILES = {"chains": "machines"}  # tables whose file has another name
 

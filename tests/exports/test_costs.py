@@ -51,7 +51,7 @@ def test_counting_again_gives_the_same():
         pytest.skip(f"another compiler than gcc {PACKAGED['gcc']}")
     sys.path.insert(0, str(BENCHMARKS))
     try:
-        spec = importlib.util.spec_from_file_location("arm_instructions", BENCHMARKS / "arm_instructions.py")
+        spec = importlib.util.spec_from_file_location("instructions", BENCHMARKS / "instructions.py")
         counting = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(counting)
     finally:

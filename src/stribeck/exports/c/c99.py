@@ -68,7 +68,7 @@ def _least_K_D() -> str:
 
 def costs(law: Law) -> list[str]:
     """What a step costs, as lines for the header; none for a law or a form that was not counted
-    (benchmarks/arm_instructions.py counts them all)."""
+    (benchmarks/instructions.py counts them all)."""
     counted = json.loads(resources("stribeck.exports").joinpath("templates", "costs.json").read_text(encoding="utf-8"))
     rows = counted["laws"].get(" ".join((law.name, *law.form.words)), {})
     if not rows or builtin().get(law.name) is not type(law):

@@ -1,20 +1,26 @@
-"""Instructions of one step of the exported C on Cortex-M4 and M7: compiled for them, and every instruction that qemu
-executes of it counted. The headers of exports state these numbers."""
+"""Instructions of one step of exported laws, and of one sample of exported controllers, on Cortex-M4 and M7: the C is compiled
+for them, and every instruction that qemu executes of it is counted. The headers of exports state the numbers of laws.
+
+The results are arm_instructions.json and controller_instructions.json, beside ``--out``.
+"""
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
-from measure import RESULTS, first_line, machine, table
+from measure import RESULTS, first_line, machine, options, table, write
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
 
 import stribeck
 from stribeck import laws
+from tests.exports.controller.stages import CASES, stage
 
 # name in the results, in the headers; flags; precision
 TARGETS = {
@@ -27,7 +33,11 @@ CALLS = 200
 PACKAGED = Path(stribeck.__file__).parent / "exports" / "templates" / "costs.json"
 
 # The start of a program without a C library's own: the counted function is called, then Linux is asked to end it.
-_MAIN = """
+_END = """    register int r7 __asm__("r7") = 1, r0 __asm__("r0") = 0;
+    __asm__ volatile("svc 0" : : "r"(r7), "r"(r0));
+}
+"""
+_LAW = """
 #include "@.h"
 static @_parameters p;
 static @_state s;
@@ -39,24 +49,50 @@ void _start(void)
     @_reset(&s);
     for (int i = 0; i < CALLS; ++i) /* speeds around v_s, reversals among them */
         counted((@_real)((i * 37) % 1000 - 500) / 500 * (@_real)2e-3);
-    register int r7 __asm__("r7") = 1, r0 __asm__("r0") = 0;
-    __asm__ volatile("svc 0" : : "r"(r7), "r"(r0));
-}
+"""
+_CONTROLLER = """
+#include "@.h"
+static @_parameters p;
+static @_state s;
+static @_input in[CALLS];
+static @_output out;
+__attribute__((noinline)) void counted(const @_input *now) { @_step(&p, &s, now, &out); }
+void _start(void)
+{
+    @_defaults(&p);
+    @_reset(&s);
+    for (int i = 0; i < CALLS; ++i) { /* to and fro around v_s, the reference with it */
+        @_path_at(&p, (@_real)(i * 1e-3), &in[i]);
+        in[i].y = (@_real)(((i * 37) % 100 - 50) * 1e-7);
+    }
+    for (int i = 0; i < CALLS; ++i) counted(&in[i]);
 """
 _LINE = re.compile(r"Trace 0: \S+ \[[0-9a-f]+/([0-9a-f]+)/\S+ (\w+)")
 
 
 def counts(law: Any, flags: str, single: bool) -> list[int]:
     """Instructions of each call, of a law with its constants."""
-    name = re.sub(r"\W", "_", law.name)
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
+    with tempfile.TemporaryDirectory() as folder:
         stribeck.export(law, "c", folder)
-        (folder / "main.c").write_text(_MAIN.replace("@", name).replace("CALLS", str(CALLS)))
-        command = ["arm-none-eabi-gcc", *FLAGS, *flags.split(), *([f"-D{name.upper()}_FLOAT"] if single else [])]
-        command += ["-nostartfiles", "--specs=nosys.specs", f"{name}.c", "main.c", "-o", "main", "-lm"]
-        subprocess.run(command, cwd=folder, check=True, capture_output=True)
-        return traced(folder)
+        return counted(Path(folder), re.sub(r"\W", "_", law.name), _LAW, flags, single)
+
+
+def controller_counts(case: str, flags: str, single: bool) -> list[int]:
+    """Instructions of each sample of a controller."""
+    with tempfile.TemporaryDirectory() as folder:
+        files = stribeck.export(None, "c", folder, part="controller", scenario=stage(case))
+        return counted(Path(folder), files[0].stem, _CONTROLLER, flags, single)
+
+
+def counted(folder: Path, name: str, text: str, flags: str, single: bool) -> list[int]:
+    """Instructions of each call of the exported file in a folder."""
+    (folder / "main.c").write_text((text + _END).replace("@", name).replace("CALLS", str(CALLS)))
+    command = ["arm-none-eabi-gcc", *FLAGS, *flags.split(), *([f"-D{name.upper()}_FLOAT"] if single else [])]
+    command += ["-nostartfiles", "--specs=nosys.specs", f"{name}.c", "main.c", "-o", "main", "-lm"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    found = traced(folder)
+    assert len(found) == CALLS, (name, len(found))
+    return found
 
 
 def traced(folder: Path) -> list[int]:
@@ -110,41 +146,27 @@ def forms() -> list[Any]:
     return made
 
 
-def measure() -> list[dict[str, Any]]:
-    """A row for each form of a law and each target: mean and most of one call."""
+def rows_of(name: str, cases: dict[str, Any], count: Any) -> list[dict[str, Any]]:
+    """A row for each case and target: mean and most of one call."""
     rows = []
-    for law in forms():
+    for case, what in cases.items():
         for target, (flags, single) in TARGETS.items():
-            found = counts(law, flags, single)
-            assert len(found) == CALLS, (law.name, len(found))
-            form = " ".join((law.name, *law.form.words))
-            rows.append({"law": form, "target": target, "mean": round(sum(found) / CALLS), "most": max(found)})
+            found = count(what, flags, single)
+            rows.append({name: case, "target": target, "mean": round(sum(found) / len(found)), "most": max(found)})
+    print(table((name, "target", "mean", "most"), [[str(x) for x in row.values()] for row in rows]))
     return rows
 
 
 def main() -> None:
-    """Print a table, and write the results, also where the exporter reads them."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=RESULTS / "arm_instructions.json")
-    parser.add_argument("--repetitions", type=int, help="of no use here: the counts do not vary")
-    parser.add_argument("--quick", action="store_true", help="of no use here either")
-    options = parser.parse_args()
-    rows = measure()
-    print(
-        table(
-            ("law", "target", "mean", "most"), [[r["law"], r["target"], str(r["mean"]), str(r["most"])] for r in rows]
-        )
-    )
-    compiler = first_line(["arm-none-eabi-gcc", "--version"])
-    about = {
-        "machine": machine(),
-        "gcc": compiler,
-        "qemu": first_line(["qemu-arm", "--version"]),
-        "flags": " ".join(FLAGS),
-    }
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text(json.dumps({**about, "rows": rows}, indent=2) + "\n")
-    if options.out == RESULTS / "arm_instructions.json":
+    """Print two tables, and write the results, those of laws also where the exporter reads them."""
+    given = options(__doc__, "arm_instructions")
+    compiler, qemu = first_line(["arm-none-eabi-gcc", "--version"]), first_line(["qemu-arm", "--version"])
+    about = {"machine": machine(), "gcc": compiler, "qemu": qemu, "flags": " ".join(FLAGS)}
+    rows = rows_of("law", {" ".join((law.name, *law.form.words)): law for law in forms()}, counts)
+    write(given.out, {**about, "rows": rows})
+    controllers = rows_of("controller", {case: case for case in CASES}, controller_counts)
+    write(given.out.with_stem("controller_instructions"), {**about, "rows": controllers})
+    if given.out == RESULTS / "arm_instructions.json":
         by_law: dict[str, dict[str, list[int]]] = {}
         for r in rows:
             by_law.setdefault(r["law"], {})[r["target"]] = [r["mean"], r["most"]]

@@ -1,0 +1,455 @@
+"""Recordings with known truth for counts on fits by simulation: one body, arms, and machines, with sensors of every kind.
+
+But for the presliding rig, which moves as it is told, motions are SciPy's, of equations written here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from stribeck.identify.plan import Test, motion
+from stribeck.identify.synthetic import Experiment, Sensors, experiment
+from stribeck.laws import find
+
+Draw = np.random.Generator
+Constants = dict[str, float]
+Sampled = tuple[np.ndarray, np.ndarray, np.ndarray]  # times, what was read, what drove
+TWO_OVER_PI = 2 / math.pi
+
+
+def moved(rates: Callable[..., Any], t: np.ndarray, states: int) -> np.ndarray:
+    """The states at the times, from rest; position, speed and the bristles' force first, where there are bristles."""
+    atol = np.full(states, 1e-13)
+    found = solve_ivp(rates, (0.0, t[-1]), np.zeros(states), "LSODA", t, rtol=1e-11, atol=atol, max_step=2e-3)
+    assert found.success, found.message
+    return np.asarray(found.y)
+
+
+def lugre(p: Constants, v: float, w: float, speed: float) -> tuple[float, float]:
+    """dw/dt and the friction of LuGre's law, with w = sigma_0 z; ``speed`` is |v|, or what is smooth in its place."""
+    level = p["F_c"] + (p["F_s"] - p["F_c"]) * math.exp(-min((v / p["v_s"]) ** 2, 700.0))
+    bends = v - speed * w / level
+    return p["sigma_0"] * bends, w + p["sigma_1"] * bends + p["sigma_2"] * v
+
+
+def majorant(v: float, k_v: float) -> float:
+    """A smooth speed that is nowhere below |v|."""
+    return v * TWO_OVER_PI * math.atan(k_v * v) + TWO_OVER_PI / k_v
+
+
+def waves(draw: Draw, t: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Three sines, 0 at first."""
+    f, phase = draw.uniform(low, high, 3), draw.uniform(0, 2 * np.pi, 3)
+    return np.asarray(sum(np.sin(2 * np.pi * a * t + b) - np.sin(b) for a, b in zip(f, phase, strict=True)))
+
+
+# -- presliding loops and strokes of a rig ----------------------------------------------------------------------------
+
+RIG_LAWS: dict[str, Constants] = {"lugre": {}, "elastoplastic_majorant": {"k_v": 1e5, "z_ba": 4e-6}}
+RIG = {"sigma_0": 1e6, "sigma_1": 1e3, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
+RIG_STEP, FINER = 1e-3, 4  # s between samples; the rig moves on a mesh four times as fine
+
+
+def loop(size: float, rate: float, cycles: int = 2) -> Test:
+    """There and back by ``size`` at a rate in Hz."""
+    return Test("presliding loop", "", "motion", size, math.pi * rate * size, None, 1 / rate, cycles)
+
+
+def stroke(speed: float) -> Test:
+    """A stroke at a speed, there and back in 0.4 s."""
+    return Test("constant speed", "", "motion", 0.14 * speed, speed, None, 0.4, 1)
+
+
+LOOPS = [loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (4.0, 20.0)]
+STROKES = [stroke(speed) for speed in (5e-4, 2e-3, 5e-3, 1e-2, 3e-2, 0.1)]
+PARTIAL = (LOOPS[:4], STROKES, STROKES[-2:])  # every fourth leaves something out, so that some cannot be determined
+
+
+def presliding(name: str, seed: int) -> Experiment:
+    """An encoder of 5 nm and a force with noise of 1 % of the Coulomb friction."""
+    draw = np.random.default_rng((seed, sum(name.encode())))
+    values = {key: value * float(np.exp(draw.uniform(-0.25, 0.25))) for key, value in RIG.items()}
+    values["F_s"] = values["F_c"] * float(draw.uniform(1.2, 1.6))
+    law = find(name)({**values, **RIG_LAWS[name]})
+    sensors = Sensors(position_resolution=5e-9, force_noise=0.01 * values["F_c"])
+    tests = [*LOOPS, *STROKES] if seed % 4 != 3 else PARTIAL[seed // 4 % 3]
+    number = 1000 * list(RIG_LAWS).index(name) + seed
+    return experiment(law, motion(tests, RIG_STEP / FINER), sensors, seed=number, every=FINER)
+
+
+# -- a body under two sines of force ----------------------------------------------------------------------------------
+
+BODY = {"sigma_0": 1e5, "sigma_1": 316.0, "sigma_2": 0.4, "F_c": 1.0, "v_s": 1e-3}  # Canudas de Wit et al. 1995
+MASS = 1.1
+
+
+@dataclass(frozen=True)
+class Sensing:
+    """How a body's motion is recorded, and what is fitted; SI units.
+
+    Attributes:
+        drift: of the position over the record.
+        outliers: the share of positions that are wild.
+        delay: how late the position is; ``term``: whether the fit looks for it.
+    """
+
+    output: str = "position"
+    noise: float = 1e-6
+    rate: float = 500.0
+    seconds: float = 12.0
+    quantum: float = 0.0
+    force_noise: float = 0.0
+    drift: float = 0.0
+    outliers: float = 0.0
+    delay: float = 0.0
+    term: bool = False
+
+
+def body(how: Sensing, seed: int) -> tuple[dict[str, np.ndarray], Constants]:
+    """The columns, and the truth behind them."""
+    draw = np.random.default_rng(seed)
+    p = {name: value * float(np.exp(draw.uniform(-0.25, 0.25))) for name, value in BODY.items()}
+    p["F_s"] = p["F_c"] * float(draw.uniform(1.3, 1.6))
+    slow, fast, margin = draw.uniform(0.3, 0.5), draw.uniform(1.3, 1.9), 0.02
+
+    def force(t: Any) -> Any:
+        return 2.1 * np.sin(2 * np.pi * slow * t + 0.3) + 0.7 * np.sin(2 * np.pi * fast * t)
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        dw, friction = lugre(p, x[1], x[2], abs(x[1]))
+        return [x[1], (float(force(t)) - friction) / MASS, dw]
+
+    t = np.arange(0, how.seconds, 1 / how.rate)
+    y = moved(rates, np.concatenate([[0.0], t + margin - how.delay]), 3)[0][1:]
+    y = y + how.noise * draw.standard_normal(len(t)) + how.drift * np.sin(np.pi * t / how.seconds)
+    y = np.where(draw.random(len(t)) < how.outliers, y + 1e-3 * draw.standard_normal(len(t)), y)
+    y = how.quantum * np.round(y / how.quantum) if how.quantum else y
+    measured = force(t + margin) + how.force_noise * draw.standard_normal(len(t))
+    return {"t": t, "y": y, "F": measured}, {**p, "mass": MASS, "offset": 0.0, "delay": how.delay}
+
+
+# -- an arm that more than friction holds back ------------------------------------------------------------------------
+
+HELD = ("sin", "sincos", "torque", "offset", "direction", "spring")
+
+
+def arm(kind: str, seed: int) -> tuple[dict[str, np.ndarray], Constants]:
+    """Columns with a load ``tau`` that is known row by row, and the truth; rad, N m."""
+    draw = np.random.default_rng(seed)
+    about = {"sigma_0": 300.0, "sigma_1": 1.5, "sigma_2": 0.05, "F_c": 0.3, "v_s": 0.05, "mass": 0.05}
+    p = {name: value * float(np.exp(draw.uniform(-0.25, 0.25))) for name, value in about.items()}
+    p["F_s"] = p["F_c"] * float(draw.uniform(1.3, 1.6))
+    weight = float(np.exp(draw.uniform(-0.25, 0.25)))
+    p |= {"offset": 0.0} | {
+        "sin": {"gravity_sin": weight},
+        "sincos": {"gravity_sin": weight, "gravity_cos": draw.uniform(-0.5, 0.5)},
+        "torque": {"area": 1.0},
+        "offset": {"gravity_sin": weight, "offset": draw.uniform(-0.2, 0.2)},
+        "direction": {"gravity_sin": 0.6 * weight, "sigma_2_by_direction": draw.uniform(0.005, 0.02)},
+        "spring": {"stiffness": 1.5 * weight},
+    }[kind]
+    slow, fast, size, *phase = *draw.uniform([0.4, 1.3, 0.9], [0.7, 2.1, 1.2]), *draw.uniform(0, 6, 4)
+
+    def torque(t: Any) -> Any:
+        return size * (np.sin(2 * np.pi * slow * t + phase[0]) + 0.6 * np.sin(2 * np.pi * fast * t + phase[1]))
+
+    def load(t: Any) -> Any:
+        return 0.3 * np.sin(2 * np.pi * 0.9 * t + phase[2]) + 0.2 * np.sin(2 * np.pi * 0.23 * t + phase[3])
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        y, v, w = x
+        held = p["offset"] + p.get("gravity_sin", 0.0) * np.sin(y) + p.get("gravity_cos", 0.0) * np.cos(y)
+        held += p.get("stiffness", 0.0) * y + p.get("sigma_2_by_direction", 0.0) * abs(v) + p.get("area", 0.0) * load(t)
+        dw, friction = lugre(p, v, w, abs(v))
+        return [v, (torque(t) - held - friction) / p["mass"], dw]
+
+    t = np.arange(0, 12.0, 1 / 500.0)
+    y = moved(rates, t, 3)[0] + 1e-5 * draw.standard_normal(len(t))
+    return {"t": t, "y": y, "F": torque(t), "tau": load(t)}, p
+
+
+# -- machines ---------------------------------------------------------------------------------------------------------
+
+LAW = "contacts.joint.law.parameters."
+REST = {"initial": {"y": 0.0, "v": 0.0}}
+STILL = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
+MOTOR = {"K": 0.5, "R": 1.0, "L": 0.3}
+PLAY, CURRENT_GAIN, MOTOR_MASS, BELT, BELT_DAMPING = 2e-3, 25.0, 1.5, 2e5, 30.0
+# terms that a machine's friction lacks, of a share of the friction
+LACKS = ("bump", "drag", "position", "load", "direction", "spring", "time", "ripple", "offset", "root")
+
+
+@dataclass(frozen=True)
+class Term:
+    """What the truth has and the machine that is fitted has not."""
+
+    what: str = ""
+    size: float = 0.0
+    v_s: float = 1.0
+    phase: float = 0.0
+    waves: float = 1.0
+
+    def __call__(self, level: float, y: float, v: float, f: float, t: float, steep: float) -> float:
+        """Coulomb friction with the term; ``f`` is the force that loads it."""
+        sign = TWO_OVER_PI * math.atan(steep * v)
+        more = {
+            "bump": math.exp(-min((v / self.v_s) ** 2, 700.0)) * sign, "drag": v * abs(v) / 16,
+            "position": math.cos(y + self.phase) * sign, "load": abs(f) / level * sign, "direction": abs(sign),
+            "spring": y, "time": (t / 2 - 0.5) * sign, "ripple": math.sin(self.waves * y), "offset": 1.0,
+            "root": sign * abs(v) ** 0.5,
+        }.get(self.what, 0.0)  # fmt: skip
+        return float(level * (sign + self.size * more))
+
+
+def lacking(draw: Draw, what: str) -> Term:
+    """A term of 0.3 to 10 % of the friction; of a load 0.05 to 1 % of it."""
+    low, high = (0.0005, 0.01) if what == "load" else (0.003, 0.1)
+    size = float(np.exp(draw.uniform(np.log(low), np.log(high)))) * draw.choice([-1.0, 1.0])
+    size = abs(size) if what in ("bump", "load", "drag", "root") else size
+    v_s = float(np.exp(draw.uniform(np.log(0.05), np.log(1.0))))
+    return Term(what, size, v_s, draw.uniform(0, 6), float(draw.integers(5, 30)))
+
+
+def hanging(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+    """An arm: Coulomb and viscous friction, gravity, a torque."""
+    t = 0.005 * np.arange(401)
+    inertia, gravity, level, viscous = truth.values()
+    u = 1.33 * size * waves(draw, t, 0.3, 1.5)
+
+    def rates(s: float, x: np.ndarray) -> list[float]:
+        y, v = x
+        push = float(np.interp(s, t, u))
+        return [v, (push - gravity * math.sin(y) - term(level, y, v, push, s, 50.0) - viscous * v) / inertia]
+
+    return t, moved(rates, t, 2)[0], u
+
+
+def geared(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+    """A motor with an elastic arm; the encoder is the motor's."""
+    t = 0.005 * np.arange(401)
+    inertia, stiffness, level, viscous = truth.values()
+    u = 0.9 * size * waves(draw, t, 0.3, 1.5)
+
+    def rates(s: float, x: np.ndarray) -> list[float]:
+        y, v, q, w = x
+        pull = stiffness * (y - q) + 0.1 * (v - w)
+        rubs = term(level, y, v, pull, s, 50.0) + viscous * v
+        return [v, (float(np.interp(s, t, u)) - pull - rubs) / inertia, w, (pull - math.sin(q)) / 0.06]
+
+    return t, moved(rates, t, 4)[0], u
+
+
+def sliding(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+    """A slide with LuGre friction under a force."""
+    t = 0.005 * np.arange(401)
+    names = ("mass", "F_c", "sigma_2", "F_s", "v_s", "sigma_0", "sigma_1")
+    p, u = dict(zip(names, truth.values(), strict=True)), 1.5 * size * waves(draw, t, 0.5, 2.5)
+
+    def rates(s: float, x: np.ndarray) -> list[float]:
+        dw, friction = lugre(p, x[1], x[2], majorant(x[1], 1e4))
+        return [x[1], (float(np.interp(s, t, u)) - friction) / p["mass"], dw]
+
+    return t, moved(rates, t, 3)[0], u
+
+
+def fast(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+    """A slide that passes through its Stribeck curve in some milliseconds."""
+    t = 0.005 * np.arange(401)
+    mass, F_c, sigma_2, F_s, v_s = truth.values()
+    u = 3.0 * size * waves(draw, t, 0.5, 2.5)
+
+    def rates(s: float, x: np.ndarray) -> list[float]:
+        v = x[1]
+        level = F_c + (F_s - F_c) * math.exp(-min((v / v_s) ** 2, 700.0))
+        return [v, (float(np.interp(s, t, u)) - level * TWO_OVER_PI * math.atan(1e3 * v) - sigma_2 * v) / mass]
+
+    return t, moved(rates, t, 2)[0], u
+
+
+def upright(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+    """An arm on its head: a controller sets the voltage, a sample late and straight from sample to sample."""
+    step, rows = 0.004, [np.array([0.05, 0.0, 0.0])]
+    t, u = step * np.arange(1001), [0.0]
+    inertia, gravity, level, viscous = truth.values()
+
+    def rates(s: float, x: np.ndarray, begin: float) -> list[float]:
+        y, v, i = x
+        volts = u[-2] + (u[-1] - u[-2]) * (s - begin) / step
+        friction = level * TWO_OVER_PI * math.atan(200 * v) + viscous * v
+        pull = MOTOR["K"] * i + gravity * math.sin(y) - friction
+        return [v, pull / inertia, (volts - MOTOR["R"] * i - MOTOR["K"] * v) / MOTOR["L"]]
+
+    for now in t[:-1]:
+        y, v, _ = rows[-1]
+        wanted = 8.0 * (size * (0.25 * np.sin(2.1 * now) + 0.15 * np.sin(5.3 * now)) - y) - 2.0 * v
+        u.append(wanted / MOTOR["K"] * MOTOR["R"] + MOTOR["K"] * v)
+        end = solve_ivp(rates, (now, now + step), rows[-1], "DOP853", rtol=1e-10, atol=1e-13, args=(now,))
+        rows.append(end.y[:, -1])
+    return t, np.array(rows)[:, 0], np.array(u)
+
+
+def belt(draw: Draw, truth: Constants, size: float, term: Term) -> Sampled:
+    """A motor, a belt and a carriage under a position loop; its current has noise of 20 mA."""
+    t = 0.004 * np.arange(751)
+    a, w = draw.uniform(0.04, 0.08), 2 * np.pi * draw.uniform(0.4, 0.8)
+    b, q = draw.uniform(0.01, 0.02), 2 * np.pi * draw.uniform(1.3, 2.2)
+    mass, F_c, sigma_2, F_s = truth.values()
+    p = {"sigma_0": 2e5, "sigma_1": 300.0, "v_s": 0.02, "F_c": F_c, "F_s": F_s, "sigma_2": sigma_2}
+
+    def current(s: Any, y: Any, v: Any) -> Any:
+        r = a * (1 - np.cos(w * s)) + b * (1 - np.cos(q * s))
+        dr = a * w * np.sin(w * s) + b * q * np.sin(q * s)
+        return (4000.0 * (r - y) + 120.0 * (dr - v)) / CURRENT_GAIN
+
+    def rates(s: float, x: np.ndarray) -> list[float]:
+        y, v, z, u, bristles = x
+        dw, friction = lugre(p, u, bristles, majorant(u, 1e4))
+        pull = BELT * (y - z) + BELT_DAMPING * (v - u)
+        return [v, (CURRENT_GAIN * current(s, y, v) - pull) / MOTOR_MASS, u, (pull - friction) / mass, dw]
+
+    x = moved(rates, t, 5)
+    return t, x[0], current(t, x[0], x[1]) + 0.02 * draw.standard_normal(len(t))
+
+
+def joint(draw: Draw, truth: Constants, size: float, term: Term, seconds: float = 2.0) -> Sampled:
+    """A rotor and an arm with play between them; the friction on the rotor grows with the gear's torque."""
+    t = 0.005 * np.arange(round(seconds / 0.005) + 1)
+    u = 3.0 * np.sin(2 * np.pi * (0.8 * t + 3 / seconds * t**2)) * np.cos(2 * np.pi * draw.uniform(0.1, 0.3) * t)
+    return t, moved(lambda s, x: joint_rates(s, x, truth, size, t, u), t, 5)[0], u
+
+
+def joint_rates(s: float, x: np.ndarray, truth: Constants, size: float, t: np.ndarray, u: np.ndarray) -> list[float]:
+    """The joint's equations; ``size`` is the load that the arm carries."""
+    y, v, q, speed, w = x
+    elastic = truth["links.gear.stiffness"] * (y - q - min(max(y - q, -PLAY / 2), PLAY / 2))
+    damping = truth.get("links.gear.damping", 0.1) * (v - speed)
+    gear = elastic + min(max(damping, -abs(elastic)), abs(elastic))
+    F_c = truth[f"{LAW}F_c"] + truth["contacts.joint.loads.0.F_c"] * abs(gear)
+    p = {"sigma_0": 400.0, "sigma_1": 1.0, "sigma_2": truth[f"{LAW}sigma_2"], "F_c": F_c}
+    p |= {"F_s": truth.get(f"{LAW}F_s", 1.0), "v_s": truth.get(f"{LAW}v_s", 0.3)}
+    dw, friction = lugre(p, v, w, majorant(v, 1e3))
+    push = float(np.interp(s, t, u))
+    arm = 0.04 + 0.04 * size
+    return [
+        v,
+        (push - gear - friction) / truth["bodies.arm.inertia"],
+        speed,
+        (gear - 2.0 * size * math.sin(q)) / arm,
+        dw,
+    ]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A machine: its file, what is sought with its usual value, what its records are, and how they are fitted."""
+
+    machine: dict[str, Any]
+    usual: Constants
+    record: Callable[[Draw, Constants, float, Term], Sampled]
+    drive: str
+    noise: float
+    window: float | None = None
+    recordings: int = 2
+    known: Callable[[float], Constants] = lambda size: {}
+
+
+def machine(law: dict[str, Any], bodies: dict[str, Any], end: float, **more: Any) -> dict[str, Any]:
+    """A machine whose first body has the joint; ``more`` is what drives and links it."""
+    contact = {"from": "arm", "law": law, **more.pop("contact", {})}
+    made = {"schema": 2, "name": "case", "bodies": {n: {**REST, **x} for n, x in bodies.items()}}
+    return {**made, "contacts": {"joint": contact}, **more, "solve": {"t_end": end}, "output": {"step": 0.004}}
+
+
+def pushed(on: str = "arm", **more: Any) -> dict[str, Any]:
+    """A signal's load on a body, and others."""
+    return {"push": {"on": on, "kind": "signal", "signal": STILL}, **more}
+
+
+def pendulum(amplitude: float, phase: float = 0.0, on: str = "arm") -> dict[str, Any]:
+    """The weight of a body that turns."""
+    return {"on": on, "kind": "pendulum", "amplitude": amplitude, "phase": phase}
+
+
+def law(name: str, k_v: float, **parameters: float) -> dict[str, Any]:
+    """A law's table."""
+    return {"name": name, "k_v": k_v, "parameters": parameters}
+
+
+CASES = {
+    "arm": Case(
+        machine(law("coulomb_viscous", 50.0, F_c=0.12, sigma_2=0.06), {"arm": {"inertia": 0.2}}, 2.0,
+                loads=pushed(gravity=pendulum(3.0))),
+        {"bodies.arm.inertia": 0.17, "loads.gravity.amplitude": 3.3, f"{LAW}F_c": 0.1, f"{LAW}sigma_2": 0.05},
+        hanging, "loads.push.signal", 5e-4,
+    ),
+    "geared": Case(
+        machine(law("coulomb_viscous", 50.0, F_c=0.48, sigma_2=0.06), {"arm": {"inertia": 0.025}, "far": {"inertia": 0.06}}, 2.0,
+                links={"gear": {"from": "arm", "to": "far", "stiffness": 70.0, "damping": 0.1}},
+                loads=pushed(gravity=pendulum(1.0, on="far"))),
+        {"bodies.arm.inertia": 0.02, "links.gear.stiffness": 60.0, f"{LAW}F_c": 0.4, f"{LAW}sigma_2": 0.03},
+        geared, "loads.push.signal", 5e-4,
+    ),
+    "slide": Case(
+        machine(law("lugre_majorant", 1e4, sigma_0=2e4, sigma_1=60.0, sigma_2=3.5, F_c=0.9, F_s=1.7, v_s=0.02),
+                {"arm": {"mass": 1.2}}, 2.0, loads=pushed()),
+        {"bodies.arm.mass": 1.0, f"{LAW}F_c": 1.0, f"{LAW}sigma_2": 4.0, f"{LAW}F_s": 1.7, f"{LAW}v_s": 0.02,
+         f"{LAW}sigma_0": 2e4, f"{LAW}sigma_1": 60.0},
+        sliding, "loads.push.signal", 2e-5,
+    ),
+    "fast": Case(
+        machine(law("stribeck", 1e3, sigma_2=3.5, F_c=0.9, F_s=1.4, v_s=0.02), {"arm": {"mass": 1.2}}, 2.0, loads=pushed()),
+        {"bodies.arm.mass": 1.0, f"{LAW}F_c": 1.0, f"{LAW}sigma_2": 4.0, f"{LAW}F_s": 1.6, f"{LAW}v_s": 0.008},
+        fast, "loads.push.signal", 3e-4,
+    ),
+    "upright": Case(
+        machine(law("coulomb_viscous", 200.0, F_c=0.3, sigma_2=0.1), {"arm": {"inertia": 0.1, "initial": {"y": 0.05, "v": 0.0}}},
+                4.0, loads={"gravity": pendulum(1.0, np.pi)}, motors={"drive": {"on": "arm", **MOTOR, "signal": STILL}}),
+        {"bodies.arm.inertia": 0.05, "loads.gravity.amplitude": 2.0, f"{LAW}F_c": 0.15, f"{LAW}sigma_2": 0.03},
+        upright, "motors.drive.signal", 5e-4, 0.5, 1,
+    ),
+    "belt": Case(
+        machine(law("lugre_majorant", 1e4, sigma_0=2e5, sigma_1=300.0, v_s=0.02, F_c=10.0, F_s=20.0, sigma_2=15.0),
+                {"arm": {"mass": 4.0}, "motor": {"mass": MOTOR_MASS}}, 3.0,
+                links={"belt": {"from": "motor", "to": "arm", "stiffness": BELT, "damping": BELT_DAMPING}},
+                loads={"push": {"on": "motor", "kind": "signal", "gain": CURRENT_GAIN, "signal": STILL}}),
+        {"bodies.arm.mass": 4.0, f"{LAW}F_c": 12.0, f"{LAW}sigma_2": 20.0, f"{LAW}F_s": 18.0},
+        belt, "loads.push.signal", 1e-5, recordings=1,
+    ),
+    "joint": Case(
+        machine(law("lugre_majorant", 1e3, sigma_0=400.0, sigma_1=1.0, sigma_2=0.03, F_c=0.4, F_s=1.0, v_s=0.3),
+                {"arm": {"inertia": 0.02}, "far": {"inertia": 0.06}}, 2.0,
+                contact={"loads": [{"force": "gear", "F_c": 0.06}]},
+                links={"gear": {"from": "arm", "to": "far", "stiffness": 60.0, "damping": 0.1, "gap": PLAY}},
+                loads=pushed(gravity=pendulum(1.0, on="far"))),
+        {"bodies.arm.inertia": 0.02, "links.gear.stiffness": 60.0, f"{LAW}F_c": 0.4, f"{LAW}sigma_2": 0.03,
+         "contacts.joint.loads.0.F_c": 0.06},
+        joint, "loads.push.signal", 5e-4,
+        known=lambda size: {"bodies.far.inertia": 0.04 + 0.04 * size, "loads.gravity.amplitude": 2.0 * size},
+    ),
+}  # fmt: skip
+KEPT = tuple(f"{LAW}{n}" for n in ("F_s", "v_s", "sigma_0", "sigma_1"))  # so that F_s stays above F_c
+
+
+def gaps(t: np.ndarray, y: np.ndarray, u: np.ndarray, draw: Draw) -> Sampled:
+    """Six gaps of two to nine samples."""
+    keep = np.ones(len(t), bool)
+    for first in draw.integers(20, len(t) - 30, 6):
+        keep[first : first + draw.integers(2, 10)] = False
+    return t[keep], y[keep], u[keep]
+
+
+def late(t: np.ndarray, y: np.ndarray, u: np.ndarray, draw: Draw) -> Sampled:
+    """The encoder's clock is 0.1 % slow."""
+    return t, np.interp(t * (1 - 1e-3), t, y), u
+
+
+FAULTS: dict[str, Callable[[np.ndarray, np.ndarray, np.ndarray, Draw], Sampled]] = {
+    "short": lambda t, y, u, draw: (t[: len(t) // 2], y[: len(t) // 2], u[: len(t) // 2]),
+    "gaps": gaps, "slow clock": late, "coarse input": lambda t, y, u, draw: (t, y, u),
+}  # fmt: skip
