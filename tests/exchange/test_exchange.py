@@ -62,7 +62,9 @@ def test_bam_s_models_have_its_friction(model):
 
 @pytest.mark.skipif(not SHARED.exists(), reason="no ../shared/data/bam beside the checkout")
 def test_every_file_of_bam_is_read_and_written_back():
-    for path in sorted(SHARED.rglob("*.json")):
+    files = sorted(SHARED.rglob("*.json"))
+    assert files
+    for path in files:
         data = json.loads(path.read_text())
         machine = from_bam(path)
         Scenario(machine)
