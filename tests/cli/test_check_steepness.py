@@ -77,6 +77,7 @@ check elastoplastic_sobczyk --parameters canudas1995 --set z_ba=7e-6 --creep 1e-
 """
 
 
+@pytest.mark.thorough
 @needs_compiler
 def test_each_tolerance_gives_a_steepness(stribeck, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -94,6 +94,7 @@ def test_recordings_whose_time_stands_still(stribeck, scenario, tmp_path):
     assert (found.status, found.out, found.err) == (2, "", "--time: must rise, over two rows or more\n")
 
 
+@pytest.mark.thorough
 def test_a_name_that_opens_a_script_within_the_pages_data(stribeck, scenario, tmp_path):
     """After <!--<script> a browser takes the end of the data for that of the inner script: the page stayed empty."""
     name, page = "<!--<script>", tmp_path / "page.html"

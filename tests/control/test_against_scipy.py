@@ -110,6 +110,7 @@ TABLE = [
 ]  # fmt: skip
 
 
+@pytest.mark.share(3)
 @needs_compiler
 @pytest.mark.parametrize(("law", "observer", "k_v", "error", "rises"), TABLE)
 def test_the_table_of_the_theory(law, observer, k_v, error, rises):

@@ -55,6 +55,7 @@ def test_the_page_computes_what_run_computes(page):
     same(MachineModule(data).run_machine(turned), simulate(scenario.with_changes(turned)))
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("name", ["belt", "arm", "gear", "machine", "servo", "piston"])
 def test_numbers_turned_together_do_what_the_file_says(name):
     found = measured(Scenario(PISTON) if name == "piston" else Scenario.load(examples.path(name)))

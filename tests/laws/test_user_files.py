@@ -158,6 +158,7 @@ def test_a_file_that_raises_what_is_no_exception(tmp_path, text):
         find(f"{tmp_path}/mine.py:Mine")
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize(
     "raised", ["raise SystemExit(0)", "raise type('Own', (BaseException,), {})('no')", "import nowhere_to_be_found"]
 )

@@ -28,10 +28,15 @@ ROTARY = {
 }
 
 
+def svg(figure):
+    """A figure as SVG alone: its picture and its document take twice as long."""
+    with plots.style():
+        return plots.svg(figure.draw())
+
+
 def words(figure):
     """The texts of a figure; the minus sign as a dash."""
-    drawn = plots.drawn(figure)
-    texts = re.findall(r">([^<>]+)</text>", drawn.svg)
+    texts = re.findall(r">([^<>]+)</text>", svg(figure))
     return [text.strip().replace("\N{MINUS SIGN}", "-") for text in texts]
 
 
@@ -102,9 +107,10 @@ def test_a_figure_is_also_a_picture_and_a_document(solved):
     figure = plots.drawn(drawing.overview({"a": solved["stick_slip"]}))
     assert figure.png.startswith(b"\x89PNG")
     assert figure.pdf.startswith(b"%PDF")
-    assert figure.svg == plots.drawn(drawing.overview({"a": solved["stick_slip"]})).svg
+    assert figure.svg == svg(drawing.overview({"a": solved["stick_slip"]}))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     "given", [{}, {"rotary": True, "law": {"name": "dahl", "parameters": {"sigma_0": 9.0, "F_c": 1.0}}}]
 )
@@ -136,7 +142,7 @@ def test_runs_that_failed_stand_in_the_figure_of_verdicts(verdicts, shown):
     found = [SimpleNamespace(verdict=verdict) for verdict in verdicts]
     turned = SimpleNamespace(path="bodies.a.mass", low=0.0, high=1.0)
     line = SimpleNamespace(found=found, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
-    assert (">failed<" in plots.drawn(design_figures.line(line, 0)).svg) is shown
+    assert (">failed<" in svg(design_figures.line(line, 0))) is shown
 
 
 def test_matplotlib_says_nothing_of_its_own_folders(tmp_path):

@@ -40,6 +40,7 @@ def passive_only(law, low, high, v_max=None):
     return CheckedAlways(Varied.by_level(law, low, high), v_max, 2400.0, {}).passive()
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", OWN)
 def test_both_sides_of_the_bound(name):
     above = passive_only(at(name, 1 + CLOSE), 1.0, 2.0)
@@ -67,6 +68,7 @@ def test_a_proof_about_other_ranges_is_not_taken():
     assert not found.verify()
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("table", [
     {"sigma_0": 1.67e6, "sigma_1": 6e3, "F_c": 2.5, "F_s": 3.0, "v_s": 1.6e-8},
     {"sigma_0": 1.038e9, "sigma_1": 2.442e5, "F_c": 669.9, "F_s": 942.1, "v_s": 3.22e-3},
@@ -142,6 +144,7 @@ def test_no_history_draws_energy_where_the_proof_says_so_and_some_do_where_it_do
         assert most_drawn(at(name, 0.5, low, high, **table), low, high, rng) > 1e-6
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", ["lugre", "elastoplastic_majorant"])
 def test_damping_that_falls_with_speed_is_passive_whatever_the_level_does(name):
     law = stribeck.law(name, {**TABLE, "sigma_2": 0.4}, **OWN[name])
@@ -230,6 +233,7 @@ def limit_of_v_d(table, k_v=None):
     return low
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("name", "table", "own", "gain"), [
     ("lugre_majorant", MESH, {"k_v": 1e5}, 1.0274), ("lugre", VISCOUS, {}, 9.579),
 ])  # fmt: skip

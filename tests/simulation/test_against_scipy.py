@@ -74,6 +74,7 @@ def test_slips_that_errors_put_off(law):
     assert_agrees(rig(law, drive, {"kind": "ramp", "rate": 0.1}, 40.0, on="direct_drive2016", rows=4000))
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("law", [*BRISTLES, "makkar"])
 def test_starts_in_motion_with_bent_bristles(law):
     initial = {"y": 0.2, "v": -0.03, "z": 8e-6} if law != "makkar" else {"y": 0.2, "v": -0.03}

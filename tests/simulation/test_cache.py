@@ -324,6 +324,7 @@ for turn in range(turns):
 """
 
 
+@pytest.mark.thorough
 def test_processes_that_build_at_once(tmp_path, monkeypatch):
     """Processes that find the same empty cache at the same instant, several times over."""
     monkeypatch.setenv("STRIBECK_BACKEND", "c")

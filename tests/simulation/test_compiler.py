@@ -267,6 +267,7 @@ def test_the_complaint_is_the_error_and_no_warning_that_names_a_file_of_errors()
     assert compiler.first_complaint("") == ""
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="no ziglang")
 def test_zig_builds_lanes(tmp_path):
     """It ends at an option of GCC's that it does not know, where other compilers warn."""

@@ -43,6 +43,7 @@ def test_every_law(law):
     assert_as_alone(data, values)
 
 
+@pytest.mark.share(5)
 @needs_compiler
 @pytest.mark.parametrize(
     ("data", "values"),

@@ -69,6 +69,7 @@ def test_functions_at_the_ends():
     assert np.all(np.isnan(evaluated("stribeck_atan", np.array([np.nan]))))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_every_width_agrees_with_single_runs(width):
     """Eleven lanes: the queue is refilled, and ends with lanes that have nothing to do."""

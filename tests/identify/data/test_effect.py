@@ -90,6 +90,7 @@ def test_little_to_compare_raises_nothing():
     assert by_effect([(v, np.sign(v))], False, 5.0, STEP) == 5.0
 
 
+@pytest.mark.thorough
 def test_a_weight_hides_no_rounded_motion(tmp_path):
     """Most of a servo's torque holds its weight, and a record of 20 s is short beside a cut-off of 1 Hz, which took a third of
     the fastest swing away: the torque of another record was missed by 11 %, 42 % of its friction."""
