@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import Chapter, Done
+from examples.paper.common import Chapter, Done, Printed, finish
 from stribeck.errors import StribeckError
 from stribeck.loops.compensation import with_compensation
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.uncertainty import friction_intervals, friction_samples
 from stribeck.mouth import plots
-from stribeck.mouth.document import FigureSvg, Table
+from stribeck.mouth.document import Table
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 
@@ -78,7 +78,7 @@ def _worst(run: Solution) -> float:
     return float(np.abs(run["axis.r"] - run["slide.y"])[after].max())
 
 
-def _figure(runs: dict[str, Solution], over: Excess) -> FigureSvg:
+def _figure(runs: dict[str, Solution], over: Excess) -> Printed:
     with plots.style():
         made, axes = plots.figure([["error", "over"]], 3.0)
         for i, (kind, run) in enumerate(runs.items(), start=1):
@@ -89,7 +89,7 @@ def _figure(runs: dict[str, Solution], over: Excess) -> FigureSvg:
             run = _run(over.counterexample)
             plots.line(axes["over"], 1, run.t, 1e3 * run["slide.v"], "")
         axes["over"].set(xlabel="t (s)", ylabel="speed (mm/s)", title="too much of it, the controller off")
-        return plots.finish(
+        return finish(
             made,
             "axis",
             "Left: the error without and with compensation. Right: a share 5 % above what friction can take, let go.",

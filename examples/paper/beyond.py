@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from examples.paper.break_away import break_away_force
-from examples.paper.common import REFERENCE, Chapter, Done, Variant, solve_all
+from examples.paper.common import (
+    REFERENCE,
+    Chapter,
+    Done,
+    Printed,
+    Variant,
+    finish,
+    solve_all,
+)
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
-from stribeck.mouth.document import FigureSvg, Table
+from stribeck.mouth.document import Table
 from stribeck.simulation import Solution
 from stribeck.simulation.comparison import deviations
 from stribeck.simulation.drawing import curves
@@ -43,7 +51,7 @@ def chapter(done: Done) -> Chapter:
     return Chapter("beyond", "Beyond the paper: other smooth laws", text, [Table(head, rows)], [_figure(runs)], numbers)
 
 
-def _figure(runs: dict[str, dict[str, Solution]]) -> FigureSvg:
+def _figure(runs: dict[str, dict[str, Solution]]) -> Printed:
     with plots.style():
         made, axes = plots.figure([["presliding", "stick_slip"], ["sine_force", "limit_cycle"]], 5.4)
         curves(axes["presliding"], runs["presliding"], "y", "F")
@@ -58,7 +66,7 @@ def _figure(runs: dict[str, dict[str, Solution]]) -> FigureSvg:
         for panel, axis in axes.items():
             axis.set_title({"stick_slip": "stick-slip, the fifth slip"}.get(panel, panel.replace("_", " ")))
         plots.legend(made, axes["stick_slip"])
-        return plots.finish(
+        return finish(
             made, "beyond_laws",
             "The phenomena of Figs. 4, 6, 7 and 9 under the first smooth law (arctan), the paper's, and the majorant law, the "
             "last at a tenth of the steepness.",

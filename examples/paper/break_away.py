@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-from examples.paper.common import PAPER, PROPOSED, REFERENCE, Chapter, Done, Variant, scenario, solve
+from examples.paper.common import (
+    PAPER,
+    PROPOSED,
+    REFERENCE,
+    Chapter,
+    Done,
+    Variant,
+    finish,
+    scenario,
+    solve,
+)
 from stribeck.loops.oscillation import first_maximum
 from stribeck.mouth import plots
 from stribeck.mouth.document import Table
@@ -38,7 +48,7 @@ def chapter(done: Done) -> Chapter:
         axes["near"].set_xlim(0.5, 5.5)
         axes["near"].set_ylim(1.29, 1.45)
         plots.legend(made, axes["F"])
-        figure = plots.finish(
+        figure = finish(
             made, "fig10_break_away",
             "The faster the applied force grows, the lower the friction force at which the body breaks away, down to "
             f"{lowest:.3f} N at {RATES[forces[REFERENCE].index(lowest)]:g} N/s for lugre"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,17 +13,32 @@ from numpy.typing import ArrayLike
 from stribeck import examples
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError, StribeckNote
-from stribeck.mouth import document
+from stribeck.mouth import document, plots
 from stribeck.mouth.document import FigureSvg
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Printed(FigureSvg):
+    """A figure of the paper, which is written as PNG too."""
+
+    png: bytes = b""
+
+
+def finish(made: Figure, name: str, caption: str) -> Printed:
+    """The drawn figure under a name, with its caption. Call within :func:`stribeck.mouth.plots.style`."""
+    return Printed(name, plots.svg(made), caption, plots.png(made))
 
 
 @dataclass(frozen=True)
 class Chapter(document.Chapter):
     """A chapter of the report: what it says, and ``numbers`` and ``data`` (columns) for programs."""
 
-    figures: Sequence[FigureSvg] = ()
+    figures: Sequence[Printed] = ()
     numbers: Mapping[str, Any] = field(default_factory=dict)
     data: Mapping[str, ArrayLike] = field(default_factory=dict)
 

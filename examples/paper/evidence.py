@@ -7,13 +7,21 @@ from math import pi, tan
 
 import numpy as np
 
-from examples.paper.common import BRISTLES, STEEPNESSES, Chapter, Done, Variant, solve
+from examples.paper.common import (
+    BRISTLES,
+    STEEPNESSES,
+    Chapter,
+    Done,
+    Printed,
+    Variant,
+    finish,
+    solve,
+)
 from examples.paper.statements import passivity_cycle
 from stribeck import laws
 from stribeck.laws.terms import g
 from stribeck.mouth import plots
 from stribeck.mouth.cells import human
-from stribeck.mouth.document import FigureSvg
 from stribeck.properties.cycles import integrate
 from stribeck.properties.steepness.search import with_k_v
 from stribeck.properties.steepness.steady import Creep
@@ -39,7 +47,7 @@ def chapter(done: Done) -> Chapter:
     return Chapter("evidence", "Why: energy, bound, drift and creep", text, (), figures, numbers)
 
 
-def energy() -> tuple[Numbers, FigureSvg]:
+def energy() -> tuple[Numbers, Printed]:
     """What lugre_sobczyk gives back when its bristles are unwound slowly, and the cycle that is replayed."""
     k_v, charged = 1e6, 1e-6
     law = laws.law("lugre_sobczyk", "canudas1995", k_v=k_v)
@@ -60,7 +68,7 @@ def energy() -> tuple[Numbers, FigureSvg]:
             plots.logarithmic(axes[panel])
             axes[panel].set(xlabel="speed of unwinding (m/s)", ylabel=name)
         plots.legend(made, axis)
-        figure = plots.finish(
+        figure = finish(
             made, "evidence_energy",
             f"lugre_sobczyk, Table 1, k_v = {k_v:.0e} s/m, charged to z = 1 µm at {10 / k_v:.0e} m/s and unwound to z = 0. The "
             "slower, the more it gives back, like 1/e, and the longer it takes, like 1/e^2; no store can pay for it. The cycle "
@@ -69,7 +77,7 @@ def energy() -> tuple[Numbers, FigureSvg]:
     return cycle, figure
 
 
-def unbounded() -> FigureSvg:
+def unbounded() -> Printed:
     """z of lugre_arctan at slow speeds: in the limit, and on the way there."""
     law = laws.law("lugre_arctan", "canudas1995", k_v=1e6)
     Z, v, distance = float(law.z_bound(law.p)), np.geomspace(1e-10, 1e-3, 200), 1e-3
@@ -95,7 +103,7 @@ def unbounded() -> FigureSvg:
         axes["limit"].legend()
         axes["way"].set(xlabel="distance (mm)", ylabel="z/Z", ylim=(0.01, 200), title="on the way, k_v = 1e6 s/m")
         axes["way"].legend(title="v held", loc="lower right")
-        return plots.finish(
+        return finish(
             made, "evidence_unbounded",
             "The first smooth law unwinds its bristles by v S_0(v) <= |v|, which is too little: held at a slow speed, z goes to "
             "any multiple of the bound that the other laws keep, within a fraction of a millimetre.",
@@ -117,7 +125,7 @@ def _load(variants: Mapping[str, Variant], signal: Numbers) -> dict[str, float]:
     return moved
 
 
-def dither() -> tuple[dict[str, dict[str, float]], FigureSvg]:
+def dither() -> tuple[dict[str, dict[str, float]], Printed]:
     """How far every law drifts under two loads that stay below F_s, and the picture."""
     teeth = [(second + part, force) for second in range(18) for part, force in ((0.0, 0.0), (0.95, 0.55))]
     loads: dict[str, Numbers] = {
@@ -136,7 +144,7 @@ def dither() -> tuple[dict[str, dict[str, float]], FigureSvg]:
         axis.set(xlabel="moved in 16 s (m); at the left edge: nothing but rounding", xlim=(0.5 * floor, 1e-2))
         axis.set_yticks(rows, list(BRISTLES))
         plots.legend(made, axis)
-        figure = plots.finish(
+        figure = finish(
             made, "evidence_dither",
             "Loads below sigma_0 z_ba = 0.7 N and far below F_s = 1.5 N. Every law whose bristles relax while z is small walks "
             "away; the elasto-plastic law and its majorant version stay. The smooth elasto-plastic law of the paper's Remark 1 "
@@ -145,7 +153,7 @@ def dither() -> tuple[dict[str, dict[str, float]], FigureSvg]:
     return moved, figure
 
 
-def creep() -> tuple[Numbers, FigureSvg]:
+def creep() -> tuple[Numbers, Printed]:
     """Creep under 0.95 F_s held against k_v: from the steady state, and simulated."""
     variants: dict[str, tuple[str, dict[str, float | str | None]]] = {
         "lugre_sobczyk": ("lugre_sobczyk", {}),
@@ -165,7 +173,7 @@ def creep() -> tuple[Numbers, FigureSvg]:
         plots.logarithmic(axis)
         axis.set(xlabel="k_v (s/m)", ylabel="creep (µm/s)")
         plots.legend(made, axis)
-        figure = plots.finish(
+        figure = finish(
             made, "evidence_creep",
             f"Creep under {_SHARE:g} F_s held (Table 1): from the steady state (lines) and simulated for 100 s (dots). Each law "
             f"creeps like 1/k_v: lugre_sobczyk at tan(pi F/(2 F_s))/k_v = {tan(_SHARE * pi / 2):.1f}/k_v, the majorants "

@@ -6,13 +6,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from examples.paper.common import BRISTLES, Chapter, Done
+from examples.paper.common import (
+    BRISTLES,
+    Chapter,
+    Done,
+    Printed,
+    finish,
+)
 from examples.paper.statements import passivity_cycle
 from stribeck import laws
 from stribeck.constants import DECIDED
 from stribeck.laws.base import Law
 from stribeck.mouth import plots
-from stribeck.mouth.document import FigureSvg, Table
+from stribeck.mouth.document import Table
 from stribeck.properties import NAMES, Verdicts, check
 from stribeck.properties.storage import storage_interval
 
@@ -91,7 +97,7 @@ def _paper(verdicts: Mapping[str, Verdicts], cycle: Mapping[str, float]) -> Tabl
     return Table(["the paper", "found", "verdict", "replay"], rows, prose=True)
 
 
-def _storage(made: Mapping[str, Law]) -> FigureSvg:
+def _storage(made: Mapping[str, Law]) -> Printed:
     """L(z) and U(z) of each law: where the one passes the other there is no storage function."""
     names = list(made)
     share = np.concatenate([np.linspace(0.004, 0.9, 90), np.linspace(0.905, 0.998, 30)])
@@ -113,7 +119,7 @@ def _storage(made: Mapping[str, Law]) -> FigureSvg:
         for name in (names[0], names[4]):
             axes[name].set_ylabel("J/m, over sigma_0 Z")
         plots.legend(figure, axes[names[0]])
-        return plots.finish(
+        return finish(
             figure, "guarantees_storage",
             f"The slope of a storage function must lie between L and U (Table 1, |v| <= {_V_MAX:g} m/s, Z = F_s/sigma_0, Dahl's "
             "F_c/sigma_0). Where L is above U (orange) there is none, and two speeds by turns draw energy: in both laws with the "

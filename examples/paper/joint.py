@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from examples.paper.common import Chapter, Done
+from examples.paper.common import Chapter, Done, Printed, finish
 from stribeck.constants import SHOWN
 from stribeck.errors import StribeckError
 from stribeck.mouth import plots
-from stribeck.mouth.document import FigureSvg, Table
+from stribeck.mouth.document import Table
 from stribeck.properties import WORK, Verdict
 from stribeck.properties.checked import CheckedAlways, largest_v_d
 from stribeck.properties.ranges import of_contact
@@ -119,7 +119,7 @@ def _word(verdict: Verdict) -> str:
     return {True: "yes, proved", False: "no, a run draws energy", None: "undecided"}[verdict.holds]
 
 
-def _figure(held: dict[str, Solution], hunting: dict[str, Solution], swung: Verdict) -> FigureSvg:
+def _figure(held: dict[str, Solution], hunting: dict[str, Solution], swung: Verdict) -> Printed:
     drawn = _solve(swung.scenario or {})
     with plots.style():
         made, axes = plots.figure([["creep", "friction"], ["hunts", "energy"]], 5.4)
@@ -137,7 +137,7 @@ def _figure(held: dict[str, Solution], hunting: dict[str, Solution], swung: Verd
         axes["energy"].set(xlabel="t (s)", ylabel="energy put in (mJ)", title="mesh without v_d, its level swung")
         for name in ("creep", "friction", "hunts"):
             axes[name].legend()
-        return plots.finish(
+        return finish(
             made, "joint",
             "A geared joint. Above: what a push leaves behind, and friction on the way to a target. Below: the loop at the "
             "target, which hunts with the friction that the load adds; and the mesh without v_d, its level swung between 1 "

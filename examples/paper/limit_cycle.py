@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from examples.paper import sketches
-from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, record, solve_all
+from examples.paper.common import (
+    PROPOSED,
+    REFERENCE,
+    Chapter,
+    Done,
+    finish,
+    record,
+    solve_all,
+)
 from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
@@ -30,7 +38,7 @@ def chapter(done: Done) -> Chapter:
         axes["late"].set_ylim(0.9 / of_y.factor, 1.1 / of_y.factor)
         axes["late"].set_title("(c) after the transients")
         plots.legend(made, axes["all"])
-        figure = plots.finish(
+        figure = finish(
             made, "fig09_limit_cycle",
             "The setpoint steps by 1 m at 10 s. The controller's integral winds up while the body sticks, and the body "
             "jumps over the setpoint again and again: a limit cycle.",

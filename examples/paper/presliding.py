@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, record, solve_all
+from examples.paper.common import (
+    PROPOSED,
+    REFERENCE,
+    Chapter,
+    Done,
+    finish,
+    record,
+    solve_all,
+)
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Table
@@ -26,7 +34,7 @@ def chapter(done: Done) -> Chapter:
         curves(axes["F_y"], solutions, "y", "F")
         curves(axes["y_t"], solutions, "t", "y")
         plots.legend(made, axes["F_y"])
-        figure = plots.finish(
+        figure = finish(
             made, "fig04_presliding",
             "Friction force against displacement (left, the paper's panel) and displacement against time (right) while the "
             "force is ramped to 0.95 F_s, held for 5 s, reversed, held and released. LuGre comes to rest during a hold; the "

@@ -6,12 +6,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from examples.paper.common import Chapter, Done, record, solve
+from examples.paper.common import (
+    Chapter,
+    Done,
+    Printed,
+    finish,
+    record,
+    solve,
+)
 from stribeck import examples
 from stribeck.arrays import Array
 from stribeck.loops.lyapunov import rises
 from stribeck.mouth import plots
-from stribeck.mouth.document import FigureSvg, Table
+from stribeck.mouth.document import Table
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
 
@@ -193,7 +200,7 @@ def _rest_table(moves: dict[str, Solution]) -> Table:
     return Table(head, rows)
 
 
-def _moving(moves: dict[str, Solution], slow: dict[str, Solution]) -> FigureSvg:
+def _moving(moves: dict[str, Solution], slow: dict[str, Solution]) -> Printed:
     with plots.style():
         made, axes = plots.figure([["y", "y"], ["e", "v"]], 5.2)
         for i, (label, s) in enumerate(moves.items()):
@@ -206,7 +213,7 @@ def _moving(moves: dict[str, Solution], slow: dict[str, Solution]) -> FigureSvg:
         plots.logarithmic(axes["e"], x=False)
         axes["v"].set(xlabel="t (s)", ylabel="v (m/s)", title="(c) a slow move, a seal that sticks more")
         plots.legend(made, axes["y"])
-        return plots.finish(
+        return finish(
             made, "servo_moves",
             "Without compensation the piston of the example stops short of its goal, and nothing removes the error, because the "
             "controller has no integral (so it cannot hunt either); its soft bristles and viscous friction keep it from "
@@ -227,7 +234,7 @@ def _largest(s: Solution, name: str, window: float) -> tuple[Array, float]:
     return s.t[:rows:size] + window / 2, np.maximum(largest, _FLOOR[name])
 
 
-def _tracking(found: dict[str, Solution]) -> FigureSvg:
+def _tracking(found: dict[str, Solution]) -> Printed:
     with plots.style():
         made, axes = plots.figure([["e"], ["V"]], 6.4)
         for i, label in enumerate(_DRAWN):
@@ -238,14 +245,14 @@ def _tracking(found: dict[str, Solution]) -> FigureSvg:
         for axis in axes.values():
             plots.logarithmic(axis, x=False)
         plots.legend(made, axes["e"])
-        return plots.finish(
+        return finish(
             made, "servo_tracking",
             "Tracking 0.5 + 0.2 sin(2 pi 0.2 t) m from 10 mm beside it. V falls to the solver's floor where the observer has "
             "the plant's law; elsewhere it falls to what the difference of the laws or parameters leaves.",
         )  # fmt: skip
 
 
-def _inside(s: Solution, none: Solution) -> FigureSvg:
+def _inside(s: Solution, none: Solution) -> Printed:
     shown = s.t <= 6.0
     t = s.t[shown]
     with plots.style():
@@ -266,7 +273,7 @@ def _inside(s: Solution, none: Solution) -> FigureSvg:
             axes[panel].set_ylim(bottom=bottom)  # room for the legends
         for panel, axis in axes.items():
             axis.legend(loc="upper right" if panel == "u" else "lower left", fontsize=7)
-        return plots.finish(
+        return finish(
             made, "servo_inside",
             f"The same run from inside ({_MATCHED}). The valve is at its limit of 10 V in the first instants (beyond the axis), "
             "the only time that the proof does not cover.",
@@ -310,7 +317,7 @@ def _adaptation_table(adapted: dict[str, Solution]) -> Table:
     return Table(head, rows)
 
 
-def _adapting(adapted: dict[str, Solution]) -> FigureSvg:
+def _adapting(adapted: dict[str, Solution]) -> Printed:
     with plots.style():
         made, axes = plots.figure([["e", "e"], ["sigma_0", "sigma_1"], ["sigma_2", "F_c"]], 6.4)
         for i, (label, s) in enumerate(adapted.items()):
@@ -324,7 +331,7 @@ def _adapting(adapted: dict[str, Solution]) -> FigureSvg:
         for letter, name in zip("bcde", ("sigma_0", "sigma_1", "sigma_2", "F_c"), strict=True):
             axes[name].set(xlabel="t (s)", ylabel=f"{name} / true", title=f"({letter}) {name}")
         plots.legend(made, axes["e"])
-        return plots.finish(
+        return finish(
             made, "servo_adaptive",
             "All of sigma_0, sigma_1, sigma_2, F_c and F_s start 50 % too low or too high. F_c is found first, as every reversal "
             "shows it; sigma_1 last, as it acts only within millimetres of a reversal. On the moves sigma_0 and sigma_1 act in "

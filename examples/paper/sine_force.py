@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, record, scenario, solve, solve_all
+from examples.paper.common import (
+    PROPOSED,
+    REFERENCE,
+    Chapter,
+    Done,
+    finish,
+    record,
+    scenario,
+    solve,
+    solve_all,
+)
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Table
@@ -29,7 +39,7 @@ def chapter(done: Done) -> Chapter:
         axes["v"].annotate("viscous friction alone", (2.6, 1.25 / of_v.factor), color=plots.GREY, fontsize=8)
         axes["v"].set_title("(b) velocity")
         plots.legend(made, axes["F"])
-        figure = plots.finish(
+        figure = finish(
             made, "fig07_sine_force",
             "Friction follows the applied force (grey) until F_s is reached, falls to F_c, and the body moves in the "
             f"direction of the force until it sticks again. With viscous friction alone (b, grey) the body never rests and "

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from examples.paper.common import Printed, finish
 from stribeck.mouth import plots
-from stribeck.mouth.document import FigureSvg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +35,7 @@ def _empty(height: float, x: tuple[float, float], y: tuple[float, float]) -> tup
     return made, axis
 
 
-def spring() -> FigureSvg:
+def spring() -> Printed:
     """A body on a surface, pulled through a spring."""
     with plots.style():
         made, axis = _empty(1.7, (0, 12), (0, 2.6))
@@ -55,10 +55,10 @@ def spring() -> FigureSvg:
         _arrow(axis, (1.9, 0.72), (0.9, 0.72))
         axis.text(0.85, 0.95, "F", ha="center")
         caption = "Physical set-up for stick-slip motion: m = 1 kg, k = 2 N/m, friction F between body and surface."
-        return plots.finish(made, "fig05_spring", caption)
+        return finish(made, "fig05_spring", caption)
 
 
-def pid() -> FigureSvg:
+def pid() -> Printed:
     """The PID loop around the body with friction."""
     from matplotlib.patches import Circle
 
@@ -94,4 +94,4 @@ def pid() -> FigureSvg:
         for x, y in ((1.75, 2.1), (7.35, 2.1), (9.2, 2.95)):
             axis.text(x, y, "-", fontsize=11)
         caption = "PID position control of a body with friction; the derivative acts on the measured velocity."
-        return plots.finish(made, "fig08_pid_loop", caption)
+        return finish(made, "fig08_pid_loop", caption)

@@ -8,12 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from examples.paper.common import STEEPNESSES, Chapter, Done
+from examples.paper.common import (
+    STEEPNESSES,
+    Chapter,
+    Done,
+    Printed,
+    finish,
+)
 from stribeck.expressions.ops import Value
 from stribeck.laws.terms import S_0, S_1, S_2, m
 from stribeck.mouth import plots
 from stribeck.mouth.cells import prefixed
-from stribeck.mouth.document import FigureSvg, Table
+from stribeck.mouth.document import Table
 
 
 def chapter(done: Done) -> Chapter:
@@ -64,7 +70,7 @@ def _beside(
     labels: dict[float, str],
     exact: str,
     *panels: SmoothedFunction,
-) -> FigureSvg:
+) -> Printed:
     """Two panels, each with the exact function and the smooth one for every steepness."""
     factor, unit = prefixed("m/s", float(v.max()))
     with plots.style():
@@ -77,4 +83,4 @@ def _beside(
             label = f"{panel.name} ({unit})" if panel.is_speed else panel.name
             axis.set(xlabel=f"v ({unit})", ylabel=label, title=panel.title)
         plots.legend(made, axes["left"])
-        return plots.finish(made, name, caption)
+        return finish(made, name, caption)

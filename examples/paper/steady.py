@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from examples.paper.common import PAPER, PROPOSED, REFERENCE, Chapter, Done
+from examples.paper.common import (
+    PAPER,
+    PROPOSED,
+    REFERENCE,
+    Chapter,
+    Done,
+    finish,
+)
 from stribeck.laws import law
 from stribeck.mouth import plots
 from stribeck.mouth.cells import prefixed
@@ -26,7 +33,7 @@ def chapter(done: Done) -> Chapter:
         axes["F"].set(xlabel=f"v ({unit})", ylabel="F (N)", title="(a) static relationship")
         axes["near"].set(xlabel="v (m/s)", ylabel="F (N)", xscale="log", title="(b) near rest")
         plots.legend(made, axes["F"])
-        figure = plots.finish(
+        figure = finish(
             made, "fig01_steady_friction",
             "Friction force at constant velocity: static friction F_s at rest, falling to F_c above the Stribeck velocity, "
             "then viscous. On a logarithmic axis (b) the proposed law leaves this curve where v is below some 1/k_v: at "

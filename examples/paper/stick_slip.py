@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from examples.paper import sketches
-from examples.paper.common import PROPOSED, REFERENCE, Chapter, Done, record, solve_all
+from examples.paper.common import (
+    PROPOSED,
+    REFERENCE,
+    Chapter,
+    Done,
+    finish,
+    record,
+    solve_all,
+)
 from stribeck.mouth import plots
 from stribeck.mouth.cells import percent
 from stribeck.mouth.document import Table
@@ -31,7 +39,7 @@ def chapter(done: Done) -> Chapter:
         curves(axes["v"], solutions, "t", "v")
         curves(axes["F"], solutions, "t", "F")
         plots.legend(made, axes["y"])
-        figure = plots.finish(
+        figure = finish(
             made, "fig06_stick_slip",
             "The far end of the spring moves at 0.1 m/s. The body stands still until the spring force passes the static "
             "friction, then jumps; the slower its law lets go, the later. Deviations do not grow chaotically.",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from examples.paper.common import Chapter, Done
+from examples.paper.common import Chapter, Done, finish
 from stribeck import examples, laws
 from stribeck.mouth import plots
 from stribeck.mouth.document import Table
@@ -44,7 +44,7 @@ def chapter(done: Done) -> Chapter:
         "it. Table 1; creep and presliding at 0.95 F_s, the position in the limit cycle of Fig. 9."
     )
     with plots.style():
-        shown = plots.finish(errors_against_k_v(advices), "which_k_v", caption)
+        shown = finish(errors_against_k_v(advices), "which_k_v", caption)
     numbers = {name: advice.to_dict() for name, advice in advices.items()}
     return Chapter("which_k_v", "Which k_v?", text, [Table(head, rows)], [shown], numbers)
 

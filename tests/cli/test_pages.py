@@ -9,7 +9,7 @@ from tests.pages import Page
 def test_run(stribeck, scenario, tmp_path):
     data = json.loads(stribeck("run", scenario, "--out", tmp_path / "out", "--json").out)
     assert {p.name for p in (tmp_path / "out").iterdir()} == {
-        "trajectory.csv", "trajectory.parquet", "plot.svg", "plot.png", "plot.pdf", "report.html", "summary.json"
+        "trajectory.csv", "trajectory.parquet", "plot.svg", "report.html", "summary.json"
     }  # fmt: skip
     page = Page(tmp_path / "out" / "report.html")
     rows = {row[0]: row for row in page.tables[0]}
@@ -32,7 +32,7 @@ def test_check(stribeck, tmp_path):
     holds = {row[0]: row[2] for row in page.tables[0]}
     for name, verdict in data["properties"].items():
         assert holds[name.replace("_", "-")] == {True: "yes", False: "no", None: "undecided"}[verdict["holds"]]
-    assert (tmp_path / "out" / "not_passive.png").exists()
+    assert (tmp_path / "out" / "not_passive.svg").exists()
 
 
 def test_the_design_of_a_servo(stribeck, tmp_path):

@@ -39,7 +39,7 @@ def test_json_is_one_object_with_the_keys_of_the_contract(stribeck, scenario):
 def test_files_hold_the_solution_in_full_precision(stribeck, scenario, tmp_path):
     out = tmp_path / "new" / "out"
     data = json.loads(stribeck("run", scenario, "--out", out, "--json").out)
-    names = ["plot.pdf", "plot.png", "plot.svg", "report.html", "summary.json", "trajectory.csv", "trajectory.parquet"]
+    names = ["plot.svg", "report.html", "summary.json", "trajectory.csv", "trajectory.parquet"]
     assert sorted(p.name for p in out.iterdir()) == names
     assert sorted(data["files"]) == sorted(str(p) for p in out.iterdir())
     solution = simulate(Scenario.load(scenario))

@@ -205,10 +205,11 @@ class _Law:
         """The verdicts and, if tolerances are given, the smallest k_v; no verdicts if no k_v will do."""
         from stribeck.properties import Verdicts
         from stribeck.properties import check as decide
-        from stribeck.properties.steepness import Tolerated, smallest_steepness
 
         law, steepness = self.law, {}
         if self.tolerated:
+            from stribeck.properties.steepness import Tolerated, smallest_steepness
+
             steepness = smallest_steepness(law, Tolerated.given({**self.tolerated, "v_max": v_max}))
             if self.open_k_v:
                 if not (k_v := steepness[law.name].k_v):

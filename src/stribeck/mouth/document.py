@@ -63,13 +63,11 @@ class Figure:
 
 @dataclass(frozen=True)
 class FigureSvg:
-    """A drawn figure: a name for its files, the SVG (PNG, PDF), and a caption that says what to see."""
+    """A drawn figure: a name for its files, the SVG, and a caption that says what to see."""
 
     name: str
     svg: str
     caption: str
-    png: bytes = b""
-    pdf: bytes = b""
 
     @property
     def inline(self) -> str:

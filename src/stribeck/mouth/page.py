@@ -10,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from stribeck.errors import needed
-from stribeck.files import write_text, write_with
+from stribeck.files import write_text
 from stribeck.mouth import plots
 from stribeck.mouth.cells import texts
 from stribeck.mouth.document import Chapter, Document, Figure, FigureSvg
@@ -33,7 +33,7 @@ def _whole(text: str) -> str:
 def write(
     document: Document, folder: Path, command: str = "", name: str = "report.html", *, pictures: bool = True
 ) -> list[Path]:
-    """Write a document's page, which stands alone, and with ``pictures`` its figures as SVG, PNG and PDF.
+    """Write a document's page, which stands alone, and with ``pictures`` its figures as SVG.
 
     Args:
         folder: where they go.
@@ -48,7 +48,7 @@ def write(
         made = [plots.drawn(figure) if isinstance(figure, Figure) else figure for figure in chapter.figures]
         shown = [figure for figure in made if figure is not None]
         chapters.append(replace(chapter, figures=shown))
-        paths += [path for figure in shown if pictures for path in write_figure(figure, folder)]
+        paths += [write_figure(figure, folder) for figure in shown if pictures]
     introduction = [_sentence(text) for text in (document.lead, *document.facts)]
     about = f"Stribeck {__version__}" + (f", {command}" if command else "")
     path = folder / name
@@ -61,13 +61,11 @@ def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}" + ("" if text.endswith((".", "!", "?", ":")) else ".")
 
 
-def write_figure(figure: FigureSvg, folder: Path) -> list[Path]:
-    """The figure as SVG, PNG and PDF under its name."""
-    paths = [folder / f"{figure.name}.{kind}" for kind in ("svg", "png", "pdf")]
-    write_text(paths[0], figure.svg)
-    for path, data in zip(paths[1:], (figure.png, figure.pdf), strict=True):
-        write_with(path, lambda beside, data=data: beside.write_bytes(data))  # type: ignore[misc]
-    return paths
+def write_figure(figure: FigureSvg, folder: Path) -> Path:
+    """Write the figure under its name."""
+    path = folder / f"{figure.name}.svg"
+    write_text(path, figure.svg)
+    return path
 
 
 def html(

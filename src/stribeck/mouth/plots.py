@@ -53,7 +53,6 @@ _STYLE: dict[str, Any] = {
     "legend.fontsize": 9,
     "legend.handlelength": 3,
     "svg.fonttype": "none",
-    "pdf.fonttype": 42,
     "svg.hashsalt": "stribeck",
 }
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -204,28 +203,23 @@ def key(axis: Axes, names: Sequence[str], beside: int) -> None:
     )
 
 
-def finish(made: Figure, name: str, caption: str, pdf: bool = False) -> FigureSvg:
-    """The drawn figure as SVG and PNG (and PDF) under a name, with its caption. Call within :func:`style`."""
-    return FigureSvg(name, svg(made), caption, *prints(made, pdf))
+def finish(made: Figure, name: str, caption: str) -> FigureSvg:
+    """The drawn figure as SVG under a name, with its caption. Call within :func:`style`."""
+    return FigureSvg(name, svg(made), caption)
 
 
 def drawn(figure: Picture) -> FigureSvg | None:
-    """A document's figure as SVG, PNG and PDF; None where there is nothing to draw."""
+    """A document's figure as SVG; None where there is nothing to draw."""
     with style():
         made = figure.draw()
-        return None if made is None else finish(made, figure.name, figure.caption, pdf=True)
+        return None if made is None else finish(made, figure.name, figure.caption)
 
 
-def prints(made: Figure, pdf: bool) -> tuple[bytes, bytes]:
-    """A figure that :func:`svg` has laid out, as PNG and, where it is wanted, as PDF. Call within :func:`style`."""
+def png(made: Figure) -> bytes:
+    """A figure that :func:`svg` has laid out as PNG. Call within :func:`style`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    png, print_ = io.BytesIO(), io.BytesIO()
+    buffer = io.BytesIO()
     FigureCanvasAgg(made)
-    made.savefig(png, format="png", dpi=160, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
-    if pdf:
-        from matplotlib.backends.backend_pdf import FigureCanvasPdf
-
-        FigureCanvasPdf(made)
-        made.savefig(print_, format="pdf", metadata={"CreationDate": None, "Producer": None, "Creator": None})
-    return png.getvalue(), print_.getvalue()
+    made.savefig(buffer, format="png", dpi=160, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
+    return buffer.getvalue()

@@ -21,7 +21,7 @@ _LONGEST = 100  # characters of a label in a file's name
 
 
 def write_run(solution: Solution, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
-    """Write trajectory.csv and .parquet, plot.svg, .png and .pdf, report.html and, last, summary.json; the paths."""
+    """Write trajectory.csv and .parquet, plot.svg, report.html and, last, summary.json; the paths."""
     with together(folder) as place:
         paths = write_table(solution, place, "trajectory")
         with left_out("the plot and the page"):
@@ -31,7 +31,7 @@ def write_run(solution: Solution, folder: Path, summary: dict[str, Any], command
 
 
 def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
-    """Write a trajectory for each law, compare.svg, .png and .pdf, report.html and, last, summary.json with the
+    """Write a trajectory for each law, compare.svg, report.html and, last, summary.json with the
     deviations; the paths."""
     paths: list[Path] = []
     with together(folder) as place:
