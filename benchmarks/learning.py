@@ -1,4 +1,8 @@
-"""Joint friction in learning simulators: what each engine does with the same numbers, and steps a second."""
+"""Joint friction in learning simulators: what each engine does with the same numbers, and steps a second.
+
+With ``--device cuda`` all but MuJoCo run on the GPU, and steps are counted by the clock: Warp's engines are advanced by a
+CUDA graph as their users do, JAX and PyTorch are waited for once at the end.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ import json
 import tempfile
 from importlib import metadata
 from pathlib import Path
-from time import process_time
+from time import perf_counter, process_time
 from typing import Any
 
 import jax
@@ -33,6 +37,7 @@ MODEL = """<mujoco><option timestep="{step}" gravity="0 0 0" integrator="implici
 <joint name="j" type="slide" axis="1 0 0" frictionloss="{loss}" damping="{damping}"/>
 <geom type="box" size=".05 .05 .05" mass="1" contype="0" conaffinity="0"/></body></worldbody></mujoco>"""
 WORLDS = 4096
+ON_A_GPU = (4096, 65_536)
 STEPS = (2e-3, 5e-3, 1e-2, 2e-2)
 
 
@@ -43,22 +48,46 @@ def drive(kind: str, t: float) -> float:
     return 2.0 * t if kind == "ramp" else 3.0 * np.sin(np.pi * t)
 
 
-class MuJoCo:
-    """MuJoCo's frictionloss on the CPU; loss 0 and a friction of ours by the exported callback of MuJoCo Warp."""
+class Engine:
+    """A world, or many."""
+
+    graphs = False  # whether its pushes can be captured in a CUDA graph
+
+    def push(self, load: float) -> None:
+        """A step under the load."""
+        raise NotImplementedError
+
+    def read(self) -> tuple[float, float]:
+        """Position and velocity of the first world."""
+        raise NotImplementedError
+
+    def __call__(self, load: float) -> tuple[float, float]:
+        """Position and velocity after a step under the load."""
+        self.push(load)
+        return self.read()
+
+
+class MuJoCo(Engine):
+    """MuJoCo's frictionloss on the CPU."""
 
     def __init__(self, step: float, loss: float = 1.0) -> None:
         self.model = mujoco.MjModel.from_xml_string(MODEL.format(step=step, loss=loss, damping=0.4 if loss else 0.0))
         self.data = mujoco.MjData(self.model)
 
-    def __call__(self, load: float) -> tuple[float, float]:
-        """Position and velocity after a step under the load."""
+    def push(self, load: float) -> None:
+        """A step under the load."""
         self.data.qfrc_applied[0] = load
         mujoco.mj_step(self.model, self.data)
+
+    def read(self) -> tuple[float, float]:
+        """Position and velocity of the first world."""
         return float(self.data.qpos[0]), float(self.data.qvel[0])
 
 
-class MuJoCoWarp:
-    """MuJoCo Warp on the CPU, one world or many."""
+class MuJoCoWarp(Engine):
+    """MuJoCo Warp; loss 0 and a friction of ours by the exported callback."""
+
+    graphs = True
 
     def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
         loss = 0.0 if own else 1.0
@@ -68,15 +97,18 @@ class MuJoCoWarp:
         if own:
             self.friction = exported("mjwarp").JointFriction(model, self.m, self.d, ["j"])
 
-    def __call__(self, load: float) -> tuple[float, float]:
-        """Position and velocity after a step under the load."""
+    def push(self, load: float) -> None:
+        """A step under the load."""
         self.d.qfrc_applied.fill_(load)
         mujoco_warp.step(self.m, self.d)
+
+    def read(self) -> tuple[float, float]:
+        """Position and velocity of the first world."""
         return float(self.d.qpos.numpy()[0, 0]), float(self.d.qvel.numpy()[0, 0])
 
 
-class MJX:
-    """MuJoCo's equations in JAX, compiled for the CPU; one world or many."""
+class MJX(Engine):
+    """MuJoCo's equations in JAX, compiled."""
 
     def __init__(self, step: float, worlds: int = 1) -> None:
         from mujoco import mjx
@@ -87,14 +119,19 @@ class MJX:
             jax.vmap(lambda d, load: mjx.step(model, d.replace(qfrc_applied=load + 0 * d.qfrc_applied)), (0, None))
         )
 
-    def __call__(self, load: float) -> tuple[float, float]:
-        """Position and velocity after a step under the load."""
+    def push(self, load: float) -> None:
+        """A step under the load."""
         self.data = self.step(self.data, load)
+
+    def read(self) -> tuple[float, float]:
+        """Position and velocity of the first world."""
         return float(self.data.qpos[0, 0]), float(self.data.qvel[0, 0])
 
 
-class Newton:
-    """Newton with its MuJoCo solver on the CPU."""
+class Newton(Engine):
+    """Newton with its MuJoCo solver."""
+
+    graphs = True
 
     def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
         import newton
@@ -105,41 +142,47 @@ class Newton:
         world.add_articulation([joint])
         builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
         builder.replicate(world, worlds)  # else all links are one system of as many coupled joints
-        model = builder.finalize(device="cpu")
+        model = builder.finalize(device=wp.get_device())
         self.solver = newton.solvers.SolverMuJoCo(model)
         self.state, self.other, self.control, self.step = model.state(), model.state(), model.control(), step
         newton.eval_fk(model, model.joint_q, model.joint_qd, self.state)
         self.friction = exported("newton").JointFriction(model, range(worlds)) if own else None
 
-    def __call__(self, load: float) -> tuple[float, float]:
-        """Position and velocity after a step under the load."""
+    def push(self, load: float) -> None:
+        """A step under the load."""
         self.control.joint_f.fill_(load)
         if self.friction:
             self.friction.step(self.state, self.control, self.step)
         self.solver.step(self.state, self.other, self.control, None, self.step)
         self.state, self.other = self.other, self.state
+
+    def read(self) -> tuple[float, float]:
+        """Position and velocity of the first world."""
         return float(self.state.joint_q.numpy()[0]), float(self.state.joint_qd.numpy()[0])
 
 
-class Torch:
+class Torch(Engine):
     """A joint in PyTorch (double precision): the tanh friction of most hand-written tasks, or the law's step."""
 
     def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
         self.dt, self.law = step, to_torch(LAW) if own else None
         self.q, self.v, self.z = (torch.zeros(worlds, dtype=torch.float64) for _ in range(3))
 
-    def __call__(self, load: float) -> tuple[float, float]:
-        """Position and velocity after a step under the load."""
+    def push(self, load: float) -> None:
+        """A step under the load."""
         if self.law:
             self.z, friction = self.law.step(self.z, self.v, load, 1.0, self.dt)
         else:
             friction = torch.tanh(self.v / 0.01) + 0.4 * self.v  # steeper is unstable at 20 ms
         self.v = self.v + self.dt * (load - friction)
         self.q = self.q + self.dt * self.v
+
+    def read(self) -> tuple[float, float]:
+        """Position and velocity of the first world."""
         return float(self.q[0]), float(self.v[0])
 
 
-class Jax:
+class Jax(Engine):
     """A joint in JAX (double precision), compiled: the law's step."""
 
     def __init__(self, step: float, worlds: int = 1) -> None:
@@ -154,22 +197,29 @@ class Jax:
 
         self.step = jax.jit(advance)
 
-    def __call__(self, load: float) -> tuple[float, float]:
-        """Position and velocity after a step under the load."""
+    def push(self, load: float) -> None:
+        """A step under the load."""
         self.state = self.step(self.state, load)
+
+    def read(self) -> tuple[float, float]:
+        """Position and velocity of the first world."""
         return float(self.state[2][0]), float(self.state[1][0])
 
 
-class Kernel:
+class Kernel(Engine):
     """The law's kernel in Warp, and nothing else."""
 
     def __init__(self, step: float, worlds: int) -> None:
         self.tool = to_warp(LAW)
         self.given = [wp.full(worlds, x, dtype=self.tool.real) for x in (0.0, 0.0, 0.9, 1.0, step)]
 
-    def __call__(self, load: float) -> None:
+    def push(self, load: float) -> None:
         """A step of the bristles; the joints stay at rest."""
         self.given[0], _ = self.tool.step(*self.given)
+
+    def read(self) -> tuple[float, float]:
+        """Deflection of the first world, and no velocity."""
+        return float(self.given[0].numpy()[0]), 0.0
 
 
 def exported(target: str) -> Any:
@@ -231,10 +281,39 @@ def speeds(makers: dict[str, Any], count: int, rounds: int = 3) -> dict[str, flo
     return {name: float(np.median(x)) for name, x in found.items()}
 
 
+def speeds_on_a_gpu(makers: dict[str, Any], count: int, worlds: int, rounds: int = 5) -> dict[str, float]:
+    """Steps of all worlds together in a second by the clock: medians of rounds in which each has its turn."""
+    pushes: dict[str, tuple[Engine, Any]] = {}
+    for name, make in makers.items():
+        rig = make(2e-3, worlds)
+        for _ in range(2):
+            rig(0.9)
+        pushes[name] = (rig, lambda rig=rig: (rig.push(0.9), rig.push(0.9)))
+        if rig.graphs:
+            with wp.ScopedCapture() as capture:  # two steps: Newton's states are then where they were
+                pushes[name][1]()
+            pushes[name] = (rig, lambda graph=capture.graph: wp.capture_launch(graph))
+    found: dict[str, list[float]] = {name: [] for name in pushes}
+    for _ in range(rounds):
+        for name, (rig, push) in pushes.items():
+            started = perf_counter()
+            for _ in range(count // 2):
+                push()
+            position, _ = rig.read()
+            found[name].append(worlds * count / (perf_counter() - started))
+            assert np.isfinite(position), name
+    return {name: float(np.median(x)) for name, x in found.items()}
+
+
 def main() -> None:
     """Print a table, and write the results."""
-    given = options(__doc__, "learning", seconds=(100.0, 4.0), only="")  # of holding; engines with this in their name
+    given = options(__doc__, "learning", seconds=(100.0, 4.0), only="", device="cpu")  # held; engines with this name
     wp.config.quiet = True
+    on_gpu = given.device == "cuda"
+    if on_gpu:
+        torch.set_default_device("cuda")
+    wp.set_device("cuda:0" if on_gpu else "cpu")
+    jax.config.update("jax_default_device", jax.devices("gpu" if on_gpu else "cpu")[0])
     torch.set_num_threads(1)  # its threads wait by turning: on a busy machine that is most of their time
     rows = []
     chosen = {name: make for name, make in ENGINES.items() if given.only in name}
@@ -248,12 +327,17 @@ def main() -> None:
     many = {name: make for name, make in chosen.items() if name != "MuJoCo, frictionloss"}
     if not given.only:
         many["Warp kernel alone, this law"] = lambda step, worlds: Kernel(step, worlds)
-    steps = speeds(many, 20)
-    print(json.dumps(steps), flush=True)
     packages = ("mujoco", "mujoco-warp", "mujoco-mjx", "newton", "warp-lang", "torch", "jax")
-    result = {"machine": machine(), "versions": {n: metadata.version(n) for n in packages}, "worlds": WORLDS}
-    result |= {"constants": CONSTANTS, "rows": rows, "steps_a_processor_second": steps}
-    write(given.out, result)
+    result = {"machine": machine(), "versions": {n: metadata.version(n) for n in packages}, "constants": CONSTANTS}
+    result["rows"] = rows
+    if on_gpu:
+        result["gpu"] = torch.cuda.get_device_name()
+        result["steps_a_second"] = {str(n): speeds_on_a_gpu(many, 100, n) for n in ON_A_GPU}
+        print(json.dumps(result["steps_a_second"]), flush=True)
+    else:
+        result |= {"worlds": WORLDS, "steps_a_processor_second": speeds(many, 20)}
+        print(json.dumps(result["steps_a_processor_second"]), flush=True)
+    write(given.out.with_stem("learning_gpu") if on_gpu else given.out, result)
 
 
 if __name__ == "__main__":

@@ -170,6 +170,14 @@ def verdicts(d: Any) -> Rows:
     return list(words), [[d["all"][word] for word in words]]
 
 
+def learning_gpu(d: Any) -> Rows:
+    """The speeds of learning_gpu.json: a column for each number of worlds."""
+    worlds = sorted(d["steps_a_second"], key=int)
+    engines = list(d["steps_a_second"][worlds[0]])
+    rows: list[list[object]] = [[name, *(d["steps_a_second"][n][name] / 1e6 for n in worlds)] for name in engines]
+    return [f"engine, on an {d['gpu']}", *(f"{int(n):,} worlds (million steps a second)" for n in worlds)], rows
+
+
 def coverage(d: Any) -> Rows:
     """The counts of coverage.json, added up by kind of record."""
     kinds: dict[str, list[int]] = {}
@@ -197,7 +205,7 @@ TABLES: dict[str, Callable[[Any], Rows]] = {
     "single": single, "ensemble": ensemble, "machines": machines, "chains": chains, "startup": startup,
     "backends": backends, "sampled": sampled, "default_tolerance": default_tolerance, "majorants": majorants,
     "discretisation": discretisation, "in_mujoco": in_mujoco, "arm_instructions": arm_instructions,
-    "controller_instructions": controller_instructions, "learning": learning,
+    "controller_instructions": controller_instructions, "learning": learning, "learning_gpu": learning_gpu,
     "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer, "coverage": coverage,
     "fit_speed": fit_speed,
 }  # fmt: skip

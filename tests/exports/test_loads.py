@@ -184,12 +184,12 @@ def steps(chosen, load, v, effort):
         here = chosen.replace(**dict(zip(chosen.inputs, row, strict=True)))
 
         def z_at(w, here=here):
-            return brentq(lambda z: z - 1e-3 * float(here.rate(w, z)), -1e-2, 1e-2, xtol=1e-18, rtol=1e-15, atol=1e-15)
+            return brentq(lambda z: z - 1e-3 * float(here.rate(w, z)), -1e-2, 1e-2, xtol=1e-18, rtol=1e-15)
 
         def excess(w, here=here, v0=v0, u=u):
             return 0.5 / 1e-3 * (w - v0) + float(here.force(w, z_at(w))) - u
 
-        w = brentq(excess, -1.0, 1.0, xtol=1e-18, rtol=1e-15, atol=1e-15)
+        w = brentq(excess, -1.0, 1.0, xtol=1e-18, rtol=1e-15)
         found.append((z_at(w), float(here.force(w, z_at(w)))))
     return np.array(found).T
 
