@@ -7,6 +7,8 @@ import pytest
 
 import stribeck
 from stribeck.errors import StribeckNote
+from stribeck.expressions.ops import sign
+from stribeck.laws import BristleLaw
 from tests.exports.harness import law
 
 
@@ -14,6 +16,23 @@ def test_no_table_of_what_has_no_limit(tmp_path):
     with pytest.raises(stribeck.InputError, match="grows without limit"):
         stribeck.export(law("lugre_arctan"), "table", tmp_path / "law.csv")
     assert not list(tmp_path.iterdir())
+
+
+class Uphill(BristleLaw):
+    """Friction that is a thousandth higher in one direction."""
+
+    symmetric = False
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - abs(v) * p.sigma_0 / (p.F_c * (1 + 5e-4 * sign(v))) * z
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+def test_a_law_that_is_not_odd_has_no_table_whatever_the_unit_of_force(unit, tmp_path):
+    values = {"sigma_0": 1e5 * unit, "sigma_1": 0.0, "sigma_2": 0.1 * unit, "F_c": unit, "F_s": unit, "v_s": 0.01}
+    with pytest.raises(stribeck.InputError, match="must be finite and odd in v"):
+        stribeck.export(Uphill(values), "table", tmp_path / "law.csv")
 
 
 @pytest.mark.parametrize("name", ["lugre", "lugre_majorant", "elastoplastic", "dahl", "makkar"])

@@ -86,6 +86,18 @@ def test_every_width_agrees_with_single_runs(width):
         assert abs(found.counts["accepted"][lane] + found.counts["rejected"][lane] - steps) < 0.05 * steps
 
 
+def test_a_trajectory_that_follows_another_in_its_lane_is_looked_at_from_its_own_start():
+    """Looked at from where the other ended, it would be said to get on no more."""
+    text = source(Scenario(DATA).system, lanes=True)
+    often = text.replace("LOOK = 1000000", "LOOK = 100")
+    assert often != text
+    chosen = compiler.find().for_lanes()
+    loaded, _ = cache.library(often, replace(chosen, options=(*chosen.options, "-DLANES=2")))
+    found = lanes.solve(loaded, Variations(Scenario(DATA), VALUES), threads=1).counts
+    assert not found["status"].any()
+    assert (found["accepted"] > 200).all()
+
+
 def test_one_vector_and_several_by_turns_make_the_same_bits():
     loaded, found = library(), []
     many = {path: np.resize(x, 32) for path, x in VALUES.items()}
