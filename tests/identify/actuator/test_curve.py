@@ -43,6 +43,7 @@ def fitted(seed, size, noise):
     return fit_machine(slide(), Logs((recording(seed, size, noise),), sought), starts=1, seed=seed, baselines=False)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("noise", [1e-3, 1e-5])
 def test_a_curve_that_nobody_has_seen_tells_no_F_s(noise):
     """Where F_s reaches F_c and any v_s fits as well, the other valley may not have been visited."""

@@ -31,6 +31,7 @@ def test_a_gap_is_crossed_as_the_samples_around_tell():
     assert whole.doubt == 0.0
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(("end", "sure"), [(122, True), (180, False)])
 def test_missing_samples_cost_no_truth(tmp_path, end, sure):
     """One of two recordings is 2 or 60 samples short; across 60 nobody knows what drove it."""

@@ -81,6 +81,7 @@ def test_noise_of_an_input_is_counted_in_the_intervals(tmp_path):
     assert not any("its column times" in n for n in found.notes)
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("noise", [1e-4, 6e-4])
 def test_a_fixed_number_that_is_wrong_is_named_and_in_the_ranges(tmp_path, noise):
     record(tmp_path / "a.csv", body(amplitude=5.0), noise=noise)

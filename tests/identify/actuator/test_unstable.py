@@ -1,6 +1,7 @@
 """A pendulum that is swung up and balanced: errors grow, so that it is fitted in stretches unasked. Records by SciPy."""
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from stribeck.identify.actuator import Logs, fit_machine
@@ -47,6 +48,7 @@ def pendulum():
     }  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_a_pendulum_that_is_swung_up_and_balanced_is_fitted_in_stretches():
     """Whole, it ended a hundred deviations off, as errors of the solver decide what follows."""
     y, u = swung()

@@ -57,6 +57,7 @@ def test_noise_raises_nothing():
     assert by_effect([(v + 0.05 * rng.standard_normal(len(t)), force)], False, 10.0, STEP) == 10.0
 
 
+@pytest.mark.thorough
 def test_ramps_that_a_file_ends_with_are_not_rounded_off(tmp_path):
     """A speed a file, from rest to rest with ramps of 0.3 s at both ends: a cut-off of 5 Hz rounded these off unseen, as its own
     ends were left out of the look; F_s came out as 14.2 [14.0, 14.5] where 13 is true, the mass as 1.1 where it is 2."""

@@ -84,7 +84,7 @@ def test_axes_are_in_units_that_a_person_would_use(tmp_path):
     small = record()
     small |= {"y": 1e-3 * small["y"], "F": 1e4 * small["F"]}
     log = read_log(small, columns={"time": "t", "position": "y", "force": "F"})
-    fit = stribeck.fit(log, "coulomb_viscous", terms=["stiffness"], constants={"k_v": 1e7})
+    fit = stribeck.fit(log, "coulomb_viscous", terms=["stiffness"], constants={"k_v": 1e7}, forms=False)
     (tmp_path / "report.html").write_text(page(fit, "stribeck fit", "log.csv"), encoding="utf-8")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     axes = [a for found in re.findall(r'data-axes="([^"]*)"', text) for a in json.loads(unescape(found))]
@@ -96,7 +96,7 @@ def test_axes_are_in_units_that_a_person_would_use(tmp_path):
 def test_a_law_with_bristles_has_its_deflection_explained():
     log, fit = fitted()
     assert not any("bristles" in line for line in model_lines(fit))
-    lines = model_lines(stribeck.fit(log, "dahl", starts=1))
+    lines = model_lines(stribeck.fit(log.rows(slice(0, 600)), "dahl", starts=1))
     assert any(line.startswith("dz/dt = ") for line in lines)
     assert "z deflection of the bristles (m)" in lines
 
