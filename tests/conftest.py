@@ -69,6 +69,12 @@ def _quick_compiler(config, options):
     return str(script)
 
 
+@pytest.fixture
+def each_system_is_run_once(monkeypatch):
+    """Many systems of their own, each run once: not worth optimising."""
+    monkeypatch.setattr("stribeck.simulation.compiler._FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))
+
+
 BLANK = (
     '<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="9pt" height="9pt" viewBox="0 0 9 9"></svg>\n'
 )

@@ -394,25 +394,47 @@ def test_state_is_kept_and_brought_back(slave):
     assert [other.get(n) for n in ("y", "v", "z", "F")] == at
 
 
-def test_directional_derivatives(slave):
-    body, chosen = slave(), law("lugre_majorant")
-    body.start()
-    v, z = 2e-3, 7e-6
-    body.set("v", v)
-    body.set("z", z)
-    ref = body.reference
+@pytest.fixture
+def second(folder):
+    """An instance of FMI 2.0."""
+    from fmpy.fmi2 import FMU2Slave
+
+    path = fmu("lugre_majorant", "body", 2, folder)
+    description = fmpy.read_model_description(path)
+    made = FMU2Slave(
+        guid=description.guid, unzipDirectory=fmpy.extract(path),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+    )  # fmt: skip
+    made.instantiate()
+    made.setupExperiment()
+    made.enterInitializationMode()
+    made.exitInitializationMode()
+    return made, {v.name: v.valueReference for v in description.modelVariables}
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_directional_derivatives(fmi, slave, second):
+    chosen, v, z = law("lugre_majorant"), 2e-3, 7e-6
+    if fmi == 3:
+        body = slave()
+        body.start()
+        made, ref, give = body.fmu, body.reference, body.fmu.setFloat64
+    else:
+        (made, ref), give = second, second[0].setReal
+    give([ref["v"], ref["z"]], [v, z])
     by_v, by_z = chosen.jacobian(v, z)
 
-    def slope(unknown, known):
-        return body.fmu.getDirectionalDerivative(unknowns=[ref[unknown]], knowns=[ref[known]], seed=[1.0])[0]
+    def slope(unknown, **seed):
+        return made.getDirectionalDerivative([ref[unknown]], [ref[n] for n in seed], list(seed.values()))[0]
 
-    assert slope("der(z)", "v") == pytest.approx(by_v, rel=1e-12)
-    assert slope("der(z)", "z") == pytest.approx(by_z, rel=1e-12)
-    assert slope("F", "z") == pytest.approx(1e5 + 316.22776601683796 * by_z, rel=1e-12)
-    assert slope("der(v)", "u") == pytest.approx(1.0)
-    assert slope("der(v)", "v") == pytest.approx(-(316.22776601683796 * by_v + 0.4), rel=1e-12)
-    assert slope("der(y)", "v") == 1
-    assert slope("der(y)", "z") == 0
+    assert slope("der(z)", v=1.0) == pytest.approx(by_v, rel=1e-12)
+    assert slope("der(z)", z=1.0) == pytest.approx(by_z, rel=1e-12)
+    assert slope("der(z)", v=2.0, z=1e-3) == pytest.approx(2 * by_v + 1e-3 * by_z, rel=1e-12)
+    assert slope("F", z=1.0) == pytest.approx(1e5 + 316.22776601683796 * by_z, rel=1e-12)
+    assert slope("der(v)", u=1.0) == pytest.approx(1.0)
+    assert slope("der(v)", v=1.0) == pytest.approx(-(316.22776601683796 * by_v + 0.4), rel=1e-12)
+    assert slope("der(y)", v=1.0) == 1
+    assert slope("der(y)", z=1.0) == 0
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

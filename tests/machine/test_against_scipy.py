@@ -3,18 +3,11 @@
 import numpy as np
 import pytest
 
-from stribeck.simulation import compiler
 from tests.machine import independent
 from tests.machine.machines import law, machine, push, solved
 from tests.simulation.rig import needs_compiler
 
-pytestmark = needs_compiler
-
-
-@pytest.fixture(autouse=True)
-def _quick(monkeypatch):
-    """Many systems of their own, each run once: not worth optimising."""
-    monkeypatch.setattr(compiler, "_FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))
+pytestmark = [needs_compiler, pytest.mark.usefixtures("each_system_is_run_once")]
 
 
 SINE = {"kind": "sine", "amplitude": 2.5, "frequency": 2.0, "phase": 0.4}

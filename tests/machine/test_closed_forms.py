@@ -5,18 +5,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from stribeck.simulation import compiler
 from tests.machine.machines import law, machine, push, solved
 from tests.simulation.rig import needs_compiler
 
-pytestmark = needs_compiler
+pytestmark = [needs_compiler, pytest.mark.usefixtures("each_system_is_run_once")]
 A = {"a": {"mass": 0.5}}
-
-
-@pytest.fixture(autouse=True)
-def _quick(monkeypatch):
-    """Many systems of their own, each run once: not worth optimising."""
-    monkeypatch.setattr(compiler, "_FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))
 
 
 def test_free_flight_through_play_and_a_bounce():

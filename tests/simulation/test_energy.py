@@ -5,12 +5,11 @@ import pytest
 from scipy.integrate import cumulative_simpson
 
 from stribeck import Scenario
-from stribeck.simulation import compiler
 from stribeck.simulation.solution import Solution
 from tests import radau
 from tests.simulation.rig import LAWS, needs_compiler, pid, rig, solved, spring
 
-pytestmark = needs_compiler
+pytestmark = [needs_compiler, pytest.mark.usefixtures("each_system_is_run_once")]
 
 RIGS = {
     "force": ("force", {"kind": "points", "t": [0, 1, 2, 3], "value": [0, 1.8, -1.8, 0]}, {}),
@@ -18,12 +17,6 @@ RIGS = {
     "pid": (pid("canudas1995"), {"kind": "step", "value": 1.0, "time": 0.5}, {}),
     "velocity": ("velocity", {"kind": "points", "t": [0, 1, 2, 3], "value": [0, 4e-3, -4e-3, 0]}, {"y": 1.0}),
 }
-
-
-@pytest.fixture(autouse=True)
-def _quick(monkeypatch):
-    """Many systems of their own, each run once: not worth optimising."""
-    monkeypatch.setattr(compiler, "_FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))
 
 
 def with_energy(law, name, rows=300):

@@ -24,12 +24,6 @@ pytestmark = [needs_compiler, pytest.mark.filterwarnings("ignore::stribeck.error
 LANES = {"law.k_v": np.geomspace(1e6, 1e8, 24), "plant.mass": np.linspace(1.0, 2.0, 24)}
 
 
-@pytest.fixture(autouse=True)
-def small_parts(monkeypatch):
-    """Two lanes a part."""
-    monkeypatch.setattr(job, "_PART_BYTES", 2 * 8.0 * 7 * 201)
-
-
 def scenario(folder=None, law=None):
     return Scenario(
         law=law or {"name": "lugre_majorant", "k_v": 1e6, "parameters": "canudas1995"},

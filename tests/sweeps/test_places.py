@@ -13,7 +13,6 @@ import pytest
 
 import stribeck
 from stribeck.errors import InputError, StribeckError
-from stribeck.sweeps import job
 from stribeck.sweeps.places import Store
 from tests.simulation.rig import needs_compiler
 
@@ -26,12 +25,6 @@ SCENARIO = {
     "drive": {"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}},
     "solve": {"t_end": 2.0}, "output": {"step": 0.01},
 }  # fmt: skip
-
-
-@pytest.fixture(autouse=True)
-def small_parts(monkeypatch):
-    """Two lanes a part."""
-    monkeypatch.setattr(job, "_PART_BYTES", 2 * 8.0 * 7 * 201)
 
 
 @pytest.fixture
