@@ -10,6 +10,7 @@ import pytest
 from stribeck import memory
 from stribeck.errors import InputError, StribeckNote
 from stribeck.recorded import opened, read_columns
+from stribeck.table_layout import is_units
 
 T = np.arange(200) * 1e-3
 WANTED = {"time": "time", "position": "position"}
@@ -33,6 +34,15 @@ def zeros_in_npz(path, count):
         for _ in range(count >> 17):
             file.write(bytes(1 << 20))
     return path
+
+
+@pytest.mark.parametrize(
+    ("line", "units"),
+    [("s,mm,N", True), ("[s],[mm],[N]", True), ("s,,N", True), (",,", False), ("s,mm", False), ("s,mm,1.5", False),
+     ("s,millimetres,N", False), ("0,1,2", False)],
+)  # fmt: skip
+def test_a_line_of_units_has_a_short_word_or_nothing_for_each_column(line, units):
+    assert is_units(line, ",", 3) is units
 
 
 def test_columns_of_matrices_and_constants_of_a_mat_file(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 
 from stribeck import Scenario, simulate
 from stribeck.errors import InputError, StribeckNote
-from stribeck.exchange import from_bam, from_mujoco_file, to_bam, to_mujoco
+from stribeck.exchange import from_bam, from_mujoco_file, import_, to_bam, to_mujoco
 
 SHARED = Path(__file__).parents[3] / "shared" / "data" / "bam"
 PLAIN = {"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}
@@ -58,6 +58,16 @@ def test_bam_s_models_have_its_friction(model):
     assert back.pop("model") == model
     assert back.pop("actuator") == "servo"
     assert back == pytest.approx(MODELS[model])
+
+
+def test_a_file_becomes_a_machine_that_runs(tmp_path):
+    data = {"model": "m1", "actuator": "servo", **MODELS["m1"]}
+    (tmp_path / "m1.json").write_text(json.dumps(data))
+    machine = import_("bam", tmp_path / "m1.json")
+    assert machine == Scenario(from_bam(tmp_path / "m1.json"))
+    assert simulate(machine).success
+    with pytest.raises(InputError, match="kind: 'urdf': must be bam or mujoco"):
+        import_("urdf", tmp_path / "m1.json")
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="no ../shared/data/bam beside the checkout")
