@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stribeck.expressions import ops
+from stribeck.expressions import intervals, ops
 from stribeck.expressions.graph import symbol
 from stribeck.expressions.intervals import Evaluator, bernstein, interval, point
 
@@ -38,6 +38,23 @@ def check_operations(a, b):
         assert found[op].high <= np.nextafter(np.nextafter(found[op].low, inf), inf)
 
 
+@pytest.mark.parametrize(
+    ("a", "b", "ends"),
+    [
+        ((1.0, 2.0), (0.0, 4.0), (0.25, inf)), ((-2.0, -1.0), (0.0, 4.0), (-inf, -0.25)),
+        ((-1.0, 2.0), (0.0, 4.0), (-inf, inf)), ((1.0, 2.0), (-4.0, 0.0), (-inf, -0.25)),
+        ((-2.0, -1.0), (-4.0, 0.0), (0.25, inf)), ((1.0, 2.0), (-1.0, 4.0), (-inf, inf)),
+        ((1.0, 2.0), (0.0, 0.0), (-inf, inf)), ((1.0, 2.0), (4.0, 8.0), (0.125, 0.5)),
+    ],
+)  # fmt: skip
+def test_a_quotient_holds_every_one_of_a_divisor_that_is_not_0(a, b, ends):
+    """What a divisor near 0 gives has no limit; the other end is that of the largest divisor, within a rounding."""
+    low, high = intervals.div(a, b)
+    assert low <= ends[0]
+    assert high >= ends[1]
+    assert (low, high) == pytest.approx(ends, rel=1e-15)
+
+
 @given(
     st.lists(small, min_size=2, max_size=2), st.lists(small, min_size=2, max_size=2), st.floats(0, 1), st.floats(0, 1)
 )
@@ -49,6 +66,11 @@ def test_an_operation_on_boxes_holds_that_on_their_points(a, b, s, t):
     assert holds(interval(*a) * interval(*b), x * y)
     assert holds(interval(*a) - interval(*b), x - y)
     assert holds(abs(interval(*a)), abs(x))
+    plain = {"add": x + y, "mul": x * y, **({"div": x / y} if y else {})}
+    for op, value in plain.items():  # the same of pairs of floats
+        low, high = getattr(intervals, op)(tuple(a), tuple(b))
+        assert low == -inf or Fraction(low) <= value
+        assert high == inf or Fraction(high) >= value
     if y:
         low, high = float(found.low), float(found.high)
         assert low == -inf or Fraction(low) <= x / y
