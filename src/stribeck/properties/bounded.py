@@ -37,16 +37,21 @@ def prove(model: Model, claims: ClaimProver) -> Certificate | None:
     return Certificate("bounded", "edge", found, {}, {"unique": unique}) if isinstance(unique, Certificate) else None
 
 
-def decide(model: Model, certificate: Certificate | None) -> Verdict:
-    """Whether |z| = Z is never passed outward; a proof that was found is given."""
-    if certificate is not None:
-        method = _OUTSIDE if certificate.theorem == "outside" else _EDGE
-        return proved(model, certificate, method, {"Z": float(model.bound[1])})
-    return _passed(model)
+def decide(model: Model, claims: ClaimProver) -> tuple[Verdict, Certificate | None]:
+    """Whether |z| = Z is never passed outward, and the proof that it is not; held speeds that pass it are looked for
+    first, as that takes less."""
+    passed = _passed(model)
+    if passed is not None and passed.holds is False:
+        return passed, None
+    certificate = prove(model, claims)
+    if certificate is None:
+        return passed or _from_the_edge(model), None
+    method = _OUTSIDE if certificate.theorem == "outside" else _EDGE
+    return proved(model, certificate, method, {"Z": float(model.bound[1])}), certificate
 
 
-def _passed(model: Model) -> Verdict:
-    """Speeds that take z past the bound from z = 0, and how far."""
+def _passed(model: Model) -> Verdict | None:
+    """Speeds that take z past the bound from z = 0, and how far; None where none was found."""
     law, z_bound = model.law, float(model.bound[1])
     levels: list[dict[str, float]] = []
     for level in (1 + 1e-6, *_LEVELS):
@@ -55,7 +60,7 @@ def _passed(model: Model) -> Verdict:
             break
         levels.append({"z": level * z_bound, "z_over_Z": level, "v": found[0], "time": found[1]})
     if not levels:
-        return _from_the_edge(model)
+        return None
     farthest = levels[-1]["z_over_Z"]
     shown = max((x for x in levels if x["z_over_Z"] <= _REPLAYED), key=lambda x: x["z"])
     if farthest < _LEVELS[-1]:

@@ -128,8 +128,8 @@ def best(
     """
     z = np.unique(z)
     dz, fastest = np.gradient(z), own_speeds(rising.law)[-1]
-    f_up, e_up = rising.slopes(ups[:, None], z)
-    f_down, e_down = falling.slopes(downs[:, None], z)
+    ups, f_up, e_up = _that_move(rising, ups, z, 1)
+    downs, f_down, e_down = _that_move(falling, downs, z, -1)
     both = (f_up > 0)[:, None, :] & (f_down < 0)[None, :, :]
     gain = np.where(both, e_down[None, :, :] - e_up[:, None, :], -np.inf) * dz
     low, high, total = _largest_sums(gain)
@@ -148,6 +148,13 @@ def best(
             if found_best is None or cost < found_best[0]:
                 found_best = (cost, float(ups[i]), float(downs[j]), float(z[found[0]]), float(z[found[1]]))
     return found_best
+
+
+def _that_move(storage: Storage, speeds: Array, z: Array, side: int) -> tuple[Array, Array, Array]:
+    """The speeds that take z up (down) somewhere, and what they do: dz/dt and the energy for a metre."""
+    f, energy = storage.slopes(speeds[:, None], z)
+    moving = (side * f > 0).any(axis=1)
+    return speeds[moving], f[moving], energy[moving]
 
 
 def _cost(share: float, time: float, fast: float, part: float) -> float:

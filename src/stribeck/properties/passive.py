@@ -62,7 +62,7 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
     found.evidence["v_max"] = v_max
     if v_max is None and found.holds is not True:
         found.evidence["largest_v_max"] = largest_speed(model.law, reach)
-        found.evidence["largest_v_max_method"] = "bisection with the storage interval as sampled"
+        found.evidence["largest_v_max_method"] = "bisection and secants, with the storage interval as sampled"
     return found
 
 

@@ -22,6 +22,7 @@ _CANCELS = 1e-10  # dz/dt this small beside its terms is noise
 _NEGATIVE = 1e-9  # share of |L| + |U| by which U may fall short of L by rounding
 _ENDLESS = 500.0  # energy in proportion to a speed a thousand times larger
 _SIDES = np.array([-1.0, 1.0])[:, None, None]  # dz/dt < 0, for L, and > 0, for U
+_APART = 1e-7  # of the largest speed: how near it is found
 _FAR = 1e4  # where z has no bound: how many natural lengths to look
 
 
@@ -188,9 +189,14 @@ class Storage:
         return 0
 
     @property
+    def room(self) -> float:
+        """What the samples leave for a storage function, from -1 to 1: one exists where this is not negative."""
+        return -1.0 if self.endless else min(self.worst[0], self.sliding[0]) + _NEGATIVE
+
+    @property
     def exists(self) -> bool:
         """Whether the samples leave room for a storage function."""
-        return self.worst[0] >= -_NEGATIVE and self.sliding[0] >= -_NEGATIVE and not self.endless
+        return self.room >= 0
 
 
 def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tuple[Array, Array]:
@@ -210,19 +216,36 @@ def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tupl
 
 
 def largest_speed(law: Law, reach: float | None) -> float | None:
-    """The largest v_max in m/s for which a storage function exists, by bisection; None where there is
-    no limit, 0 where no speed is slow enough."""
+    """The largest v_max in m/s for which a storage function exists; None where there is no limit, 0 where no speed is slow
+    enough.
 
-    def passes(v_max: float | None) -> bool:
-        return Storage(law, v_max, reach).exists
+    Bisection, and between its steps the secant through the last two speeds that leave no room: what is lacking there falls
+    to 0 smoothly, while the room on the other side may be a plateau.
+    """
 
-    if passes(None):
+    def room(v_max: float | None) -> float:
+        return Storage(law, v_max, reach).room
+
+    if room(None) >= 0:
         return None
     own = own_speeds(law)
     low, high = own[0] * _SLOWEST, own[-1] * _FASTEST
-    if not passes(low):
+    if room(low) < 0:
         return 0.0
-    while high / low > 1 + 1e-7:
-        middle = float(np.sqrt(low) * np.sqrt(high)) if high / low > 1.01 else 0.5 * (low + high)
-        low, high = (middle, high) if passes(middle) else (low, middle)
+    lacking: list[tuple[float, float]] = []
+    steps = 0
+    while high / low > 1 + _APART:
+        middle = float(np.sqrt(low) * np.sqrt(high))
+        if steps % 3 and len(lacking) > 1:
+            (a, lacks_a), (b, lacks_b) = lacking[-2:]
+            root = b - lacks_b * (b - a) / (lacks_b - lacks_a) if lacks_a != lacks_b else b
+            root = max(root, low) if root > low * (1 - _APART) else root
+            beside = root * (1 + _APART / 2 if high > root * (1 + _APART) else 1 - _APART / 4)
+            middle = beside if low < beside < high else middle
+        steps += 1
+        if (found := room(middle)) >= 0:
+            low = middle
+        else:
+            high = middle
+            lacking.append((middle, found))
     return low
