@@ -13,8 +13,7 @@ from stribeck.control import observer
 from stribeck.control.gains import at_speed, decay, gain_verdict, prove
 from stribeck.control.proof import derive
 from stribeck.laws import BristleLaw
-from stribeck.loops.lyapunov import along
-from stribeck.scenario.cascade import gains_of
+from stribeck.loops.lyapunov import along, gains_of
 from tests.control.servos import servo, solved
 from tests.simulation.rig import needs_compiler
 

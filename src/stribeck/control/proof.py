@@ -12,7 +12,8 @@ from itertools import pairwise
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-from stribeck.control.cascade import Course, PressureCascade
+from stribeck.control import cascade
+from stribeck.control.cascade import Course
 from stribeck.control.cylinder import Cylinder
 from stribeck.control.observer import least_K_D, observe
 from stribeck.errors import StribeckError, needed
@@ -86,22 +87,22 @@ def derive() -> QuadraticForm:
         def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
             return sympy.Function("S_1")(v) * v - sympy.Function("w")(v) * z
 
-    c, m = named(PressureCascade.constants), named(Cylinder.constants)
+    c, m = named(cascade.GAINS), named(Cylinder.constants)
     p = Linear.symbolic(lambda name: sympy.Symbol(name, positive=True))
     y, v, p_1, p_2, z, z_hat = sympy.symbols("y v p_1 p_2 z z_hat", real=True)
     path: Course = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
-    e, s = PressureCascade.errors(c, path, y, v)
+    e, s = cascade.errors(c, path, y, v)
     found = observe(Linear, p, c.K, v, s, {"z_hat": z_hat})
     dz_dt = Linear.dz_dt(p, v, z)
     acceleration = Cylinder.acceleration(m, 0.0, Linear.friction(p, v, z, dz_dt), (p_1, p_2))
-    p_d = PressureCascade.desired_pressure(c, m, path, v, s, found.F)
+    p_d = cascade.desired_pressure(c, m, path, v, s, found.F)
     motion = {y: v, v: acceleration, z: dz_dt, z_hat: found.rates["z_hat"], **dict(pairwise(path))}
 
     def along(x: sympy.Expr) -> sympy.Expr:
         return sum(sympy.diff(x, each) * rate for each, rate in motion.items())
 
     p_err = p_1 - p_2 - p_d
-    u_hat = PressureCascade.pressure_demand(c, m, y, v, p_1, p_2, s, p_err, along(p_d))
+    u_hat = cascade.pressure_demand(c, m, y, v, p_1, p_2, s, p_err, along(p_d))
     rates = {
         "s": along(s),
         "p_err": Cylinder.unforced(m, y, v, p_1, p_2) + u_hat - along(p_d),
@@ -118,7 +119,7 @@ def derive() -> QuadraticForm:
         for old, new in by_errors:
             rate = rate.subs(old, new)
         rates[name] = sympy.expand(sympy.expand(rate)).subs(sympy.Function("w")(v), sympy.Symbol("w", real=True))
-    form = _form(rates, PressureCascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
+    form = _form(rates, cascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
     _hold_against(form, c.K_D, least_K_D(c.K, p.sigma_0, p.sigma_1, sympy.Symbol("w", real=True)))
     return form
 

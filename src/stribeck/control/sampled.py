@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from types import SimpleNamespace
-from typing import ClassVar
-
 from stribeck.constants import Constant
-from stribeck.expressions.graph import symbol
-from stribeck.expressions.ops import Value, both, either, exp, floor, where
+from stribeck.expressions.ops import Value, both, either, exp, where
 
 Motion = tuple[Value, Value, Value]  # position, velocity and acceleration
 
@@ -19,35 +14,6 @@ SAMPLING = {
     "noise": Constant("m", "standard deviation of the reading", at_least=0, default=0.0, rotary_unit="rad"),
     "bandwidth": Constant("rad/s", "of the filter that estimates the speed", above=0, optional=True),
 }
-
-
-@dataclass(frozen=True)
-class Sampled:
-    """What of the sampling changes the form of the equations."""
-
-    constants: ClassVar[dict[str, Constant]] = SAMPLING
-
-    resolution: bool
-    noise: bool
-    bandwidth: bool
-
-    @property
-    def numbers(self) -> dict[str, Constant]:
-        """The constants that take part."""
-        given = {"period": True, "delay": True, **vars(self)}
-        return {n: c for n, c in self.constants.items() if given[n]}
-
-    def symbols(self, owner: str) -> SimpleNamespace:
-        """The constants of the table ``owner`` as symbols."""
-        return SimpleNamespace(**{n: symbol(f"{owner}.{n}") for n in self.numbers})
-
-    def reading(self, p: SimpleNamespace, y: Value) -> Value:
-        """What the encoder gives for the position y: with noise, rounded to the nearest count."""
-        if self.noise:
-            y = y + p.noise * symbol("noise")
-        if self.resolution:
-            y = floor(y / p.resolution + 0.5) * p.resolution
-        return y
 
 
 def phi_1(x: Value) -> Value:

@@ -14,12 +14,12 @@ from stribeck.loops import boundary, compensation
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, loop_of
+from stribeck.loops.lyapunov import cascade_of
 from stribeck.loops.moves import Moves, Tracked, errors, moves_of
 from stribeck.loops.servo import ServoDesign, design_servo
 from stribeck.loops.starts import Start, from_starts, starts_row
 from stribeck.loops.uncertainty import friction_intervals, friction_samples
 from stribeck.scenario import Scenario
-from stribeck.scenario.cascade import cascade_of
 from stribeck.scenario.counterpart import machine_path
 from stribeck.scenario.objects import Machine, scenario_of
 

@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.control.cascade import PressureCascade
+from stribeck.control.cascade import energy
 from stribeck.control.gains import at_speed, damping, decay
 from stribeck.control.proof import ERRORS, derive
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.laws.base import Law
-from stribeck.scenario.cascade import cascade_of, gains_of
+from stribeck.machine.elements.pressure_cascade import PressureCascade
+from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
 
 _RISE = 1e-9  # of V(0): what is less is the solver's
@@ -82,6 +83,19 @@ class Along:
         }  # fmt: skip
 
 
+def cascade_of(scenario: Scenario) -> PressureCascade | None:
+    """The cascade of a file of schema 1; None under another drive."""
+    found = scenario.elements.controllers.get("")
+    return found if isinstance(found, PressureCascade) else None
+
+
+def gains_of(scenario: Scenario) -> dict[str, float]:
+    """The gains of that cascade."""
+    cascade = cascade_of(scenario)
+    assert cascade is not None
+    return cascade.gains
+
+
 def rises(V: Array, noise: float = 0.0) -> NDArray[np.bool_]:
     """True in the rows after which V rises by more than 1e-9 V(0), and by more than ``noise`` in J."""
     return np.append(np.diff(V) > max(_RISE * V[0], noise), False)
@@ -95,14 +109,12 @@ def along(solution: Solution) -> Along:
     """
     scenario = solution.scenario
     system = scenario.system
-    settings = cascade_of(scenario)
-    if settings is None or not len(solution.t):
+    cascade = cascade_of(scenario)
+    if cascade is None or not len(solution.t):
         raise StribeckError(f"{scenario.name}: V needs the solution of a servo, with rows")
-    gains = gains_of(scenario)
+    gains, observer = cascade.gains, cascade.observer_law
     saturated = np.abs(solution["u"]) >= gains["u_max"] * (1 - 1e-9)
-    drive, observer = system.drives[0].drive, settings.observer
-    assert isinstance(drive, PressureCascade)
-    if drive.sampled or observer is None or not observer.has_z or drive.adaptive:
+    if cascade.sampling is not None or observer is None or not observer.has_z or cascade.adaptive:
         return Along(solution.t, solution["V"], None, None, saturated, _noise(solution))
     values: dict[str, float | Array] = {f"{owner}.{name}": x for (owner, name), x in scenario.values().items()}
     rows = scenario.pieces().at(solution.t)
@@ -121,7 +133,7 @@ def _noise(solution: Solution) -> float:
     scenario = solution.scenario
     v, p_1, p_2, z = (scenario.solve.rtol * float(np.max(np.abs(solution[n]))) for n in ("v", "p_1", "p_2", "z"))
     gains, mass = SimpleNamespace(**gains_of(scenario)), scenario.values()["bodies", "mass"]
-    return float(PressureCascade.energy(gains, mass, v, max(p_1, p_2), z))
+    return float(energy(gains, mass, v, max(p_1, p_2), z))
 
 
 def _bound(solution: Solution, observer: Law, gains: Mapping[str, float]) -> Array:

@@ -12,9 +12,9 @@ from stribeck.constants import require_positive
 from stribeck.control.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
 from stribeck.control.proof import derive
 from stribeck.errors import InputError
-from stribeck.loops.lyapunov import Along, along
+from stribeck.loops.lyapunov import Along, along, cascade_of, gains_of
+from stribeck.machine.elements.pressure_cascade import PressureCascade, not_linear
 from stribeck.scenario import Scenario
-from stribeck.scenario.cascade import CascadeSettings, cascade_of, gains_of, not_linear
 from stribeck.simulation import Solution, simulate
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def design_servo(
     """
     controller = check_servo(rig, v_max)
     solution = simulate(rig, progress=None if tell is None else lambda share: tell(share, "the servo's motion"))
-    observer, d = controller.observer, gains_of(rig)
+    observer, d = controller.observer_law, controller.gains
     assert observer is not None
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
     verdict, proof = gain_verdict(observer, d, speed), prove(observer, d, (-speed, speed))
@@ -93,7 +93,7 @@ def design_servo(
     return ServoDesign(solution, verdict, proof, along(solution), stays, doubts(rig, controller))
 
 
-def check_servo(scenario: Scenario, v_max: float | None) -> CascadeSettings:
+def check_servo(scenario: Scenario, v_max: float | None) -> PressureCascade:
     """The controller of a servo whose V can be asked about.
 
     Raises:
@@ -103,7 +103,7 @@ def check_servo(scenario: Scenario, v_max: float | None) -> CascadeSettings:
         require_positive("v_max", v_max, "m/s")
     if (controller := cascade_of(scenario)) is None:
         raise InputError(f"drive.kind: {scenario.called.drive!r}: must be 'cascade': only a servo has such gains")
-    if text := not_linear(controller.observer):
+    if text := not_linear(controller.observer_law):
         raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
     return controller
 
@@ -115,19 +115,20 @@ def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
     return staying(v_max, scenario.values()["bodies", "mass"], path, float(solution["V"][0]), float(lag[0]))
 
 
-def doubts(scenario: Scenario, controller: CascadeSettings) -> tuple[str, ...]:
+def doubts(scenario: Scenario, controller: PressureCascade) -> tuple[str, ...]:
     """What of the scenario the proof does not cover."""
     found = []
-    if controller.observer is not None and not controller.observer.same_as(scenario.law):
+    if controller.observer_law is not None and not controller.observer_law.same_as(scenario.law):
         found.append(
             "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
         )
-    if controller.model != {n: x for (path, n), x in scenario.values().items() if path == "bodies"}:
+    piston = scenario.elements.bodies[controller.on]
+    if any(x != getattr(piston, n) for n, x in controller.model):
         found.append("the controller knows another plant")
     if controller.sampling is not None:
         found.append("the controller is sampled")
-    if controller.adaptation is not None:
+    if controller.adaptive:
         found.append("adapted parameters: V has further terms (docs/explanation/servo.md)")
-    if gains_of(scenario).get("supply_droop"):
+    if controller.supply_droop:
         found.append("the supply droops")
     return (*found, "a valve at its limit, and p_1 and p_2 one by one")

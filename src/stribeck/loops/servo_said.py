@@ -9,11 +9,10 @@ import numpy as np
 from stribeck.constants import DECIDED
 from stribeck.control.gains import Condition
 from stribeck.control.proof import derive
-from stribeck.loops.lyapunov import Along
+from stribeck.loops.lyapunov import Along, gains_of
 from stribeck.mouth import plots
 from stribeck.mouth.document import PAGE, Cell, Chapter, Document, Figure, Head, Table
 from stribeck.scenario import said as of_scenario
-from stribeck.scenario.cascade import gains_of
 from stribeck.simulation.drawing import overview
 
 if TYPE_CHECKING:

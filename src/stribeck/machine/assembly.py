@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, symbol, total_derivative, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
-from stribeck.machine.driving import DrivePart
 from stribeck.machine.table import joined
 from stribeck.signals.pieces import Reference
 
@@ -35,15 +34,12 @@ class Assembly:
 
     Args:
         system: the elements, of symbols.
-        drives: what moves bodies beside controllers: pressure cascades.
         called: takes the names of intermediate results.
         exact: as an output shows the quantities at one instant.
     """
 
-    def __init__(
-        self, system: Elements, drives: tuple[DrivePart, ...] = (), called: Names | None = None, exact: bool = False
-    ) -> None:
-        self.system, self.drives, self.exact = system, drives, exact
+    def __init__(self, system: Elements, called: Names | None = None, exact: bool = False) -> None:
+        self.system, self.exact = system, exact
         self.called = Names() if called is None else called
         self.k: dict[str, Expr] = {}  # the quantities
         self.rates: dict[str, Expr] = {}  # the time derivatives of the states
@@ -130,10 +126,6 @@ class Assembly:
         slopes = [derivative(plain, own), total_derivative(plain, dict(rates))]
         slope, by_states = substitute(slopes, {own: d}, self.called)
         self.lost = self.lost + ((f - slope) * w - by_states)
-
-    def drive_on(self, body: str) -> DrivePart | None:
-        """What moves a body that obeys forces, beside controllers."""
-        return next((x for x in self.drives if x.on == body and self.system.bodies[body].free), None)
 
     # -- what follows ------------------------------------------------------------------------------------------------
 

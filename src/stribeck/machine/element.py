@@ -15,8 +15,21 @@ from stribeck.expressions.graph import Expr
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Scales
 from stribeck.machine.family import Family
+from stribeck.machine.law import Friction
 from stribeck.machine.signal import SignalTable, SignalUse
-from stribeck.machine.table import FileTable, Held, Loc, Refers, annotation, below, joined, quantity, table_path, within
+from stribeck.machine.table import (
+    FileTable,
+    Held,
+    Loc,
+    Problem,
+    Refers,
+    annotation,
+    below,
+    joined,
+    quantity,
+    table_path,
+    within,
+)
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
@@ -45,6 +58,7 @@ class Element(Family):
 
     section: ClassVar[str]
     states: ClassVar[tuple[State, ...]] = ()
+    follows_others: ClassVar[bool] = False  # whether what its table leaves out is as in another's
     positional: ClassVar[tuple[str, ...]] = ("name",)
     kind: str = ""
     name: str = Field("", exclude=True)
@@ -106,6 +120,14 @@ class Element(Family):
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
         """What is wrong with it among the others: place below its table, message."""
         return []
+
+    def until(self, m: Elements, t_end: float) -> list[Problem]:
+        """What does not go together with the end of a run: path, message."""
+        return []
+
+    def laws(self) -> list[tuple[str, Friction]]:
+        """The friction laws in its table, by their paths."""
+        return [(path, x) for path, x in everything(self, self.path) if isinstance(x, Friction)]
 
     def signals(self) -> Iterator[SignalUse]:
         """How the equations refer to every signal in its table; only of a structure."""

@@ -23,17 +23,19 @@ class Family(FileTable):
     family: ClassVar[type[Family]]
     kinds: ClassVar[dict[str, type[Any]]]
     plain: ClassVar[str] = ""  # the kind that a table without ``kind`` has
-    elsewhere: ClassVar[tuple[str, ...]] = ()  # kinds whose tables are not read here
+    for_users: ClassVar[type[Any]]  # the class that users derive theirs from
     of_program: ClassVar[bool] = False  # a kind that no file can ask for: ``kind`` is the class itself
 
-    def __init_subclass__(cls, family: bool = False, **more: Any) -> None:
+    def __init_subclass__(cls, family: bool = False, for_users: bool = False, **more: Any) -> None:
         super().__init_subclass__(**more)
 
     @classmethod
-    def __pydantic_init_subclass__(cls, family: bool = False, **more: Any) -> None:
+    def __pydantic_init_subclass__(cls, family: bool = False, for_users: bool = False, **more: Any) -> None:
         super().__pydantic_init_subclass__(**more)
         if family:
-            cls.family, cls.kinds = cls, {}
+            cls.family, cls.for_users, cls.kinds = cls, cls, {}
+        if for_users:
+            cls.family.for_users = cls
         kind = cls.model_fields["kind"].default
         if isinstance(kind, str) and kind and not cls.of_program and not of_a_file(cls):
             cls.kinds.setdefault(kind, cls)
@@ -52,7 +54,7 @@ class Family(FileTable):
             if not reading.executes:
                 raise NotExecuted
             try:
-                return find_class(kind, reading.folder, cls.family)
+                return find_class(kind, reading.folder, cls.for_users)
             except InputError as error:
                 raise problems_at([(("kind",), "; ".join(error.problems))]) from None
         if isinstance(kind, str) and kind in cls.kinds:
@@ -63,7 +65,7 @@ class Family(FileTable):
             for key, x in data.items()
             if key not in (*every, "name")
         ]
-        allowed = f"one of {', '.join((*cls.kinds, *cls.elsewhere))}"
+        allowed = f"one of {', '.join(cls.kinds)}"
         if "kind" not in data:
             text = f"missing: must be given ({allowed})"
         else:
@@ -90,6 +92,8 @@ class Family(FileTable):
         others = []
         for each in (kind for kind in cls.kinds.values() if kind is not cls):
             found = handler.resolve_ref_schema(handler(each.__pydantic_core_schema__))
+            hidden = {name for name, info in each.model_fields.items() if info.exclude}
+            found["properties"] = {n: x for n, x in found["properties"].items() if n not in hidden}
             others.append({**found, "required": [*dict.fromkeys(["kind", *found.get("required", ())])]})
         own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
         return {"anyOf" if cls.plain else "oneOf": [*([node] if cls.plain else []), *others, own]}

@@ -18,7 +18,7 @@ from stribeck.signals import Signal
 if TYPE_CHECKING:
     from stribeck.machine.elements.bodies import Body
     from stribeck.machine.elements.contacts import Contact
-    from stribeck.machine.elements.controllers import Controller
+    from stribeck.machine.elements.controllers import AnyController
     from stribeck.machine.elements.links import Link
     from stribeck.machine.elements.loads import Load
     from stribeck.machine.elements.motors import Motor
@@ -41,7 +41,7 @@ class Elements:
     contacts: Mapping[str, Contact] = field(default_factory=Frozen)
     loads: Mapping[str, Load] = field(default_factory=Frozen)
     motors: Mapping[str, Motor] = field(default_factory=Frozen)
-    controllers: Mapping[str, Controller] = field(default_factory=Frozen)
+    controllers: Mapping[str, AnyController] = field(default_factory=Frozen)
     sensors: Mapping[str, Sensor] = field(default_factory=Frozen)
     energy: bool = False  # whether the output has what is put in, stored and dissipated
 
@@ -72,7 +72,7 @@ class Elements:
             body = self.bodies[body.tied_to]
         return total
 
-    def controller_of(self, motor: str) -> Controller | None:
+    def controller_of(self, motor: str) -> AnyController | None:
         """The controller that asks a motor for a current."""
         return next((x for x in self.controllers.values() if x.on == motor), None)
 

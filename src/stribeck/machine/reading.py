@@ -49,9 +49,10 @@ def family_of(section: str) -> type[Element]:
         from stribeck.machine.elements.sensors import Sensor
 
         return Sensor
-    from stribeck.machine.elements.controllers import Controller
+    from stribeck.machine.elements.pressure_cascade import PressureCascade  # a further kind of controller
 
-    return Controller
+    assert issubclass(PressureCascade.family, Element)
+    return PressureCascade.family
 
 
 class Draft:
@@ -72,7 +73,10 @@ class Draft:
         if not self.names["bodies"] and not self.problems:
             self.problems.append(("bodies", "missing: a machine must have at least one body"))
             self.wrong.add("bodies")
-        sections = {s: Frozen(self._section(s, family_of(s))) if self.tables[s] else Frozen() for s in SECTIONS}
+        sections: dict[str, Any] = {}
+        self.reading = replace(self.reading, others=sections)
+        for section in SECTIONS:
+            sections[section] = Frozen(self._section(section, family_of(section)) if self.tables[section] else {})
         self.machine = self._with_encoders(Elements(**sections, energy=energy))
         self._wire()
 
@@ -122,6 +126,9 @@ class Draft:
         """Controllers that say nothing measure the body that they act on, or that their motor is on."""
         found = {}
         for name, each in machine.controllers.items():
+            if each.moves_valve:
+                found[name] = each
+                continue
             body = each.on if each.on in self.names["bodies"] else getattr(machine.motors.get(each.on), "on", None)
             measures = each.measures if each.measures is not None else body if body in self.names["bodies"] else None
             found[name] = each.model_copy(update={"measures": measures})
@@ -177,8 +184,11 @@ class Draft:
 
 
 def _in_folder(table: Any) -> Any:
-    """A table of a file; an element of Python's stays as it is, unless it names a recording, which is read now."""
+    """A table of a file; an element of Python's stays as it is, unless it names a recording or follows another element: it is
+    read anew then."""
     if not isinstance(table, Element):
         return dict(table) if isinstance(table, Mapping) else table
-    unread = any(isinstance(x, File) and x.folder is None for _, x in everything(table, table.path))
+    unread = table.follows_others or any(
+        isinstance(x, File) and x.folder is None for _, x in everything(table, table.path)
+    )
     return table.to_table() if unread else table

@@ -6,7 +6,7 @@ A file of schema 1 is the smallest machine: one body, one contact and what moves
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,6 @@ from stribeck.equations import Equations, Sample, Watch, Watched
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.names import Names
 from stribeck.machine.assembly import Assembly
-from stribeck.machine.driving import DrivePart, sample_of
 from stribeck.machine.element import Element
 from stribeck.machine.machine import SECTIONS, Elements
 from stribeck.machine.signal import SignalUse
@@ -25,7 +24,7 @@ from stribeck.machine.table import FileTable, Frozen, Key, joined
 if TYPE_CHECKING:
     from stribeck.machine.elements.bodies import Body
     from stribeck.machine.elements.contacts import Contact
-    from stribeck.machine.elements.controllers import Controller
+    from stribeck.machine.elements.controllers import AnyController, Controller
     from stribeck.machine.elements.links import Link
     from stribeck.machine.elements.loads import Load
     from stribeck.machine.elements.motors import Motor
@@ -42,7 +41,6 @@ class MachineSystem(Equations):
 
     elements: Elements  # of symbols
     signals: tuple[SignalUse, ...] = ()
-    drives: tuple[DrivePart, ...] = field(default=())
     listed: tuple[
         tuple[Column, str], ...
     ] = ()  # the columns but energies, and their quantities, if not every element's own
@@ -79,8 +77,8 @@ class MachineSystem(Equations):
 
     @property
     def controllers(self) -> tuple[Controller, ...]:
-        """The controllers."""
-        return tuple(self.elements.controllers.values())
+        """The controllers of a force: not those that move a valve."""
+        return tuple(x for x in self.elements.controllers.values() if not x.moves_valve)  # type: ignore[misc]
 
     def leader(self, name: str) -> Body:
         """The body whose coordinate a body has."""
@@ -104,7 +102,6 @@ class MachineSystem(Equations):
         e = self.elements
         every = (each for section in _COLUMNS for each in getattr(e, section).values())
         found = [Column(each.of(s.name), s.unit, s.meaning) for each in every for s in each.own_states(e)]
-        found += [_of(drive.name, column) for drive in self.drives for column in drive.drive.kept]
         return (*found, *((_E_IN, _E_OUT) if self.energy else ()))
 
     @cached_property
@@ -115,8 +112,6 @@ class MachineSystem(Equations):
         if self.listed:
             return (*(column for column, _ in self.listed), *energy)
         found = [column for each in every for column in each.columns(self.elements)]
-        for drive in self.drives:
-            found += [_of(drive.name, column) for column in drive.columns]
         return (*found, *energy)
 
     @cached_property
@@ -126,8 +121,6 @@ class MachineSystem(Equations):
         for leaf, turns in self.elements.leaves:
             path, name = leaf.key
             found.setdefault(path, ({}, turns))[0][name] = leaf.constant
-        for drive in self.drives:
-            found |= {path: (constants, False) for path, constants in drive.constants().items() if constants}
         return found | {use.path: (constants, False) for use in self.signals if (constants := use.constants())}
 
     @cached_property
@@ -162,44 +155,40 @@ class MachineSystem(Equations):
         e = self.elements
         if e.unnamed:
             law = e.contacts[""].friction.kind
-            drives = [text for drive in self.drives for text in drive.drive.heading]
-            return (f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", *drives)
+            servo = [x.heading(e) for x in e.controllers.values() if x.moves_valve]
+            return (f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", *servo)
         lines = [f"A machine of {len(e.bodies)} bodies: {', '.join(e.bodies)}."]
         lines += [text for section in SECTIONS for x in getattr(e, section).values() if (text := x.heading(e))]
-        lines += [f"{drive.name} on {drive.on}: {text}" for drive in self.drives for text in drive.drive.heading]
         return tuple(lines)
 
     # -- equations -------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _sampled(self) -> list[Controller]:
-        return [each for each in self.controllers if each.sampling is not None]
+    def _sampled(self) -> list[AnyController]:
+        return [each for each in self.elements.controllers.values() if each.sampling is not None]
 
     @cached_property
     def held(self) -> tuple[str, ...]:
         """The outputs of the sampled controllers."""
-        outputs = tuple(drive.output for drive in self.drives if drive.drive.memory)
-        return (*outputs, *(each.of("u", "_") for each in self._sampled))
+        return tuple(each.of("u", "_") for each in self._sampled)
 
     @cached_property
     def shown(self) -> tuple[str, ...]:
         """What of the controllers' memory the output shows: as much of it from the first as has to be."""
-        found: list[str] = []
-        for drive in self.drives:
-            if drive.drive.memory:
-                found += [joined(drive.name, name, "_") for name in drive.drive.memory]
-                last = len(drive.drive.memory) - len(drive.drive.shown)
-        return tuple(found[: len(found) - last]) if found else ()
+        found, needed = list[str](), 0
+        for each in self._sampled:
+            needed = len(found) + len(own) if (own := each.shown()) else needed
+            found += [each.of(name, "_") for name in each.memory(self.elements)]
+        return tuple(found[:needed])
 
     @property
     def memory(self) -> dict[str, tuple[str, ...]]:
         """What each sampled controller remembers, by its name."""
-        own = {drive.name or drive.drive.kind: drive.drive.memory for drive in self.drives if drive.drive.memory}
-        return own | {each.name: each.memory(self.elements) for each in self._sampled}
+        return {each.name: each.memory(self.elements) for each in self._sampled}
 
     def assembly(self, exact: bool = False, called: Names | None = None) -> Assembly:
         """All quantities of the machine as expressions; ``exact``: as an output shows them at one instant."""
-        return Assembly(self.elements, self.drives, called, exact)
+        return Assembly(self.elements, called, exact)
 
     def forces(self, called: Names | None = None) -> list[Expr]:
         """The friction force of each contact."""
@@ -231,10 +220,8 @@ class MachineSystem(Equations):
 
     def samples(self, called: Names | None = None) -> list[Sample]:
         """What each sampled controller does at its instants, in the order of :attr:`held`."""
-        called = Names() if called is None else called
         a = self.assembly(called=called)
-        found = [sample_of(a, drive, called) for drive in self.drives if drive.drive.memory]
-        return found + [each.sample(a) for each in self._sampled]
+        return [each.sample(a) for each in self._sampled]
 
     def ended(self, values: Mapping[Key, float], t: float, x: Array) -> str | None:
         """Why the equations of a body end in the state x."""
@@ -277,10 +264,5 @@ class MachineSystem(Equations):
             return Frozen({n: through(x) for n, x in value.items()}) if type(value) is Frozen else value
 
         sections = {s: through(getattr(self.elements, s)) for s in SECTIONS}
-        drives = tuple(replace(drive, signal=opened(drive.signal)) for drive in self.drives)
         signals = tuple(map(opened, self.signals))
-        return replace(self, elements=replace(self.elements, **sections), signals=signals, drives=drives)
-
-
-def _of(name: str, column: Column) -> Column:
-    return replace(column, name=joined(name, column.name))
+        return replace(self, elements=replace(self.elements, **sections), signals=signals)

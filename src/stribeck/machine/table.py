@@ -7,7 +7,7 @@ lane). Its equations are ordinary methods, and do not care which.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -47,6 +47,7 @@ class Reading:
     place: str = ""  # the path of the element
     unnamed: bool = False  # whether elements have no names: each is the only one of its section
     to_file: Callable[[str], str] = str  # a path as the file has it, for what a message says of other keys
+    others: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # valid elements read before, by section
 
 
 # -- what a key may hold ---------------------------------------------------------------------------------------------

@@ -207,8 +207,7 @@ def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
     found.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
     gas = "a cylinder: its gas is an energy of its own"
     found.ports |= {b.path: gas for b in machine.bodies if isinstance(b, Piston)}
-    on = [(x.path, x.on) for x in machine.controllers] + [(x.path, x.on) for x in machine.drives]
-    found.ports |= {path: f"a controller on {body}: active" for path, body in on}
+    found.ports |= {x.path: f"a controller on {x.on}: active" for x in machine.elements.controllers.values()}
     found.undecided += [x.path for x in machine.links if type(x) is not Link]
     found.undecided += [b.path for b in machine.bodies if type(b) not in (Body, Laden, Piston)]
     bodies = {c.ends for c in machine.contacts}

@@ -20,11 +20,11 @@ from stribeck.machine.system import MachineSystem
 from stribeck.machine.table import FileTable, Key, Problem
 from stribeck.parameter_sets import read_toml
 from stribeck.parameter_sets.assignments import parse_assignment, parse_assignments
-from stribeck.scenario import tables
 from stribeck.scenario.changes import changed, plain_table, unfolds
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.rig import Rig
 from stribeck.scenario.schema1 import Called
+from stribeck.scenario.tables import Output, Solve
 from stribeck.scenario.trust import named
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces
@@ -86,7 +86,7 @@ class Scenario:
 
     def with_values(
         self, values: Mapping[Key, float] | None = None, *, initial: Mapping[str, float] | None = None,
-        signal: Signal | None = None, solve: tables.Solve | None = None,
+        signal: Signal | None = None, solve: Solve | None = None,
     ) -> Scenario:  # fmt: skip
         """This scenario with other run-time constants, another start, another signal (its only one) or another [solve], of
         the same structure; not judged. Its ``data`` stay as they are."""
@@ -156,8 +156,8 @@ class Scenario:
     rig: Rig
     elements: Elements
     called: Called
-    solve: tables.Solve
-    output: tables.Output
+    solve: Solve
+    output: Output
 
     @property
     def initial(self) -> dict[str, float]:

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
+from typing import TypeVar
+
+from pydantic import ValidationError
 
 from stribeck import memory
 from stribeck.constants import kind_of, show
 from stribeck.errors import nearest
 from stribeck.machine.law import unknown
 from stribeck.machine.machine import SECTIONS, Elements
-from stribeck.machine.table import Problem, Reading
-from stribeck.scenario import schema1, tables, trust
+from stribeck.machine.table import FileTable, Problem, Reading, problems_of
+from stribeck.scenario import schema1, trust
 from stribeck.scenario.machine import read_machine
 from stribeck.scenario.rig import Rig
 from stribeck.scenario.schema1 import Called
+from stribeck.scenario.tables import Output, Solve
 
+T = TypeVar("T", bound=FileTable)
 _ABOUT = {1: "a law on a body", 2: "a machine"}  # by schema
 
 
@@ -37,8 +42,8 @@ class Reader:
     rig: Rig | None
     elements: Elements | None
     called: Called
-    solve: tables.Solve | None
-    output: tables.Output | None
+    solve: Solve | None
+    output: Output | None
 
     def __init__(
         self, data: Mapping[str, object], folder: Path, trusted: Collection[str] | None = None,
@@ -68,9 +73,7 @@ class Reader:
         single = not self._is_machine()
         known = schema1.TOP if single else ("schema", "name", *SECTIONS, "solve", "output")
         self._top(1 if single else 2, known)
-        self.solve, of_solve = self._table(tables.Solve, "solve")
-        self.output, of_output = self._table(tables.Output, "output")
-        self.problems += of_solve + of_output
+        self.solve, self.output = self._table(Solve, "solve"), self._table(Output, "output")
         sections: Mapping[str, object] = {s: self.data[s] for s in SECTIONS if s in self.data} | dict(self.objects)
         self.called = Called()
         if single:
@@ -109,11 +112,16 @@ class Reader:
         if not isinstance(name := self.data.get("name", ""), str):
             self.problems.append(("name", f"{show(name)}: must be text, not {kind_of(name)}"))
 
-    def _table(self, model: type[tables.Table], name: str) -> tuple[tables.Table | None, list[Problem]]:
+    def _table(self, kind: type[T], name: str) -> T | None:
         if name not in self.data:
-            keys = ", ".join(k for k, f in model.model_fields.items() if f.is_required())
-            return None, [(name, f"missing: the table [{name}] must be given (with {keys})")]
-        return tables.validate(model, self.data[name], name)
+            keys = ", ".join(k for k, f in kind.model_fields.items() if f.is_required())
+            self.problems.append((name, f"missing: the table [{name}] must be given (with {keys})"))
+            return None
+        try:
+            return kind.model_validate(self.data[name], context=Reading(self.folder))
+        except ValidationError as error:
+            self.problems += problems_of(error, name)
+            return None
 
     def _tolerances(self, states: list[str]) -> None:
         for name, value in (self.solve.atol if self.solve else {}).items():

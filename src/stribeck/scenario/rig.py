@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -14,23 +13,16 @@ from stribeck.errors import InputError
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.ops import Value, sqrt
 from stribeck.laws.base import Law, Scales
-from stribeck.machine.driving import DrivePart
-from stribeck.machine.elements.dither import WAVES_A_STEP
 from stribeck.machine.machine import NATURAL_LENGTH, Elements
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.system import MachineSystem
-from stribeck.machine.table import joined
-from stribeck.scenario.cascade import CascadeSettings
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
 
 
 @dataclass(frozen=True)
 class Rig:
-    """A machine's structure with the values of its constants, its signals, its laws by table and its initial state.
-
-    ``settings`` is what each pressure cascade has beside its constants and its signal, by its name.
-    """
+    """A machine's structure with the values of its constants, its signals, its laws by table and its initial state."""
 
     machine: MachineSystem
     values: dict[tuple[str, str], float]
@@ -38,7 +30,6 @@ class Rig:
     laws: dict[str, Law]
     initial: dict[str, float]
     seeds: dict[str, int]
-    settings: dict[str, CascadeSettings] = field(default_factory=dict)
 
     @cached_property
     def elements(self) -> Elements:
@@ -155,10 +146,7 @@ class Rig:
     @property
     def longest_step(self) -> float:
         """The longest step that cannot miss a wave of a signal, s."""
-        shaken = [
-            WAVES_A_STEP / each.dither.frequency
-            for each in self.elements.controllers.values() if each.dither is not None and each.sampling is None
-        ]  # fmt: skip
+        shaken = (each.longest_step() for each in self.elements.controllers.values())
         return min([*shaken, *(signal.longest_step for signal in self.signals.values())], default=np.inf)
 
     def thresholds(self) -> list[float]:
@@ -179,7 +167,7 @@ class Rig:
 
     def sampling(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed of each sampled controller, in the order of its outputs."""
-        found = [x for drive in self.machine.drives for x in self.settings[drive.name].sampling_of()]
+        found = []
         for each in self.elements.controllers.values():
             if (s := each.sampling) is not None:
                 noise = 0.0 if s.noise is None else s.noise
@@ -230,16 +218,9 @@ class Rig:
     def natural(self) -> dict[str, Value]:
         """The natural magnitude of each state."""
         found = self.elements.natural()
-        for drive in self.machine.drives:
-            own = self.scales[drive.on]
-            kept = drive.drive.scales(self._numbers(drive), own.length, own.force)
-            found |= {joined(drive.name, n): x for n, x in kept.items()}
         sizes = {state.name: found.get(state.name, NATURAL_LENGTH) for state in self.machine.states}
         # NumPy's numbers, which choices between numbers give, are written otherwise than Python's
         return {name: x.item() if isinstance(x, np.generic) else x for name, x in sizes.items()}
-
-    def _numbers(self, drive: DrivePart) -> SimpleNamespace:
-        return SimpleNamespace(**{name: x for (owner, name), x in self.values.items() if owner == drive.path})
 
 
 def evaluate(

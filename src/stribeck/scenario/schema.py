@@ -20,18 +20,21 @@ from stribeck.machine.elements.contacts import Deflected
 from stribeck.machine.elements.controllers import Pid
 from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.elements.links import Pull
+from stribeck.machine.elements.pressure_cascade import NONE, PressureCascade
 from stribeck.machine.law import LAW
 from stribeck.machine.machine import SECTIONS
 from stribeck.machine.reading import family_of
 from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import FileTable
-from stribeck.scenario import schema1, servo, tables
-from stribeck.scenario.cascade import NONE, cascade_table
+from stribeck.scenario import schema1
+from stribeck.scenario.tables import Output, Solve
 
 Node = dict[str, Any]
 
 FILE = "scenario.schema.json"
 _MACHINE: Node = {name: {"$ref": f"#/$defs/{name}"} for name in PARAMETERS}
+_INSTEAD: Mapping[str, Node] = {n: {"$ref": f"#/$defs/{at}"} for n, at in (("SignalTable", "signal"), (LAW, "law"),
+                                                                          ("observer", "observer"))}  # fmt: skip
 _TOML_FILE: Node = {"type": "string", "pattern": "\\.toml$", "description": "a file, relative to the scenario file"}
 
 
@@ -80,7 +83,7 @@ def _body() -> Node:
                 "plant": {"description": "what friction acts on"},
                 "drive": {"oneOf": [_drive(kind) for kind in schema1.SIGNALS], "description": "what moves it"},
                 "solve": _solve(),
-                "output": _model(tables.Output),
+                "output": _model(Output),
             },
             ["schema", "law", "drive", "solve", "output"],
         ),
@@ -122,28 +125,18 @@ def machine_schema() -> Node:
     sections: Node = {}
     for section in SECTIONS:
         node = _family(family_of(section))
-        if section == "controllers":
-            node["oneOf"] = [*node["oneOf"], _pressure_cascade()]
         names = {"type": "object", "propertyNames": {"pattern": "^[A-Za-z0-9_]+$"}}
         sections[section] = {**names, "additionalProperties": node}
-    solve = _model(tables.Solve)
+    solve = _model(Solve)
     return _object(
-        {**_common(2), **sections, "solve": solve, "output": _model(tables.Output)},
+        {**_common(2), **sections, "solve": solve, "output": _model(Output)},
         ["schema", "bodies", "solve", "output"],
     )
 
 
 def _family(family: type[FileTable]) -> Node:
     """The tables of a family: one of its kinds; signals and laws are those of the whole schema."""
-    return _model(family, {"SignalTable": {"$ref": "#/$defs/signal"}, LAW: {"$ref": "#/$defs/law"}})
-
-
-def _pressure_cascade() -> Node:
-    """The cascade of schema 1 as a controller of a machine."""
-    node = _drive("cascade")
-    node["properties"]["kind"] = {"const": servo.CONTROLLER, "description": "moves the valve of a pneumatic piston"}
-    node["properties"]["on"] = {"type": "string", "description": f"a body with kind = {servo.PISTON!r}"}
-    return {**node, "required": [*node["required"], "on"]}
+    return _model(family, _INSTEAD)
 
 
 def _object(properties: Node, required: list[str], others: bool | Node = False) -> Node:
@@ -224,20 +217,17 @@ def _somewhere(name: str) -> Node:
 def _drive(kind: str) -> Node:
     about = schema1.SIGNALS[kind]
     signal = {"$ref": "#/$defs/signal", "description": about}
-    if kind == "cascade":
-        node = _model(cascade_table())
-        node["properties"] |= {"observer": {"$ref": "#/$defs/observer"}, "signal": signal}
-        return node
-    tables_: dict[str, type[FileTable]] = {"spring": Pull, "pid": Pid}
-    names = schema1.CONSTANTS[kind]
-    numbers = _model(tables_[kind])["properties"] if names else {}
+    tables: dict[str, type[FileTable]] = {"spring": Pull, "pid": Pid, "cascade": PressureCascade}
+    names = schema1.constants_of(kind)
+    numbers = _family(tables[kind])["properties"] if names else {}
+    required = [info.alias or n for n, info in tables[kind].model_fields.items() if info.is_required()] if names else []
     named = {"kind": {"const": kind, "description": f"the signal is the {about}"}}
     own = {**named, **{n: numbers[n] for n in names}, "signal": signal}
-    return _object(own, ["kind", *(n for n in names if "default" not in numbers[n]), "signal"])
+    return _object(own, ["kind", *(n for n in names if n in required), "signal"])
 
 
 def _solve() -> Node:
-    node = _model(tables.Solve)
+    node = _model(Solve)
     names = [s.name for each in (Pid, Piston) for s in each.states] + [s.name for s in (Z_HAT, ETA, *SCALES)]
     node["properties"]["atol"]["propertyNames"] = {"enum": sorted(["y", "v", "z", *names, "E_in", "E_dissipated"])}
     return node

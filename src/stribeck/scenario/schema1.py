@@ -45,6 +45,10 @@ _COLUMNS = {
         (Column("I", "m s", "integral of y - r"), "I"),
     ),
 }
+_ORDER = (
+    "y", "v", "p_1", "p_2", "z", "z_hat", "e", "s", "p_err", "u", "F", "F_hat", "V", "sigma_0_hat", "sigma_1_hat", "sigma_2_hat",
+    "F_c_hat",
+)  # of the columns of a servo  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -54,11 +58,13 @@ class Called:
     Attributes:
         paths: pairs of the machine's path and the file's; the first that a path begins with counts.
         columns: those that the drive adds, with the names of their quantities in the machine.
+        order: of all columns, where it is not that of other drives.
         drive: its kind; empty for a file of schema 2.
     """
 
     paths: tuple[tuple[str, str], ...] = ()
     columns: tuple[tuple[Column, str], ...] = ()
+    order: tuple[str, ...] = ()
     drive: str = ""
 
     def to_file(self, path: str) -> str:
@@ -149,7 +155,7 @@ def translated(data: Table, rotary: bool, names: ElementNames | None = None) -> 
         sections["loads"] = {at.mover: {"on": at.body, "kind": "signal", **signal, **own}}
         paths.append((table_path("loads", at.mover), "drive"))
     columns = tuple((c.of_motion(rotary), name) for c, name in _COLUMNS.get(kind, ()))
-    return sections, Called(tuple(paths), columns, kind), found
+    return sections, Called(tuple(paths), columns, _ORDER if kind == "cascade" else (), kind), found
 
 
 def _pull() -> type:
@@ -158,10 +164,13 @@ def _pull() -> type:
     return Pull
 
 
-def _of_cascade() -> list[str]:
-    from stribeck.scenario.cascade import cascade_table
+def constants_of(kind: str) -> tuple[str, ...]:
+    """The keys of [drive] beside kind and signal, by its kind."""
+    if kind != "cascade":
+        return CONSTANTS[kind]
+    from stribeck.machine.elements.pressure_cascade import PressureCascade  # as above
 
-    return list(cascade_table().model_fields)
+    return tuple(key for key in PressureCascade.file_keys() if key not in ("kind", "on", "signal"))
 
 
 def _drive(data: Table, found: list[Problem]) -> tuple[dict[str, object], str]:
@@ -173,7 +182,7 @@ def _drive(data: Table, found: list[Problem]) -> tuple[dict[str, object], str]:
         return {}, ""
     kind = table.get("kind")
     if not (isinstance(kind, str) and kind in SIGNALS):
-        every = dict.fromkeys(("kind", *(n for each in CONSTANTS.values() for n in each), "signal", *_of_cascade()))
+        every = dict.fromkeys(("kind", *(n for each in SIGNALS for n in constants_of(each)), "signal"))
         found += unknown({n: x for n, x in table.items() if n not in every}, "drive", every)
         allowed = f"one of {', '.join(SIGNALS)}"
         guess = nearest(kind, SIGNALS) if isinstance(kind, str) else ""
@@ -182,11 +191,7 @@ def _drive(data: Table, found: list[Problem]) -> tuple[dict[str, object], str]:
         return {"signal": table["signal"]} if "signal" in table else {}, ""
     if "signal" not in table:
         found.append(("drive.signal", f"missing: must be given ({SIGNALS[kind]})"))
-    if kind not in CONSTANTS:  # a controller whose table says what it may have
-        if "on" in table:
-            found.append(("drive.on", f"{show(table['on'])}: unknown key"))
-        return {n: x for n, x in table.items() if n != "on"}, kind
-    known = ("kind", *CONSTANTS[kind], "signal")
+    known = ("kind", *constants_of(kind), "signal")
     found += unknown(table, "drive", known)
     return {n: x for n, x in table.items() if n in known}, kind
 

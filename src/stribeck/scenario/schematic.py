@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from markupsafe import escape
 
 from stribeck.machine.element import BetweenBodies
+from stribeck.machine.elements.pressure_cascade import PressureCascade
 from stribeck.scenario.rig import Rig
 
 _COLUMN, _BOX, _HEIGHT, _LANE = 250, 130, 56, 76  # widths and heights in px
@@ -62,14 +63,11 @@ def entries(rig: Rig) -> list[Entry]:
         if each.sampling is not None:
             about += ["sampled", *_numbers(rig, f"{each.path}.sampling")]
         found.append(Entry("controller", each.name, each.on, each.measures, tuple(about)))
-    for drive in rig.machine.drives:
-        observer = rig.settings[drive.name].observer
-        about = ["pressure cascade", rig.signals[drive.signal].kind]
-        about.append(f"observer: {observer.name if observer else 'none'}")
-        about += _numbers(rig, drive.path)
-        sampling = _numbers(rig, drive.table("sampling"))
-        about += ["sampled", *sampling] if sampling else []
-        found.append(Entry("controller", drive.name, drive.on, drive.on, tuple(about)))
+    for valve in (x for x in rig.machine.elements.controllers.values() if isinstance(x, PressureCascade)):
+        about = ["pressure cascade", rig.signals[valve.use].kind, f"observer: {valve.observer_name}"]
+        about += _numbers(rig, valve.path)
+        about += ["sampled", *_numbers(rig, f"{valve.path}.sampling")] if valve.sampling is not None else []
+        found.append(Entry("controller", valve.name, valve.on, valve.on, tuple(about)))
     return found
 
 

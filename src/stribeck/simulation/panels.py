@@ -44,7 +44,8 @@ def of_machine(machine: MachineSystem) -> tuple[Panel, ...]:
     one for each link and load."""
     found: list[Panel] = []
     controllers = {each.name for each in machine.controllers}
-    followed = {each.measures: each.name for each in machine.controllers} | {x.on: x.name for x in machine.drives}
+    valves = [each for each in machine.elements.controllers.values() if each.moves_valve]
+    followed = {each.measures: each.name for each in machine.controllers} | {x.on: x.name for x in valves}
     for body in machine.bodies:
         if body.tied_to is None:  # what is tied moves in proportion
             tied = [other.name for other in machine.bodies if machine.leader(other.name) is body and other is not body]
@@ -72,5 +73,5 @@ def of_machine(machine: MachineSystem) -> tuple[Panel, ...]:
             Panel(f"{motor.name}.V", f"{motor.name}: voltage"),
         ]
     found += [Panel(f"{each.name}.u", f"{each.name}: output") for each in machine.controllers]
-    found += [Panel(f"{drive.name}.u", f"{drive.name}: {drive.drive.gives.meaning}") for drive in machine.drives]
+    found += [Panel(f"{each.name}.u", f"{each.name}: valve voltage") for each in valves]
     return (*found, *((ENERGY,) if machine.energy else ()))

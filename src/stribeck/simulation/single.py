@@ -67,9 +67,9 @@ def simulate_once(
     result.stats["seconds"] = perf_counter() - started - made.seconds
     solution = Solution(scenario, result)
     if solution.reason is None:
-        for drive in scenario.system.drives:
-            for text in scenario.rig.settings[drive.name].remarks(scenario, solution, drive):
-                note(text)
+        for each in scenario.elements.controllers.values():
+            for text in each.remarks(solution, scenario.end):
+                note(f"{scenario.name}: {text}")
     return solution
 
 

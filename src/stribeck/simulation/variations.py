@@ -56,7 +56,7 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
         InputError: a path is none that can be varied, or its values are no arrays of numbers of equal length.
     """
     given, rig = arrays(values), scenario.rig
-    if rig.machine.drives:
+    if any(each.follows_others for each in scenario.elements):
         return LaneByLane(scenario, values)  # what its controller knows of the plant changes with the plant
     known = machine_places(scenario)
     if all(path in known for path in given):
@@ -204,7 +204,7 @@ class Variations:
         for use in self.rig.signals:
             signals, which = self._signals(use)
             found = np.minimum(found, np.array([signal.longest_step for signal in signals])[which])
-        for each in self.rig.machine.elements.controllers.values():
+        for each in self.rig.machine.controllers:
             if each.dither is not None and each.sampling is None:
                 found = np.minimum(found, WAVES_A_STEP / self.constant(f"{each.path}.dither", "frequency"))
         return found

@@ -13,6 +13,7 @@ from stribeck.exports.c.selftest import output_spread
 from stribeck.exports.controller.block import Block
 from stribeck.expressions.emit import C_FUNCTIONS, python_function
 from stribeck.expressions.graph import ordered
+from stribeck.machine.elements.controllers import Controller
 from stribeck.machine.elements.dither import PHASE
 
 _DIALECT = replace(DIALECT, functions={**DIALECT.functions, **SAME})
@@ -89,6 +90,7 @@ def sizes(block: Block) -> dict[str, float]:
         "r_second": 10 * speed, "readings": 3.0, "z_hat": own.length, PHASE: 1.0,
     }  # fmt: skip
     numbers = rig.elements.controllers[block.controller.name]
+    assert isinstance(numbers, Controller)
     names = [s.name for s in numbers.form_states()]
     sizes = numbers.scales(own.length, own.force)
     natural = [sizes.get(n, own.length) for n in names]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
@@ -15,7 +16,7 @@ from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, both, clip, sign, where
 from stribeck.laws.base import Scales
 from stribeck.machine.element import NONE, Element, Own, State, force_unit
-from stribeck.machine.elements.dither import PHASE, Dither
+from stribeck.machine.elements.dither import PHASE, WAVES_A_STEP, Dither
 from stribeck.machine.elements.sampling import Sampling
 from stribeck.machine.friction import compensation
 from stribeck.machine.law import CompensatedLaw, Friction
@@ -37,6 +38,7 @@ from stribeck.signals.pieces import Reference
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
+    from stribeck.machine.elements.cylinder import Piston
     from stribeck.machine.machine import Elements
     from stribeck.machine.reading import Draft
 
@@ -44,6 +46,7 @@ AT_LIMIT = (
     1 - 1e-6
 )  # what counts as at a limit: along it an integral slides, which rounding would else make many events
 LAYER = 1e-7  # share of a limit over which an integral fades out, so that it slides along the limit
+_SAMPLES = 1e8  # in a run
 LIMIT: Events = ("limit_reached", "limit_left", "limit_reached", "limit_left")
 _T = symbol("t")
 Rates = dict[str, Expr]
@@ -95,14 +98,49 @@ class Compensation(FileTable):
         return (self.share * force if self.share is not None else force), rate
 
 
-class Controller(Element, family=True):
+class AnyController(Element, family=True):
+    """What follows a signal by what it measures: the base of controllers of a force and of those that move a valve."""
+
+    section, positional = "controllers", ("name",)
+    moves_valve: ClassVar[bool] = False
+    if TYPE_CHECKING:  # each kind says what they may be
+        on: str
+        measures: str | None
+        signal: Any
+        sampling: Any
+
+    def memory(self, m: Elements) -> tuple[str, ...]:
+        """What a sampled one remembers."""
+        raise NotImplementedError
+
+    def valve(self, a: Assembly, body: Piston, p: SimpleNamespace, F: Expr) -> tuple[SimpleNamespace, Expr]:
+        """Of one that moves a valve: the plant as its supply feeds it, and the voltage of the valve."""
+        raise NotImplementedError
+
+    def shown(self) -> tuple[str, ...]:
+        """What of its memory the output shows: the first of it."""
+        return ()
+
+    def sample(self, a: Assembly) -> Sample:
+        """What a sampled one does at its instants."""
+        raise NotImplementedError
+
+    def longest_step(self) -> Value:
+        """The longest step of the solver that cannot miss a wave of it, s."""
+        return float("inf")
+
+    def remarks(self, rows: Any, end: float) -> list[str]:
+        """What is to be said of a run, from the rows of its solution."""
+        return []
+
+
+class Controller(AnyController, for_users=True):
     """A controller: its unlimited output from the reference, the measured motion and its own states.
 
     A controller of your own overrides ``output`` (and ``rates``, with ``states``). The limit, the stop of its integrals at
     the limit, the feedforward, the friction compensation, the dither and the sampling are common to all.
     """
 
-    section, positional, elsewhere = "controllers", ("name",), ("pressure_cascade",)
     integrals: ClassVar[tuple[str, ...]] = ()  # the states that stop where the limit is exceeded
     on: Annotated[str, Refers(("motors", "bodies"))] = Field(description="a motor or a body")
     measures: Annotated[str | None, Refers(("bodies",))] = Field(None, description="the body that carries the encoder")
@@ -273,6 +311,11 @@ class Controller(Element, family=True):
         """The limit of a continuous controller."""
         return None if self.sampling is not None or self.limit is None else (LIMIT, a.unlimited[self.name])
 
+    def longest_step(self) -> Value:
+        """A share of a wave of a continuous controller's dither."""
+        continuous = self.dither is not None and self.sampling is None
+        return WAVES_A_STEP / self.dither.frequency if continuous and self.dither else float("inf")
+
     def level(self) -> Value:
         """Nearly the limit."""
         return self.limit * AT_LIMIT if self.limit is not None and self.sampling is None else None
@@ -323,10 +366,17 @@ class Controller(Element, family=True):
             found.append(("signal.kind", f"{show(signal.kind)}: {text}"))
         return found
 
+    def until(self, m: Elements, t_end: float) -> list[Problem]:
+        """Too many samples."""
+        if self.sampling is None or t_end / self.sampling.period <= _SAMPLES:
+            return []
+        text = f"more than {_SAMPLES:g} samples until solve.t_end = {t_end:g} s; must be larger"
+        return [(f"{self.path}.sampling.period", f"{self.sampling.period:g}: {text}")]
+
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
         """A second controller on one thing; a law that cannot be led."""
         found = m.not_on_driven(self.on)
-        before = [x.name for x in m.machine.controllers.values() if x.on == self.on]
+        before = [x.name for x in m.machine.controllers.values() if x.on == self.on and not x.moves_valve]
         if before[0] != self.name:
             what = "motor" if self.on in m.machine.motors else "body"
             text = f"{show(self.on)}: must be another {what}: controllers.{before[0]} drives it already"

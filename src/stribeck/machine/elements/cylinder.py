@@ -9,8 +9,8 @@ from pydantic import Field
 
 from stribeck.constants import show
 from stribeck.control.cylinder import Cylinder
+from stribeck.expressions.graph import ZERO, Expr, symbol, wrap
 from stribeck.expressions.ops import Value
-from stribeck.machine import driving
 from stribeck.machine.element import Own, State
 from stribeck.machine.elements.bodies import Body
 from stribeck.machine.table import Aside, FileTable, Problem, given_as, quantity
@@ -55,8 +55,25 @@ class Piston(Body):
         return {n: getattr(self, n) for n in _C}
 
     def obey_force(self, a: Assembly) -> None:
-        """The rates under the pressures of the chambers, which a valve fills and empties."""
-        driving.act(a, self)
+        """The rates under the pressures of the chambers, which a valve fills and empties; closed unless a cascade moves it."""
+        y, v = a.motion(self.name)
+        F = wrap(-a.force[self.name])  # what holds it back: friction, links, less the loads
+        p, u = self.gas(a), ZERO
+        on = (x for x in a.system.controllers.values() if x.moves_valve and x.on == self.name)
+        if (cascade := next(on, None)) is not None:
+            p, u = cascade.valve(a, self, p, F)
+        rates = Cylinder.rates(p, y, v, u, F, self.pressures)
+        rates_of = {s.name: x for s, x in zip(self.states, rates, strict=True)}
+        self.obey_rates(a, wrap(Cylinder.acceleration(p, u, F, self.pressures)), rates_of)
+
+    @property
+    def pressures(self) -> tuple[Expr, ...]:
+        """The pressures in the chambers."""
+        return tuple(symbol(self.of(s.name)) for s in self.states)
+
+    def gas(self, a: Assembly) -> SimpleNamespace:
+        """Its constants in the equations: its mass is that of all that is tied to it, seen from it."""
+        return SimpleNamespace(**{**self.constants, "mass": a.inertia[self.name]})
 
     def inside(self, y: Value) -> Value | None:
         """The equations end where the piston meets a cover."""

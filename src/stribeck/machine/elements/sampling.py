@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Annotated
 
 from pydantic import Field
 
-from stribeck.control.sampled import SAMPLING, Sampled
-from stribeck.expressions.graph import Expr, wrap
-from stribeck.expressions.ops import Value, exp, where
+from stribeck.control.sampled import SAMPLING
+from stribeck.expressions.graph import Expr, symbol, wrap
+from stribeck.expressions.ops import Value, exp, floor, where
 from stribeck.machine.table import Aside, FileTable, given_as, quantity
 
 
@@ -29,14 +28,13 @@ class Sampling(FileTable):
         0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise"
     )
 
-    @property
-    def form(self) -> Sampled:
-        """What of it changes the form of the equations."""
-        return Sampled(*(getattr(self, n) is not None for n in ("resolution", "noise", "bandwidth")))
-
     def reading(self, y: Value) -> Value:
         """What the encoder gives for the position y: with noise, rounded to the nearest count."""
-        return self.form.reading(SimpleNamespace(resolution=self.resolution, noise=self.noise), y)
+        if self.noise is not None:
+            y = y + self.noise * symbol("noise")
+        if self.resolution is not None:
+            y = floor(y / self.resolution + 0.5) * self.resolution
+        return y
 
     @property
     def memory(self) -> tuple[str, ...]:
