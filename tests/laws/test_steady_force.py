@@ -9,7 +9,7 @@ import stribeck
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol
 from stribeck.laws import builtin
-from stribeck.laws.evaluation import steady_force
+from stribeck.laws.steady import steady_force
 from tests.simulation.rig import needs_compiler
 
 SPEEDS = np.geomspace(1e-9, 1e3, 49)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck import InputError, Scenario, examples, laws
+from stribeck import InputError, Scenario, examples
 from stribeck.identify.synthetic import experiment
 from stribeck.laws import BristleLaw, Claims, Scales
 
@@ -76,7 +76,7 @@ def test_a_law_of_a_file_keeps_its_name(tmp_path):
     source = "from stribeck.laws.lugre import LuGre\n\n\nclass Own(LuGre):\n    pass\n"
     (tmp_path / "own.py").write_text(source)
     law = stribeck.law(f"{tmp_path}/own.py:Own", parameters="canudas1995")
-    assert laws.table(law)["name"] == f"{tmp_path / 'own.py'}:Own"
+    assert law.to_dict()["name"] == f"{tmp_path / 'own.py'}:Own"
     assert Scenario(law=law, **TABLES).law.same_as(law)
 
 

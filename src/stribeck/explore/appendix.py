@@ -15,7 +15,7 @@ from stribeck.constants import Column
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
-from stribeck.laws.evaluation import steady_force
+from stribeck.laws.steady import steady_force
 from stribeck.laws.values import Constants
 from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.system import E_STORED, MachineSystem

@@ -22,7 +22,6 @@ from stribeck.explore.numbers import MOST_POINTS, numbers, of_law
 from stribeck.explore.variants import measured_whole, variants
 from stribeck.expressions.pretty import name as symbol_name
 from stribeck.files import write_text
-from stribeck.laws import table
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.mouth.page import in_script
 from stribeck.scenario import Scenario
@@ -169,7 +168,7 @@ def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) ->
     return {
         "name": law.name,
         "about": f"{' '.join((kind.__doc__ or '').split())} {kind.source}",
-        "table": _plain(table(law)),
+        "table": _plain(law.to_dict()),
         "numbers": [
             {**_number(n.as_data(), intervals), "symbol": symbol_name(n.name, latex=False)} for n in of_law(scenario)
         ],

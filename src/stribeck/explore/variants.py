@@ -85,7 +85,7 @@ def under(scenario: Scenario, kind: type[Law]) -> Scenario:
         elif constant.required or name == "k_v":
             own[name] = _GUESSES[name](machine) if name in _GUESSES else constant.example or 1.0
     used = {n: x for n, x in machine.items() if n in PARAMETERS and (n in kind.uses or n in law.machine)}
-    table = {"name": laws.table(kind({**used, **own}))["name"], **own, **({"parameters": used} if used else {})}
+    table = {"name": kind({**used, **own}).to_dict()["name"], **own, **({"parameters": used} if used else {})}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StribeckNote)
         return Scenario({**scenario.data, "law": table}, folder=scenario.folder, trust=True)

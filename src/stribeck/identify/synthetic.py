@@ -13,7 +13,6 @@ from scipy.signal import lfilter, savgol_filter
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
-from stribeck.laws import table
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
@@ -81,7 +80,7 @@ def experiment(
     step = float(t[every] - t[0])
     solution = simulate(
         Scenario(
-            law=table(law),
+            law=law.to_dict(),
             drive={"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": v.tolist()}},
             solve={"t_end": float(t[-1])},
             output={"step": step},

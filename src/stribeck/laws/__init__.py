@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -14,11 +13,11 @@ from stribeck import kinds, parameter_sets
 from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, arg, nearest, said_by
 from stribeck.expressions.ops import Value
-from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
+from stribeck.laws.base import IN_MEMORY, PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
 
 __all__ = [
     "BristleLaw", "Claims", "Law", "Relation", "Scales", "StaticLaw", "builtin", "find", "gap", "law", "parameters_for",
-    "table", "trouble",
+    "trouble",
 ]  # fmt: skip
 
 _LISTED_FIRST = ("lugre", "elastoplastic", "dahl", "static")
@@ -35,27 +34,6 @@ def _laws_of(module: ModuleType) -> dict[str, type[Law]]:
     return {law.name: law for law in kinds.classes(module, Law) if law not in (BristleLaw, StaticLaw)}
 
 
-_in_memory: dict[str, type[Law]] = {}  # laws that a program defined, by the name that their tables carry
-
-
-def table(law: Law) -> dict[str, object]:
-    """The table ``[law]`` of a scenario that describes this law: its name, every constant and choice.
-
-    A law of a file of the user's is named ``FILE.py:NAME``; one that a program defined is known to this process only.
-    """
-    kind = type(law)
-    name = kind.name
-    if kinds.of_a_file(kind):
-        name = f"{inspect.getfile(kind)}:{kind.__name__}"
-    elif builtin().get(name) is not kind:
-        name = f"{kind.__module__}:{kind.__qualname__}"
-        _in_memory[name] = kind
-    numbers = law.p.numbers
-    own = {n: x for n, x in numbers.items() if n not in PARAMETERS}
-    machine = {n: x for n, x in numbers.items() if n in PARAMETERS} | law.machine
-    return {"name": name, **own, **law.p.words, **({"parameters": machine} if machine else {})}
-
-
 def find(name: object, folder: Path | None = None) -> type[Law]:
     """The law called ``name``: a built-in one, or ``FILE.py:NAME`` with FILE relative to ``folder``.
 
@@ -64,8 +42,8 @@ def find(name: object, folder: Path | None = None) -> type[Law]:
     """
     if not isinstance(name, str):
         raise InputError(f"{show(name)}: must be the name of a law, not {kind_of(name)}")
-    if name in _in_memory:
-        return _in_memory[name]
+    if name in IN_MEMORY:
+        return IN_MEMORY[name]
     if ".py:" in name:
         return _from_file(name, folder)
     if name not in builtin():

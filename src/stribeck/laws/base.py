@@ -18,21 +18,27 @@ A law is a class with one or two short functions written like the literature pri
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from itertools import product
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stribeck.arrays import Array
 from stribeck.constants import Constant, show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, NotDifferentiable, nearest
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value
-from stribeck.kinds import FromFile
+from stribeck.kinds import FromFile, of_a_file
 from stribeck.laws import terms
-from stribeck.laws.evaluation import Evaluation
 from stribeck.laws.form import USUAL, Form
-from stribeck.laws.objects import AsObject
+from stribeck.laws.steady import SLOWEST, steady_deflection, steady_force
 from stribeck.laws.values import Constants, OnTerm
 from stribeck.laws.values import Scales as Scales
 
@@ -45,6 +51,8 @@ PARAMETERS: dict[str, Constant] = {
     "F_s": Constant("N", "static friction force", above=0, rotary_unit="N m"),
     "v_s": Constant("m/s", "Stribeck velocity", above=0, rotary_unit="rad/s"),
 }
+
+IN_MEMORY: dict[str, type[Law]] = {}  # laws that a program defined, by the name that their tables carry
 
 Claim = bool | Callable[[SimpleNamespace], Value] | None
 
@@ -103,7 +111,25 @@ def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
 
-class Law(AsObject, Evaluation, metaclass=FromFile):
+def _shaped(value: Value, v: Value, z: Value) -> Array:
+    """A value that may not depend on one of v and z, with the shape of both."""
+    shape = np.broadcast_shapes(np.shape(v), np.shape(z))
+    return np.asarray(value if np.shape(value) == shape else np.full(shape, value))[()]
+
+
+@dataclass(frozen=True)
+class _Graph:
+    """What the graph of a law's equations gives, as functions of its constants and more: ``function`` of v and z gives F
+    and the derivatives of dz/dt and F by v and by z, ``steady`` of v and its sign the steady deflection and force;
+    ``linear``: whether dz/dt is linear in z."""
+
+    function: Callable[..., tuple[Value, ...]]
+    steady: Callable[..., tuple[Value, ...]]
+    names: tuple[str, ...]
+    linear: bool
+
+
+class Law(metaclass=FromFile):
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:
@@ -123,6 +149,10 @@ class Law(AsObject, Evaluation, metaclass=FromFile):
     inputs: ClassVar[tuple[str, ...]] = ()  # constants that are given anew at each instant: loads of a contact
     beside: ClassVar[tuple[str, ...]] = ()  # the keys of a machine's file that the inputs stand for
     symmetric: ClassVar[bool] = True  # F and dz/dt change sign with (v, z)
+    p: Constants
+    machine: dict[str, float]
+    rotary: bool
+    _graphs: ClassVar[dict[tuple[object, ...], _Graph]] = {}
 
     def __init__(self, values: Mapping[str, Any], rotary: bool = False) -> None:
         if found := self.problems(values):
@@ -287,6 +317,214 @@ class Law(AsObject, Evaluation, metaclass=FromFile):
             claim = getattr(self.claims, field.name)
             result[field.name] = bool(claim(self.p)) if callable(claim) else claim
         return result
+
+    # -- as an object of Python ------------------------------------------------------------------------------------
+
+    @property
+    def _numbers(self) -> dict[str, Value]:
+        """Every constant that is on; the machine's parameters, also those that the law does not use, first."""
+        return {**self.machine, **self.p.numbers, **self.p.words}
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if "rotary" in vars(self):  # which is set last
+            raise AttributeError(f"{name}: a law does not change; replace({name}=VALUE) makes another")
+        object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        inside = "".join(f", {name}={x!r}" for name, x in self._numbers.items())
+        return f"law({self.name!r}{inside}{', rotary=True' if self.rotary else ''})"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Law):
+            return NotImplemented
+        same = type(self) is type(other) and self.rotary == other.rotary
+        return same and self._numbers == other._numbers
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.rotary, *vars(self.p).items()))
+
+    def replace(self, **constants: float | str | None) -> Self:
+        """The same law with other values of some constants: ``law.replace(F_s=2.0)``; None turns an optional one off.
+
+        Raises:
+            InputError: an unknown constant or a bad value; one line for each problem.
+        """
+        return type(self)({**self._numbers, **constants}, self.rotary)
+
+    def of_motion(self, rotary: bool) -> Self:
+        """The same law in a machine that turns, or in one that does not: its units are others, its numbers are not."""
+        return self if self.rotary == rotary else type(self)(self._numbers, rotary)
+
+    def to_dict(self) -> dict[str, object]:
+        """The table ``[law]`` of a scenario (``[contacts.NAME.law]`` of a machine) that describes this law: its name, every
+        constant and choice.
+
+        A law of a file of the user's is named ``FILE.py:NAME``; one that a program defined is known to this process only.
+        """
+        kind = type(self)
+        name = kind.name
+        if of_a_file(kind):
+            name = f"{inspect.getfile(kind)}:{kind.__name__}"
+        elif not kind.__module__.startswith(f"{__package__}."):
+            name = f"{kind.__module__}:{kind.__qualname__}"
+            IN_MEMORY[name] = kind
+        numbers = self.p.numbers
+        own = {n: x for n, x in numbers.items() if n not in PARAMETERS}
+        machine = {n: x for n, x in numbers.items() if n in PARAMETERS} | self.machine
+        return {"name": name, **own, **self.p.words, **({"parameters": machine} if machine else {})}
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the equations and the constants."""
+        from html import escape
+
+        from stribeck.laws.render import equations  # for people alone
+
+        rows = equations(type(self), self.form)
+        lines = "".join(f"<div style='margin-left:1.5em'><i>{escape(row.text)}</i></div>" for row in rows)
+        declared = {name: c.of_motion(self.rotary) for name, c in self.constants().items()}
+        cells = "".join(
+            f"<tr><td>{escape(name)}</td><td>{x if isinstance(x, str) else f'{x:g}'}</td>"
+            f"<td>{escape(declared[name].unit)}</td><td style='text-align:left'>{escape(declared[name].meaning)}</td></tr>"
+            for name, x in self._numbers.items()
+            if name in declared
+        )
+        return f"<b>{escape(self.name)}</b>{lines}<table>{cells}</table>"
+
+    # -- what its equations say of it ------------------------------------------------------------------------------
+
+    @property
+    def jumps_at_rest(self) -> bool:
+        """True where F is discontinuous at v = 0, so that a body cannot come to rest in a simulation."""
+        above, below = self.force(1e-300, 0.0), self.force(-1e-300, 0.0)
+        return bool(abs(above - below) > 1e-9 * self.scales(self.p).force)
+
+    @property
+    def differentiable(self) -> bool:
+        """True where F has a time derivative wherever v has one: as the law claims, or where it claims nothing as is found
+        at rest, with and without a deflection."""
+        smooth = self.guarantees()["smooth"]
+        if smooth is not None:
+            return smooth
+        length = self.scales(self.p).length if self.has_z else 0.0
+        try:
+            self.force_rate(0.0, np.array([0.0, length, -length]), 1.0)
+        except NotDifferentiable:
+            return False
+        return True
+
+    @property
+    def linear(self) -> bool:
+        """True where dz/dt is linear in z."""
+        return self._graph().linear
+
+    # -- evaluation: NumPy -----------------------------------------------------------------------------------------
+
+    def rate(self, v: ArrayLike, z: ArrayLike) -> Array:
+        """dz/dt in m/s for velocities v (m/s) and deflections z (m); shapes broadcast."""
+        v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
+        return _shaped(self._in_floats(lambda p: self.dz_dt(p, v, z)), v, z)
+
+    def force(self, v: ArrayLike, z: ArrayLike = 0.0) -> Array:
+        """Friction force in N for velocities v (m/s) and deflections z (m); shapes broadcast."""
+        v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
+        return _shaped(self._in_floats(lambda p: self.friction(p, v, z, self.dz_dt(p, v, z))), v, z)
+
+    def force_with(self, v: Array, z: Array, dz_dt: Array) -> Array:
+        """Friction force in N for velocities v (m/s), deflections z (m) and rates dz/dt (m/s)."""
+        return np.asarray(self._in_floats(lambda p: self.friction(p, v, z, dz_dt)))
+
+    def _in_floats(self, equation: Callable[[Constants], Value]) -> Value:
+        """An equation's value; inf or nan, as NumPy has it, where a number of its constants leaves the range of floats."""
+        with np.errstate(all="ignore"):
+            try:
+                return equation(self.p)
+            except ArithmeticError:  # Python's own floats raise
+                return equation(self.p.replaced({n: np.asarray(x, float)[()] for n, x in self.p.numbers.items()}))
+
+    def jacobian(self, v: ArrayLike, z: ArrayLike = 0.0) -> tuple[Array, Array]:
+        """The derivatives of dz/dt by v and by z (1/s), at velocities v and deflections z."""
+        rate_v, rate_z = self._evaluate(np.asarray(v, float), np.asarray(z, float))[1:3]
+        return rate_v, rate_z
+
+    def force_rate(self, v: ArrayLike, z: ArrayLike, dv_dt: ArrayLike) -> Array:
+        """dF/dt in N/s at velocities v (m/s), deflections z (m) and accelerations dv_dt (m/s^2); shapes broadcast.
+
+        Raises:
+            NotDifferentiable: F has no time derivative there: v = 0, and F or its two one-sided derivatives differ.
+        """
+        v, z, dv_dt = np.broadcast_arrays(np.asarray(v, float), np.asarray(z, float), np.asarray(dv_dt, float))
+        value, _ = self._force_rate(v, z, dv_dt)
+        at_rest = v == 0
+        if at_rest.any():
+            # both limits v -> 0+ and v -> 0-; where the equations are smooth they agree to rounding
+            (above, force_above), (below, force_below) = (
+                self._force_rate(np.where(at_rest, side, v), z, dv_dt) for side in (1e-300, -1e-300)
+            )
+            with np.errstate(all="ignore"):
+                differs = ~(abs(above - below) <= 1e-9 * (abs(above) + abs(below)) + 1e-250)  # what 1e-300 m/s leaves
+                # a force that jumps is met only when v passes through 0
+                jumps = (abs(force_above - force_below) > 1e-9 * self.scales(self.p).force) & (dv_dt != 0)
+            if (at_rest & (differs | jumps)).any():
+                raise NotDifferentiable(
+                    f"law '{self.name}' has no dF/dt at v = 0: its equation holds |v| or sgn(v), so the "
+                    "derivatives from the two sides differ; use a smooth law such as lugre_sobczyk or lugre_majorant"
+                )
+            value = np.where(at_rest, above, value)
+        return value[()]
+
+    def steady_deflection(self, v: ArrayLike) -> Array:
+        """The deflection z in m at which dz/dt = 0 when v (m/s) is held; 0 at v = 0.
+
+        The root that a bristle starting from z = 0 reaches. Slower speeds than 1e-100 m/s are taken as that: products
+        of them would vanish.
+        """
+        return self._steady(v)[0]
+
+    def steady_force(self, v: ArrayLike) -> Array:
+        """The friction force in N when v (m/s) is held for long.
+
+        At v = 0 a body can be held by a range of forces; 0, the middle, is returned.
+        """
+        return self._steady(v)[1]
+
+    def _steady(self, v: ArrayLike) -> tuple[Array, Array]:
+        """The steady deflection and force; 0 at rest."""
+        v = np.asarray(v, float)[()]
+        moving = np.where(abs(v) < SLOWEST, SLOWEST * np.where(v < 0, -1.0, 1.0), v)[()] if self.has_z else v
+        graph = self._graph()
+        found = self._in_floats(lambda p: graph.steady(*(p.numbers[n] for n in graph.names), moving, np.sign(moving)))
+        z, force = (np.where(v == 0, 0.0, np.broadcast_to(x, np.shape(v)))[()] for x in found)
+        return z, force
+
+    # -- derivatives, from the graph of the equations --------------------------------------------------------------
+
+    def _graph(self) -> _Graph:
+        key = (type(self), self.form)
+        if key not in Law._graphs:
+            p, v, z = self.symbolic(symbol, self.form), symbol("v"), symbol("z")
+            rate = wrap(self.dz_dt(p, v, z)) if self.has_z else wrap(0)
+            force = wrap(self.friction(p, v, z, rate))
+            outputs = [force, *(derivative(of, by) for of in (rate, force) for by in (v, z))]
+            names = tuple(p.numbers)
+            function = python_function([*names, "v", "z"], outputs)
+            side = symbol("side")
+            z = steady_deflection(type(self), p, v, side) if self.has_z else wrap(0.0)
+            steady = python_function([*names, "v", "side"], [z, steady_force(type(self), p, v, side)])
+            Law._graphs[key] = _Graph(function, steady, names, linear="z" not in symbols([outputs[2]]))
+        return Law._graphs[key]
+
+    def _evaluate(self, v: Array, z: Array) -> list[Array]:
+        """F and the derivatives of dz/dt and F by v and z."""
+        graph = self._graph()
+        v, z = np.broadcast_arrays(v, z)
+        found = self._in_floats(lambda p: graph.function(*(p.numbers[n] for n in graph.names), v, z))
+        return [np.broadcast_to(x, v.shape)[()] for x in found]
+
+    def _force_rate(self, v: Array, z: Array, dv_dt: Array) -> tuple[Array, Array]:
+        force, _, _, force_v, force_z = self._evaluate(v, z)
+        rate = self.rate(v, z) if self.has_z else 0.0
+        with np.errstate(all="ignore"):
+            return np.asarray(force_v * dv_dt + force_z * rate), np.asarray(force)
 
 
 class BristleLaw(Law):

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 from stribeck.expressions import pretty
 from stribeck.expressions.graph import symbol, wrap
 from stribeck.expressions.ops import Value
-from stribeck.laws.base import Law
 from stribeck.laws.form import USUAL, Form
+
+if TYPE_CHECKING:
+    from stribeck.laws.base import Law
 
 
 @dataclass(frozen=True)

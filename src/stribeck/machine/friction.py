@@ -8,7 +8,7 @@ from stribeck.expressions.graph import Expr, derivative, is_zero, substitute, sy
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import where
 from stribeck.laws.base import Law
-from stribeck.laws.evaluation import SLOWEST, steady_force
+from stribeck.laws.steady import SLOWEST, steady_force
 from stribeck.machine.law import Friction
 from stribeck.signals.pieces import Reference
 

@@ -140,7 +140,7 @@ class Friction:
     @classmethod
     def of(cls, law: Law, table: Mapping[str, Any] | None = None) -> Friction:
         """A law with numbers, and its table where it has been read from one."""
-        table = laws.table(law) if table is None else table
+        table = law.to_dict() if table is None else table
         inside = table.get("parameters")
         return cls(type(law), law.form, law.p, law, frozenset(inside if isinstance(inside, Mapping) else ()), table)
 

@@ -28,7 +28,7 @@ def plain(value: object, path: str = "", depth: int = 0) -> object:
     if depth > _DEEPEST:
         raise InputError(f"{path}: nested too deeply: must be at most {_DEEPEST} tables or lists deep")
     if isinstance(value, laws.Law):
-        return laws.table(value)
+        return value.to_dict()
     if isinstance(value, FileTable):
         return plain_table(value.to_table(), path, depth)
     if isinstance(value, Mapping):

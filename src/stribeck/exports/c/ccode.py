@@ -15,7 +15,7 @@ from stribeck.expressions.graph import Expr, derivative, ordered, substitute, sy
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
-from stribeck.laws.evaluation import steady_force
+from stribeck.laws.steady import steady_force
 from stribeck.laws.values import Constants
 from stribeck.machine.elements import bodies
 
