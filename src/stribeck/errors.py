@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 _LONGEST_LINE, _HEAD = 300, 180
-_ARGUMENT = re.compile("\x02([^\x02\x03]*)\x03")
 
 
 class StribeckError(Exception):
     """Any error that Stribeck raises on purpose."""
-
-    def __str__(self) -> str:
-        return _ARGUMENT.sub(r"\1", self.marked())
-
-    def marked(self) -> str:
-        """The message that still knows where it names arguments (:func:`arg`)."""
-        return super().__str__()
 
 
 class InputError(StribeckError, ValueError):
     """Bad input. ``problems`` holds one line for each problem found: the key's path, the value, what is allowed."""
 
     def __init__(self, problems: str | Sequence[str]) -> None:
-        self.problems: list[str] = [Line(p) for p in ([problems] if isinstance(problems, str) else problems)]
+        self.problems: list[str] = [one_line(p) for p in ([problems] if isinstance(problems, str) else problems)]
         super().__init__("\n".join(self.problems))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
@@ -48,8 +39,7 @@ class MissingExtra(StribeckError, ImportError):
         self.package, self.extra = package, extra
         super().__init__(what, package, extra)
 
-    def marked(self) -> str:
-        """See :class:`StribeckError`."""
+    def __str__(self) -> str:
         return f"{self.args[0]} needs {self.package}: {self.remedy}"
 
     @property
@@ -62,40 +52,28 @@ class StribeckNote(UserWarning):
     """Something a user should know that does not stop the work: a dropped constant, a missing compiler."""
 
 
-class Line(str):
-    """One line of a message, which still knows where it names arguments (:func:`arg`)."""
-
-    marked: str
-
-    def __new__(cls, text: str) -> Line:
-        """From text that may hold marks, or from a line, whose marks stay."""
-        marked = with_marks(text)
-        line = super().__new__(cls, one_line(_ARGUMENT.sub(r"\1", marked)))
-        line.marked = marked
-        return line
-
-    def __getnewargs__(self) -> tuple[str]:
-        return (self.marked,)
-
-    def naming(self, name: Callable[[str], str]) -> str:
-        """The line with another name for each argument: the command writes its options."""
-        return one_line(_ARGUMENT.sub(lambda found: name(found[1]), self.marked))
-
-
 def arg(name: str) -> str:
-    """An argument's name within a message: Python shows it as it is, the command the option that gives it."""
-    return f"\x02{name}\x03"
+    """An argument's name within a message: as Python has it, or the option that gives it (:func:`naming`)."""
+    return _Called.by(name)
 
 
-def with_marks(text: str) -> str:
-    """The text for a message of which it becomes a part: of a :class:`Line` with its marks."""
-    return text.marked if isinstance(text, Line) else text
+class _Called:
+    by: Callable[[str], str] = str  # of a whole process, for its threads tell of arguments too
 
 
-def first_line(error: StribeckError) -> Line:
-    """The first line of an error's message, which still knows where it names arguments (:func:`arg`)."""
-    line = error.problems[0] if isinstance(error, InputError) else error.marked()
-    return Line(with_marks(line).splitlines()[0])
+@contextmanager
+def naming(called: Callable[[str], str]) -> Iterator[None]:
+    """Around what a command does: messages call arguments so."""
+    before, _Called.by = _Called.by, called
+    try:
+        yield
+    finally:
+        _Called.by = before
+
+
+def first_line(error: StribeckError) -> str:
+    """The first line of an error's message."""
+    return one_line(str(error).splitlines()[0])
 
 
 def one_line(text: str) -> str:
@@ -119,7 +97,7 @@ def printable(text: str) -> str:
 
 def note(text: str) -> None:
     """Tell the user one line: a :class:`StribeckNote` in Python, a line on standard error from the command."""
-    warnings.warn(StribeckNote(Line(text)), stacklevel=3)
+    warnings.warn(StribeckNote(one_line(text)), stacklevel=3)
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -6,8 +6,8 @@ import pytest
 
 import stribeck as library
 from stribeck import InputError, examples
-from stribeck.cli.words import option, said
-from stribeck.errors import Line, StribeckNote, arg, note
+from stribeck.cli.words import option
+from stribeck.errors import StribeckNote, arg, naming, note
 
 
 @pytest.mark.parametrize(
@@ -26,10 +26,9 @@ from stribeck.errors import Line, StribeckNote, arg, note
 )
 def test_an_argument_is_said_as_its_option(command, argument, words):
     assert option(argument, command) == words
-    line = Line(f"{arg(argument)}: 1: is wrong")
-    assert line == f"{argument}: 1: is wrong"
-    assert said(line, command) == f"{words}: 1: is wrong"
-    assert said(InputError([line]).problems[0], command) == f"{words}: 1: is wrong"
+    with naming(lambda name: option(name, command)):
+        assert InputError(f"{arg(argument)}: 1: is wrong").problems == [f"{words}: 1: is wrong"]
+    assert arg(argument) == argument
 
 
 def test_notes_name_arguments_too():

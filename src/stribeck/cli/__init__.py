@@ -12,8 +12,8 @@ from contextlib import suppress
 from types import FrameType
 from typing import NoReturn
 
-from stribeck.cli.words import said
-from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote, one_line, remedy
+from stribeck.cli.words import option
+from stribeck.errors import EXTRAS, InputError, MissingExtra, StribeckError, StribeckNote, naming, one_line, remedy
 
 # The extra that has all a command needs, where one of its packages comes with another one too.
 _EXTRA = {"fit": "fit", "predict": "fit", "check": "fit", "design": "fit", "export": "fmu"}
@@ -81,12 +81,13 @@ def _status(arguments: list[str] | None) -> int:
     try:
         from stribeck.cli.app import with_command  # here, as a signal may come while it is read
 
-        result = with_command(command)(args=arguments, prog_name="stribeck", standalone_mode=False)
+        with naming(lambda name: option(name, command)):
+            result = with_command(command)(args=arguments, prog_name="stribeck", standalone_mode=False)
         if result == 130:  # Typer's own word for Ctrl-C
             raise KeyboardInterrupt
         return result if isinstance(result, int) else 0
     except InputError as error:
-        print("\n".join(said(line, command) for line in error.problems), file=sys.stderr)
+        print("\n".join(error.problems), file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may have gone
@@ -109,7 +110,7 @@ def _told(error: BaseException, command: str) -> tuple[int, str]:
     if isinstance(error, MissingExtra | ModuleNotFoundError) and (text := _missing(error, command)):
         return 2, text
     if isinstance(error, StribeckError):
-        return 1, said(Line(error.marked()), command)
+        return 1, one_line(str(error))
     if (usage := getattr(error, "format_message", None)) is not None:  # no text where the help was printed instead
         text = " ".join(usage().split())
         return 2, f"{text} (stribeck --help)" if text else ""
@@ -131,15 +132,13 @@ def _missing(error: MissingExtra | ModuleNotFoundError, command: str) -> str:
     if package not in EXTRAS:
         return ""
     if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra not in ("plot", "fit", "fmu")):
-        return said(Line(error.marked()), command)
+        return one_line(str(error))
     how = remedy(package, EXTRAS[package] and _EXTRA.get(command, EXTRAS[package]))
     return f"'{command}' needs {package}: {how}"
 
 
 def _show(message: Warning | str, category: type[Warning], *rest: object) -> None:
-    text = one_line(f"{category.__name__}: {message}")
-    if isinstance(message, StribeckNote):
-        text = said(message.args[0], _command(None))
+    text = str(message) if isinstance(message, StribeckNote) else one_line(f"{category.__name__}: {message}")
     print(f"stribeck: {text}", file=sys.stderr)
 
 

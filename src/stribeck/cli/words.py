@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from stribeck.errors import Line
-
 # Where an option is not called as the argument: the rest is --argument with dashes.
 _WORDS = {
     "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA",
@@ -18,8 +16,3 @@ def option(name: str, command: str) -> str:
     if command in _POSITIONAL.get(name, ()):
         return name.upper()
     return _WORDS.get(name, "--" + name.replace("_", "-")) + (f" {key}" if key else "")
-
-
-def said(line: str, command: str) -> str:
-    """A line of a message as the command says it."""
-    return line.naming(lambda name: option(name, command)) if isinstance(line, Line) else line

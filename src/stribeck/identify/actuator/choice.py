@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck import laws as known_laws
 from stribeck.constants import show
-from stribeck.errors import InputError, StribeckError, arg, first_line, nearest, with_marks
+from stribeck.errors import InputError, StribeckError, arg, first_line, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.larger import OpenLaw, again, doubtful, left_more, mend
@@ -172,7 +172,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
         if best.stopped:
             break
     if not tried:
-        raise InputError([f"law: {label}: {with_marks(why)}" for label, why in failed.items()])
+        raise InputError([f"law: {label}: {why}" for label, why in failed.items()])
     if not any(x.best.stopped for x in tried.values()):
         mend(list(tried.values()), fitted, fit.seed, fit.work)
     rows = [
