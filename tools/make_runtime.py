@@ -1,4 +1,4 @@
-"""Builds the solver for WebAssembly, the same for every system: src/stribeck/runtime/runtime.wasm.
+"""Builds the solver for WebAssembly, the same for every system: src/stribeck/codegen/runtime/runtime.wasm.
 
 python tools/make_runtime.py        # after a change in runtime/; needs ziglang
 """
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from stribeck.codegen.source import PORTABLE, STRICT, runtime_text
 
-TARGET = Path(__file__).parent.parent / "src" / "stribeck" / "runtime" / "runtime.wasm"
+TARGET = Path(__file__).parent.parent / "src" / "stribeck" / "codegen" / "runtime" / "runtime.wasm"
 # -Os: as fast as -O3, and half as large to compile for each new system. The stack would be 16 MB in each instance.
 FLAGS = (
     "-target", "wasm32-wasi", "-Os", "-fno-math-errno", "-mexec-model=reactor", "-Wl,--no-entry", "-Wl,--export-dynamic",

@@ -10,8 +10,8 @@ from stribeck.version import __version__ as __version__
 if TYPE_CHECKING:
     from stribeck.constants import Constant
     from stribeck.errors import InputError, StribeckError
-    from stribeck.exchange import import_
     from stribeck.exports import export
+    from stribeck.exports.exchange import import_
     from stribeck.identify.api import fit
     from stribeck.identify.result import Fit
     from stribeck.laws import law
@@ -42,7 +42,7 @@ __all__ = [
 _HOME = {
     "stribeck.constants": ("Constant",),
     "stribeck.errors": ("InputError", "StribeckError"),
-    "stribeck.exchange": ("import_",),
+    "stribeck.exports.exchange": ("import_",),
     "stribeck.exports": ("export",),
     "stribeck.identify.api": ("fit",),
     "stribeck.identify.result": ("Fit",),

@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stribeck
-from stribeck.control.proof import derive
 from stribeck.exports.c.ccode import LawCode
 from stribeck.exports.c.selftest import terms
 from stribeck.laws import BristleLaw, Claims, builtin
+from stribeck.loops.proof import derive
 from tests.exports.harness import (
     ELASTOPLASTIC,
     LAWS,
@@ -415,7 +415,7 @@ def test_the_condition_in_the_header_is_the_one_that_is_derived(tmp_path, monkey
         return K * sigma_1 * (sigma_1 * w / 2 - sigma_0)
 
     monkeypatch.setattr("stribeck.exports.c.c99.least_K_D", other)
-    monkeypatch.setattr("stribeck.control.proof.least_K_D", other)
+    monkeypatch.setattr("stribeck.loops.proof.least_K_D", other)
     header = stribeck.export(law("lugre_majorant"), "c", tmp_path / "other")[0].read_text()
     assert "K_D >= K sigma_1 (sigma_1 w/2 - sigma_0), w = " in header
     derive.cache_clear()

@@ -89,7 +89,7 @@ def c_function(expressions):
         lines = Writer(C, writer_inputs, taken=("x", "out")).write([(f"out[{i}]", node)])
         bodies.append(f"static void f{i}(const double *x, double *out) {{\n" + "\n".join(lines) + "\n}\n")
     calls = "".join(f"f{i}(x, out); " for i in range(len(expressions)))
-    operations = files("stribeck.runtime").joinpath("scalar.c").read_text()
+    operations = files("stribeck.codegen.runtime").joinpath("scalar.c").read_text()
     operations = f"#include <math.h>\n#define UNUSED __attribute__((unused))\n{operations}"
     return f"{operations}\n{''.join(bodies)}\nvoid all(const double *x, double *out) {{ {calls} }}\n"
 

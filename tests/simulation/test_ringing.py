@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, examples, simulate
-from stribeck.control.sampled import turned
 from stribeck.errors import StribeckNote
+from stribeck.machine.sampled import turned
 from stribeck.simulation import native
 from tests.simulation.rig import needs_compiler, rig
 

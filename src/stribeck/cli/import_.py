@@ -25,8 +25,8 @@ def import_(
     """Convert a machine from another program's file, or back."""
     import tomli_w
 
-    from stribeck import exchange
     from stribeck.errors import printable
+    from stribeck.exports import exchange
     from stribeck.files import write_text
     from stribeck.scenario import Scenario
 

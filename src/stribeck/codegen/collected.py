@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
-from stribeck.equations import Equations
 from stribeck.expressions.graph import ONE, ZERO, Expr, derivative, ordered, rewrite, substitute, symbol, symbols
 from stribeck.expressions.names import Names
+from stribeck.machine.equations import Equations
 
 
 @dataclass

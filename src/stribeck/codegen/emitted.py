@@ -45,7 +45,6 @@ from stribeck.codegen.webassembly import (
     v_number,
     v_store,
 )
-from stribeck.equations import Equations
 from stribeck.expressions.emit import within_loops
 from stribeck.expressions.graph import (
     BOUND,
@@ -58,6 +57,7 @@ from stribeck.expressions.graph import (
     symbol,
     symbols,
 )
+from stribeck.machine.equations import Equations
 
 ADD, SUB, MUL, DIV = (OPS[name] for name in ("add", "sub", "mul", "div"))
 STAGES = 8

@@ -10,7 +10,6 @@ from importlib.resources import files
 
 from stribeck.codegen.collected import collect, hoist
 from stribeck.codegen.elimination import eliminate
-from stribeck.equations import Equations
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import (
     ONE,
@@ -21,6 +20,7 @@ from stribeck.expressions.graph import (
     symbol,
     symbols,
 )
+from stribeck.machine.equations import Equations
 
 # Words of C, and names that the generated functions use themselves.
 _RESERVED = (
@@ -389,7 +389,7 @@ _NOW = "const Segment *piece, real t, const real *x"
 
 def runtime_text(name: str) -> str:
     """A file of ``runtime/``: the code that is the same for every system."""
-    return files("stribeck.runtime").joinpath(name).read_text(encoding="utf-8")
+    return files("stribeck.codegen.runtime").joinpath(name).read_text(encoding="utf-8")
 
 
 def _argument_names(arguments: str) -> list[str]:

@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Mapping
 
 from stribeck.codegen.emitted import Added
-from stribeck.equations import Equations
+from stribeck.machine.equations import Equations
 from stribeck.simulation.wasm import System, run_struct, with_functions
 
 

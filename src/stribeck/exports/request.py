@@ -176,7 +176,7 @@ def identifier(name: str, kind: str = "machine") -> str:
 @cache
 def _begins(solver: bool) -> frozenset[str]:
     """Every word of the languages and templates, and each begin of one before a "_"; ``solver``: of machines too."""
-    places = [files("stribeck.exports") / "templates", *([files("stribeck.runtime")] if solver else [])]
+    places = [files("stribeck.exports") / "templates", *([files("stribeck.codegen.runtime")] if solver else [])]
     sources = [file for place in places for file in place.iterdir() if file.name.endswith((".c", ".h"))]
     sources = [file for file in sources if solver or not file.name.startswith("machine")]
     code = "\n".join(file.read_text(encoding="utf-8") for file in sources)

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.control.cascade import energy
-from stribeck.control.gains import at_speed, damping, decay
-from stribeck.control.proof import ERRORS, derive
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.laws.base import Law
+from stribeck.loops.gains import at_speed, damping, decay
+from stribeck.loops.proof import ERRORS, derive
 from stribeck.machine.elements.pressure_cascade import PressureCascade
+from stribeck.machine.pneumatic.cascade import energy
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
 

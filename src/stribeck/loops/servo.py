@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stribeck.constants import require_positive
-from stribeck.control.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
-from stribeck.control.proof import derive
 from stribeck.errors import InputError
+from stribeck.loops.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
 from stribeck.loops.lyapunov import Along, along, cascade_of, gains_of
+from stribeck.loops.proof import derive
 from stribeck.machine.elements.pressure_cascade import PressureCascade, not_linear
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stribeck.constants import DECIDED
-from stribeck.control.gains import Condition
-from stribeck.control.proof import derive
+from stribeck.loops.gains import Condition
 from stribeck.loops.lyapunov import Along, gains_of
+from stribeck.loops.proof import derive
 from stribeck.mouth import plots
 from stribeck.mouth.document import PAGE, Cell, Chapter, Document, Figure, Head, Table
 from stribeck.scenario import said as of_scenario

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from pydantic import Field
 
 from stribeck.constants import Column
-from stribeck.equations import Events
 from stribeck.expressions.graph import Expr
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Scales
+from stribeck.machine.equations import Events
 from stribeck.machine.family import Family
 from stribeck.machine.law import Friction
 from stribeck.machine.signal import SignalTable, SignalUse

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 from pydantic import GetJsonSchemaHandler
 
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
 from stribeck.kinds import find_class, in_a_file, of_a_file
-from stribeck.machine.table import FileTable, Reading, problems_at, unknown_key
+from stribeck.machine.table import FileTable, Held, Reading, problems_at, unknown_key
 
 
 class NotExecuted(Exception):
@@ -21,16 +21,16 @@ class Family(FileTable):
 
     kind: str
     family: ClassVar[type[Family]]
-    kinds: ClassVar[dict[str, type[Any]]]
+    kinds: ClassVar[dict[str, type[Held]]]
     plain: ClassVar[str] = ""  # the kind that a table without ``kind`` has
-    for_users: ClassVar[type[Any]]  # the class that users derive theirs from
+    for_users: ClassVar[type[Held]]  # the class that users derive theirs from
     of_program: ClassVar[bool] = False  # a kind that no file can ask for: ``kind`` is the class itself
 
-    def __init_subclass__(cls, family: bool = False, for_users: bool = False, **more: Any) -> None:
+    def __init_subclass__(cls, family: bool = False, for_users: bool = False, **more: Held) -> None:
         super().__init_subclass__(**more)
 
     @classmethod
-    def __pydantic_init_subclass__(cls, family: bool = False, for_users: bool = False, **more: Any) -> None:
+    def __pydantic_init_subclass__(cls, family: bool = False, for_users: bool = False, **more: Held) -> None:
         super().__pydantic_init_subclass__(**more)
         if family:
             cls.family, cls.for_users, cls.kinds = cls, cls, {}
@@ -41,7 +41,7 @@ class Family(FileTable):
             cls.kinds.setdefault(kind, cls)
 
     @classmethod
-    def kind_for(cls, data: dict[str, Any], reading: Reading) -> type[Self]:
+    def kind_for(cls, data: dict[str, Held], reading: Reading) -> type[Self]:
         """The class of the table's kind; FILE.py:NAME is a class of the user's own."""
         if cls is not cls.family:
             return cls
@@ -74,17 +74,17 @@ class Family(FileTable):
         raise problems_at([*found, (("kind",), text)])
 
     @classmethod
-    def completed(cls, data: dict[str, Any], reading: Reading) -> dict[str, Any]:
+    def completed(cls, data: dict[str, Held], reading: Reading) -> dict[str, Held]:
         """Without the class that the program named."""
         return {n: x for n, x in data.items() if n != "kind"} if data.get("kind") is cls else data
 
-    def to_table(self) -> dict[str, Any]:
+    def to_table(self) -> dict[str, Held]:
         """With the kind, unless that is the plain one."""
         kind = {} if self.kind == self.plain else {"kind": self.kind}
         return {**kind, **{n: x for n, x in super().to_table().items() if n != "kind"}}
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(cls, schema: Held, handler: GetJsonSchemaHandler) -> dict[str, Held]:
         """Of a family, one of its kinds, or a table whose kind is a class in a file."""
         node = super().__get_pydantic_json_schema__(schema, handler)
         if cls is not cls.family:

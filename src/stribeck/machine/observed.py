@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from stribeck.control.sampled import phi_1
 from stribeck.expressions.graph import Expr, derivative, substitute, symbols, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import where
 from stribeck.machine.law import Friction
+from stribeck.machine.sampled import phi_1
 
 # An observer whose law is not linear in z takes so many steps until it could have gone 25 times its largest deflection; it is
 # as good as steady then.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -16,7 +15,18 @@ from stribeck.machine.elements.bodies import Body
 from stribeck.machine.family import NotExecuted
 from stribeck.machine.machine import SECTIONS, Elements
 from stribeck.machine.signal import File
-from stribeck.machine.table import Frozen, Loc, Problem, Reading, below, no_table, problems_of, table_path, unknown_key
+from stribeck.machine.table import (
+    Frozen,
+    Held,
+    Loc,
+    Problem,
+    Reading,
+    below,
+    no_table,
+    problems_of,
+    table_path,
+    unknown_key,
+)
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")
 _WHAT = {"bodies": "body"}  # one of a section, in words; else without its s
@@ -64,7 +74,7 @@ class Draft:
         problems: path and message of each.
     """
 
-    def __init__(self, tables: Mapping[str, Any], reading: Reading, energy: bool = False) -> None:
+    def __init__(self, tables: Mapping[str, Held], reading: Reading, energy: bool = False) -> None:
         self.reading, self.problems, self.whole = replace(reading, of_file=True), list[Problem](), True
         self.tables = {section: self._table(section, tables.get(section, {})) for section in SECTIONS}
         self.names: dict[str, list[str]] = {section: list(table) for section, table in self.tables.items()}
@@ -73,14 +83,14 @@ class Draft:
         if not self.names["bodies"] and not self.problems:
             self.problems.append(("bodies", "missing: a machine must have at least one body"))
             self.wrong.add("bodies")
-        sections: dict[str, Any] = {}
+        sections: dict[str, Held] = {}
         self.reading = replace(self.reading, others=sections)
         for section in SECTIONS:
             sections[section] = Frozen(self._section(section, family_of(section)) if self.tables[section] else {})
         self.machine = self._with_encoders(Elements(**sections, energy=energy))
         self._wire()
 
-    def _table(self, path: str, value: Any) -> Mapping[str, Any]:
+    def _table(self, path: str, value: Held) -> Mapping[str, Held]:
         if isinstance(value, Mapping):
             return value
         self.problems.append((path, no_table(value)))
@@ -159,7 +169,7 @@ class Draft:
 
     # -- what elements ask ---------------------------------------------------------------------------------------------
 
-    def raw(self, section: str, key: str) -> list[Any]:
+    def raw(self, section: str, key: str) -> list[Held]:
         """A key of every table of a section, also of those that are not valid."""
         tables = (t for t in self.tables[section].values() if isinstance(t, dict | Element))
         return [t.get(key) if isinstance(t, dict) else getattr(t, key) for t in tables]
@@ -183,7 +193,7 @@ class Draft:
         return [(("on",), text)]
 
 
-def _in_folder(table: Any) -> Any:
+def _in_folder(table: Held) -> Held:
     """A table of a file; an element of Python's stays as it is, unless it names a recording or follows another element: it is
     read anew then."""
     if not isinstance(table, Element):

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from stribeck.arrays import Array
 from stribeck.constants import Column, Constant
-from stribeck.equations import Equations, Sample, Watch, Watched
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.names import Names
 from stribeck.machine.assembly import Assembly
 from stribeck.machine.element import Element
+from stribeck.machine.equations import Equations, Sample, Watch, Watched
 from stribeck.machine.machine import SECTIONS, Elements
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import FileTable, Frozen, Key, joined

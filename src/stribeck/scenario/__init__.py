@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from stribeck import memory
 from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, arg, printable
@@ -20,6 +19,7 @@ from stribeck.machine.system import MachineSystem
 from stribeck.machine.table import FileTable, Key, Problem
 from stribeck.parameter_sets import read_toml
 from stribeck.parameter_sets.assignments import parse_assignment, parse_assignments
+from stribeck.scenario import tables
 from stribeck.scenario.changes import changed, plain_table, unfolds
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.rig import Rig
@@ -212,7 +212,7 @@ class Scenario:
     @cached_property
     def rows(self) -> int:
         """How many rows the output has: i * step for i = 0 ... floor(t_end/step + 1e-9)."""
-        return memory.rows(self.solve.t_end, self.output.step)
+        return tables.rows(self.solve.t_end, self.output.step)
 
     @property
     def end(self) -> float:

@@ -8,13 +8,13 @@ from typing import TypeVar
 
 from pydantic import ValidationError
 
-from stribeck import memory
+from stribeck import platforms
 from stribeck.constants import kind_of, show
 from stribeck.errors import nearest
 from stribeck.machine.law import unknown
 from stribeck.machine.machine import SECTIONS, Elements
 from stribeck.machine.table import FileTable, Problem, Reading, problems_of
-from stribeck.scenario import schema1, trust
+from stribeck.scenario import schema1, tables, trust
 from stribeck.scenario.machine import read_machine
 from stribeck.scenario.rig import Rig
 from stribeck.scenario.schema1 import Called
@@ -134,10 +134,10 @@ class Reader:
         if self.solve is None or self.output is None:
             return
         step = self.output.step
-        rows = memory.rows(self.solve.t_end, step)
+        rows = tables.rows(self.solve.t_end, step)
         needed = float(rows) * 8 * 2 * (1 + columns)
-        if needed > (room := memory.available()):
-            more = "more than " if rows >= memory.ROWS_LARGEST else ""
-            text = f"{more}{rows:.3g} rows would take {more}{memory.size(needed)} of memory"
-            free = f"{memory.size(room)} are free; must be larger"
+        if needed > (room := platforms.free_memory()):
+            more = "more than " if rows >= tables.ROWS_LARGEST else ""
+            text = f"{more}{rows:.3g} rows would take {more}{platforms.size_of(needed)} of memory"
+            free = f"{platforms.size_of(room)} are free; must be larger"
             self.problems.append(("output.step", f"{show(step)}: {text}, and {free}"))

@@ -14,7 +14,6 @@ from pydantic import BaseModel
 
 from stribeck import laws, parameter_sets
 from stribeck.constants import Constant
-from stribeck.control.observer import ETA, SCALES, Z_HAT
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.machine.elements.contacts import Deflected
 from stribeck.machine.elements.controllers import Pid
@@ -23,6 +22,7 @@ from stribeck.machine.elements.links import Pull
 from stribeck.machine.elements.pressure_cascade import NONE, PressureCascade
 from stribeck.machine.law import LAW
 from stribeck.machine.machine import SECTIONS
+from stribeck.machine.pneumatic.observer import ETA, SCALES, Z_HAT
 from stribeck.machine.reading import family_of
 from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import FileTable

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 from pydantic import Field
@@ -9,6 +10,7 @@ from pydantic import Field
 from stribeck.constants import POSITIVE, Constant
 from stribeck.machine.table import ConstantField, FileTable, given_as
 
+ROWS_LARGEST = 10**15  # more than any machine holds, and still exact in a float
 RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
 
 
@@ -30,3 +32,9 @@ class Output(FileTable):
 
     step: float = given_as(Constant("", "time between rows, s: row i is at i * step", above=0))
     energy: bool = Field(False, description="add the columns E_in, E_stored and E_dissipated, J")
+
+
+def rows(t_end: float, step: float) -> int:
+    """How many rows an output has: i * step for i = 0 ... floor(t_end/step + 1e-9)."""
+    ratio = t_end / step + 1e-9
+    return math.floor(ratio) + 1 if ratio < ROWS_LARGEST else ROWS_LARGEST

@@ -18,7 +18,7 @@ from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value, pi, sin
 from stribeck.recorded import read_columns
-from stribeck.units import ANGLE, FORCE, LENGTH, PRESSURE, SPEED, TIME
+from stribeck.recorded.units import ANGLE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from threading import Event
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stribeck import memory
+from stribeck import platforms
 from stribeck.arrays import Array
 from stribeck.constants import Column
-from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, nearest
+from stribeck.machine.equations import SLIP_AND_STICK
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import backend, lanes
@@ -172,10 +172,10 @@ def _check(variations: Variations | LaneByLane, threads: int | None) -> None:
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads: {threads}: must be a whole number >= 1")
-    needed, room = 8.0 * count * scenario.rows * (len(scenario.system.states) + 1), memory.available()
+    needed, room = 8.0 * count * scenario.rows * (len(scenario.system.states) + 1), platforms.free_memory()
     if needed > room:
-        text = f"{count} lanes of {scenario.rows} rows would take {memory.size(needed)} of memory"
-        raise InputError(f"{text}, and {memory.size(room)} are free: use fewer rows, or 'stribeck sweep'")
+        text = f"{count} lanes of {scenario.rows} rows would take {platforms.size_of(needed)} of memory"
+        raise InputError(f"{text}, and {platforms.size_of(room)} are free: use fewer rows, or 'stribeck sweep'")
 
 
 class _Lanes:

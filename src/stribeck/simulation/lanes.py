@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.codegen import source
-from stribeck.equations import Equations
 from stribeck.errors import BuildError
+from stribeck.machine.equations import Equations
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.native import step_share

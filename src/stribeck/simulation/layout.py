@@ -14,7 +14,7 @@ _TYPES: dict[str, type] = {"double": c_double, "int64_t": c_int64, "int32_t": c_
 
 def struct_fields(file: str, struct: str) -> list[tuple[str, type]]:
     """Names and types of a struct in ``runtime/FILE``, in its order, for ctypes: a pointer is an address."""
-    text = files("stribeck.runtime").joinpath(file).read_text(encoding="utf-8")
+    text = files("stribeck.codegen.runtime").joinpath(file).read_text(encoding="utf-8")
     (body,) = re.findall(rf"typedef struct {{([^}}]*)}} {struct};", text)
     found: list[tuple[str, type]] = []
     for line in re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL).split(";"):

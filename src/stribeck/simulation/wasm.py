@@ -21,8 +21,8 @@ import numpy as np
 from stribeck.codegen.emitted import LINE, Added, Emitted
 from stribeck.codegen.source import runtime_text
 from stribeck.codegen.webassembly import Module
-from stribeck.equations import Equations
 from stribeck.errors import BuildError
+from stribeck.machine.equations import Equations
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.engine import Compiled, Instance, identity
@@ -46,7 +46,7 @@ class System:
 
 @lru_cache(maxsize=1)
 def _runtime() -> Module:
-    return Module.parse(files("stribeck.runtime").joinpath("runtime.wasm").read_bytes())
+    return Module.parse(files("stribeck.codegen.runtime").joinpath("runtime.wasm").read_bytes())
 
 
 @lru_cache(maxsize=64)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from importlib.resources import files as resources
 
-from stribeck.control.observer import least_K_D
 from stribeck.errors import InputError, arg
 from stribeck.exports.c.ccode import ARGUMENTS, WORDS, Call, LawCode, c_condition, net_force, pair, render
 from stribeck.exports.request import Request
@@ -13,6 +12,7 @@ from stribeck.expressions import pretty
 from stribeck.expressions.graph import symbol, wrap
 from stribeck.laws import builtin
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
+from stribeck.machine.pneumatic.observer import least_K_D
 
 
 def files(request: Request) -> dict[str, str | bytes]:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from stribeck.control.observer import correction
 from stribeck.errors import needed
 from stribeck.exports.request import ascii_only
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
@@ -18,6 +17,7 @@ from stribeck.laws.base import Law
 from stribeck.laws.steady import steady_force
 from stribeck.laws.values import Constants
 from stribeck.machine.elements import bodies
+from stribeck.machine.pneumatic.observer import correction
 
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
 DIALECT = Dialect(

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from stribeck.constants import Column, Constant, which_controller
-from stribeck.control.sampled import SAMPLING
 from stribeck.errors import InputError, arg
 from stribeck.exports.c.ccode import WORDS, c_condition
 from stribeck.exports.request import PLAIN, Options, ascii_only, identifier, made_by, valued
@@ -24,6 +23,7 @@ from stribeck.machine.elements.dither import PHASE
 from stribeck.machine.elements.sampling import Sampling
 from stribeck.machine.machine import Elements
 from stribeck.machine.observed import observed
+from stribeck.machine.sampled import SAMPLING
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import Reference, fields, pieces
 

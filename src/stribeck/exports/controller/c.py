@@ -33,7 +33,7 @@ def files(block: Block) -> dict[str, str | bytes]:
 def context(block: Block) -> dict[str, object]:
     """What the templates need."""
     used = {node.op for node in ordered(block.expressions.values())}
-    portable = resources("stribeck.runtime").joinpath("portable.c").read_text(encoding="utf-8")
+    portable = resources("stribeck.codegen.runtime").joinpath("portable.c").read_text(encoding="utf-8")
     return {
         "P": block.name, "b": block, "about": block.about(), "step_lines": _sample(block), "path_lines": _path(block),
         "portable": portable if used & set(SAME) else "", "sign": "sign" in used, "period": block.step or None,

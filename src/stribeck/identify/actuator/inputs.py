@@ -12,8 +12,8 @@ from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import nearest
 from stribeck.identify.actuator.recordings import Channel, Recording
+from stribeck.recorded.units import si_unit
 from stribeck.scenario import Scenario
-from stribeck.units import si_unit
 
 _CHORDS = 3  # of a curve from one sample to the next
 # The column that an element's signal becomes.

@@ -21,7 +21,7 @@ from stribeck.identify.actuator.readers import opened_log, time_of
 from stribeck.identify.data.quality import LARGEST, impossible, wild
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
-from stribeck.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
+from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
 _UNITS = LENGTH | ANGLE | SPEED | ACCELERATION | FORCE | PRESSURE | DRIVE
 _KEYS = ("file", "time", "outputs", "inputs", "known", "hold_out", "window", "name", "episode")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stribeck.errors import InputError, arg, nearest
-from stribeck.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
+from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
 _KNOWN: dict[str, dict[str, float]] = {
     "time": TIME,

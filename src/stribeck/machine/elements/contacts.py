@@ -11,7 +11,6 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from stribeck import signals
 from stribeck.constants import Column, Constant, kind_of, show
-from stribeck.equations import SLIP_AND_STICK, Events
 from stribeck.errors import nearest
 from stribeck.expressions.graph import ZERO, Expr, derivative, wrap
 from stribeck.expressions.ops import Value, where
@@ -19,6 +18,7 @@ from stribeck.laws.base import Law, Scales
 from stribeck.laws.values import Constants
 from stribeck.machine.element import GROUND, BetweenBodies, BodyName, BodyOrGround, State, force_unit, ratio_constant
 from stribeck.machine.elements.waves import same_length, sum_of_waves
+from stribeck.machine.equations import SLIP_AND_STICK, Events
 from stribeck.machine.law import Friction, FrictionLaw
 from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import (

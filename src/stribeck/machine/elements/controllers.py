@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Protocol
 
 from pydantic import Field
 
+from stribeck.arrays import Array
 from stribeck.constants import Column, show
-from stribeck.equations import Events, Sample
 from stribeck.expressions.graph import ZERO, Expr, derivative, symbol, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, both, clip, sign, where
@@ -18,6 +18,7 @@ from stribeck.laws.base import Scales
 from stribeck.machine.element import NONE, Element, Own, State, force_unit
 from stribeck.machine.elements.dither import PHASE, WAVES_A_STEP, Dither
 from stribeck.machine.elements.sampling import Sampling
+from stribeck.machine.equations import Events, Sample
 from stribeck.machine.friction import compensation
 from stribeck.machine.law import CompensatedLaw, Friction
 from stribeck.machine.observed import observed
@@ -98,6 +99,21 @@ class Compensation(FileTable):
         return (self.share * force if self.share is not None else force), rate
 
 
+class Courses(Protocol):
+    """What a remark is made of: the rows of a solution."""
+
+    @property
+    def t(self) -> Array:
+        """The times, s."""
+
+    @property
+    def held(self) -> Mapping[str, Array]:
+        """What controllers held at these times."""
+
+    def __getitem__(self, name: str, /) -> Array:
+        """A column."""
+
+
 class AnyController(Element, family=True):
     """What follows a signal by what it measures: the base of controllers of a force and of those that move a valve."""
 
@@ -106,8 +122,8 @@ class AnyController(Element, family=True):
     if TYPE_CHECKING:  # each kind says what they may be
         on: str
         measures: str | None
-        signal: Any
-        sampling: Any
+        signal: Held
+        sampling: Held
 
     def memory(self, m: Elements) -> tuple[str, ...]:
         """What a sampled one remembers."""
@@ -129,7 +145,7 @@ class AnyController(Element, family=True):
         """The longest step of the solver that cannot miss a wave of it, s."""
         return float("inf")
 
-    def remarks(self, rows: Any, end: float) -> list[str]:
+    def remarks(self, rows: Courses, end: float) -> list[str]:
         """What is to be said of a run, from the rows of its solution."""
         return []
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field
 
 from stribeck.constants import show
-from stribeck.control.cylinder import Cylinder
 from stribeck.expressions.graph import ZERO, Expr, symbol, wrap
 from stribeck.expressions.ops import Value
 from stribeck.machine.element import Own, State
 from stribeck.machine.elements.bodies import Body
+from stribeck.machine.pneumatic.cylinder import Cylinder
 from stribeck.machine.table import Aside, FileTable, Problem, given_as, quantity
 
 if TYPE_CHECKING:

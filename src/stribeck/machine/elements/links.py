@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from stribeck.constants import Column, kind_of, show
-from stribeck.equations import Events
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.ops import Value, clip
 from stribeck.machine.element import (
@@ -20,6 +19,7 @@ from stribeck.machine.element import (
     force_unit,
     ratio_constant,
 )
+from stribeck.machine.equations import Events
 from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import Problem, Refers, quantity, refused
 

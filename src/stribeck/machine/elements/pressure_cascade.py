@@ -6,20 +6,15 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from types import EllipsisType, SimpleNamespace
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import Field, WrapValidator
+from pydantic import Field, ValidationInfo, WrapValidator
 from pydantic_core import core_schema
 
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import Column, Constant, kind_of, show
-from stribeck.control.cascade import GAINS, Course, course, desired_pressure, energy, errors, pressure_demand
-from stribeck.control.cylinder import Cylinder
-from stribeck.control.observer import ETA, SCALES, START, Z_HAT, Adaptation, Observed, adapt, observe
-from stribeck.control.sampled import phi_1, tracked, turned
-from stribeck.equations import Sample
 from stribeck.errors import InputError, NotDifferentiable
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, Expr, derivative, substitute, symbol, total_derivative, wrap
@@ -28,10 +23,23 @@ from stribeck.expressions.ops import Value, sqrt, where
 from stribeck.kinds import in_a_file
 from stribeck.laws.base import PARAMETERS, BristleLaw, Law, Scales
 from stribeck.machine.element import GROUND, State
-from stribeck.machine.elements.controllers import AnyController
+from stribeck.machine.elements.controllers import AnyController, Courses
 from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.elements.sampling import Sampling
+from stribeck.machine.equations import Sample
 from stribeck.machine.law import Friction
+from stribeck.machine.pneumatic.cascade import (
+    GAINS,
+    Course,
+    course,
+    desired_pressure,
+    energy,
+    pressure_demand,
+    tracking_errors,
+)
+from stribeck.machine.pneumatic.cylinder import Cylinder
+from stribeck.machine.pneumatic.observer import ETA, SCALES, START, Z_HAT, Adaptation, Observed, adapt, observe
+from stribeck.machine.sampled import phi_1, tracked, turned
 from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import (
     Aside,
@@ -82,26 +90,11 @@ _ADAPTED = (
 )
 
 
-class Courses(Protocol):
-    """What a remark is made of: the rows of a solution."""
-
-    @property
-    def t(self) -> Array:
-        """The times, s."""
-
-    @property
-    def held(self) -> Mapping[str, Array]:
-        """What controllers held at these times."""
-
-    def __getitem__(self, name: str, /) -> Array:
-        """A column."""
-
-
 def _known(name: str) -> Held:
     return given_as(replace(Cylinder.constants[name], optional=True))
 
 
-class Model(FileTable):
+class KnownPlant(FileTable):
     """Plant constants that the controller takes for true; the piston's own where they are left out."""
 
     mass: float | None = _known("mass")
@@ -133,27 +126,27 @@ def _piston(on: object, reading: Reading) -> Piston | None:
     return found if isinstance(found, Piston) else None
 
 
-def _complete(value: object, handler: Callable[[object], Model], info: Any) -> Model:
+def _complete(value: object, handler: Callable[[object], KnownPlant], info: ValidationInfo) -> KnownPlant:
     """The model with the piston's constants where it gives none."""
     given = handler(value)
     piston = _piston(info.data.get("on"), info.context or Reading())
     if piston is None:
         return given
     own = {n: x for n in piston.constants if (x := getattr(given, n)) is not None}
-    return Model.model_construct(given.model_fields_set, **{**piston.constants, **own})
+    return KnownPlant.model_construct(given.model_fields_set, **{**piston.constants, **own})
 
 
 class _OfObserver:
     """An annotation: the field is the law that the controller takes for true, with the plant's parameters where it gives
     none: None for no law, ... where it, or the plant's, is in a file that must not be executed yet."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> core_schema.CoreSchema:
         return core_schema.with_info_plain_validator_function(self._read)
 
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, object]:
         return {"type": "object", "title": "observer"}  # the schema of files has its own in its place
 
-    def _read(self, table: object, info: Any) -> Friction | EllipsisType | None:
+    def _read(self, table: object, info: ValidationInfo) -> Friction | EllipsisType | None:
         if not isinstance(table, Mapping):
             raise problems_at([((), no_table(table))])
         reading: Reading = info.context or Reading()
@@ -165,12 +158,12 @@ class _OfObserver:
         return Friction.of(law, table) if isinstance(law, Law) else law
 
 
-def _contact_on(body: object, contacts: Mapping[str, Any]) -> Contact | None:
+def _contact_on(body: object, contacts: Mapping[str, Contact]) -> Contact | None:
     """A body's first contact with the ground."""
     return next((x for x in contacts.values() if x.start == body and x.end == GROUND), None)
 
 
-def _law_on(body: object, contacts: Mapping[str, Any]) -> Law | None:
+def _law_on(body: object, contacts: Mapping[str, Contact]) -> Law | None:
     contact = _contact_on(body, contacts)
     return None if contact is None or contact.law is None else contact.law.law
 
@@ -249,7 +242,7 @@ def _not_adaptable(law: Law | None) -> str | None:
     return f"cannot adapt the observer: {reason}" if reason else None
 
 
-def _sampling(data: dict[str, Any]) -> Sampling | None:
+def _sampling(data: dict[str, Held]) -> Sampling | None:
     """When it computes, from the keys of its table; without a filter the motion is measured as it is."""
     if data["sample_time"] is None:
         return None
@@ -295,7 +288,7 @@ class PressureCascade(AnyController):
         description="the law that the controller takes for true: name ('none' for no compensation), its own constants, and "
         "parameters where they differ from the plant's"
     )
-    model: Annotated[Model, WrapValidator(_complete)] = Field(
+    model: Annotated[KnownPlant, WrapValidator(_complete)] = Field(
         default_factory=dict, validate_default=True, description="plant constants that the controller takes for true"
     )
     adaptation: Gains = Field(default_factory=Gains, description="gains of the adaptation, with adaptive = true")
@@ -303,7 +296,7 @@ class PressureCascade(AnyController):
     sampling: Sampling | None = Field(default_factory=_sampling, exclude=True)
 
     @classmethod
-    def completed(cls, data: dict[str, Any], reading: Reading) -> dict[str, Any]:
+    def completed(cls, data: dict[str, Held], reading: Reading) -> dict[str, Held]:
         """Without a table of the sampling, whose keys are the controller's own."""
         if "sampling" in data:
             raise problems_at([(("sampling",), unknown_key("sampling", data["sampling"], cls.file_keys()))])
@@ -394,7 +387,7 @@ class PressureCascade(AnyController):
         path = course(wrap(a.reference(self.signal).value), _T)
         if self.sampling is not None:
             held = {n: self._memory(n) for n in _HELD}
-            e, s = errors(self._c, path, y, v)
+            e, s = tracking_errors(self._c, path, y, v)
             found = {
                 "e": e,
                 "s": s,
@@ -482,7 +475,7 @@ class PressureCascade(AnyController):
         body, c, model = m.bodies[self.on], self._c, self.model
         assert isinstance(body, Piston)
         y, v, (p_1, p_2) = symbol(body.of("y")), symbol(body.of("v")), body.pressures
-        e, s = errors(c, path, y, v)
+        e, s = tracking_errors(c, path, y, v)
         found = self._observed(c, v, s, called)
         p_d = desired_pressure(c, model, path, v, s, found.F)  # type: ignore[arg-type]
         rates = {n: wrap(rate) for n, rate in found.rates.items()}

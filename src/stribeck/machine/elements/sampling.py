@@ -6,9 +6,9 @@ from typing import Annotated
 
 from pydantic import Field
 
-from stribeck.control.sampled import SAMPLING
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.expressions.ops import Value, exp, floor, where
+from stribeck.machine.sampled import SAMPLING
 from stribeck.machine.table import Aside, FileTable, given_as, quantity
 
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.control.proof import derive
 from stribeck.errors import needed
 from stribeck.expressions.boxes import grid, not_negative
 from stribeck.expressions.emit import python_function
@@ -18,6 +17,7 @@ from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.intervals import Evaluator, Interval, point
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
+from stribeck.loops.proof import derive
 
 if TYPE_CHECKING:
     import sympy

@@ -7,10 +7,10 @@ import zipfile
 import numpy as np
 import pytest
 
-from stribeck import memory
+from stribeck import platforms
 from stribeck.errors import InputError, StribeckNote
 from stribeck.recorded import opened, read_columns
-from stribeck.table_layout import is_units
+from stribeck.recorded.layout import is_units
 
 T = np.arange(200) * 1e-3
 WANTED = {"time": "time", "position": "position"}
@@ -84,7 +84,7 @@ def test_a_column_that_nobody_names_takes_no_memory(tmp_path, kind):
 
 def test_columns_that_do_not_fit_are_refused_before_they_are_read(tmp_path, monkeypatch):
     path = zeros_in_npz(tmp_path / "big.npz", 1 << 17)
-    monkeypatch.setattr(memory, "available", lambda: 1e6)
+    monkeypatch.setattr(platforms, "free_memory", lambda: 1e6)
     assert len(read_columns(path, WANTED)) == 2
     with pytest.raises(InputError, match=r"cannot be read: the columns take 1\.05 MB, and 1 MB are free"):
         read_columns(path, {"time": "time", "position": "other"})

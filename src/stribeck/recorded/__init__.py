@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck import memory
+from stribeck import platforms
 from stribeck.arrays import Array, of_arrow
 from stribeck.errors import InputError, StribeckError, arg, nearest, needed, note
-from stribeck.table_layout import commas_twice, encoding_of, is_units, table_begins, thousands
+from stribeck.recorded.layout import commas_twice, encoding_of, is_units, table_begins, thousands
 
 Numbers = NDArray[Any]  # of any type
 
@@ -141,9 +141,9 @@ class Source:
         Raises:
             InputError: with both sizes.
         """
-        wanted, free = 8.0 * sum(counts), memory.available()
+        wanted, free = 8.0 * sum(counts), platforms.free_memory()
         if wanted > free:
-            text = f"the columns take {memory.size(wanted)}, and {memory.size(free)} are free"
+            text = f"the columns take {platforms.size_of(wanted)}, and {platforms.size_of(free)} are free"
             raise InputError(f"{arg('data')}: '{self.path}': cannot be read: {text}")
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from stribeck import Scenario, simulate
 from stribeck.errors import InputError, StribeckNote
-from stribeck.exchange import from_bam, from_mujoco_file, import_, to_bam, to_mujoco
+from stribeck.exports.exchange import from_bam, from_mujoco_file, import_, to_bam, to_mujoco
 
 SHARED = Path(__file__).parents[3] / "shared" / "data" / "bam"
 PLAIN = {"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}

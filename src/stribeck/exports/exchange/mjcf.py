@@ -13,7 +13,7 @@ import numpy as np
 
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, needed, note
-from stribeck.exchange.bam import STEEPNESS
+from stribeck.exports.exchange.bam import STEEPNESS
 from stribeck.files import open_file
 
 Tables = dict[str, Any]

@@ -12,13 +12,13 @@ from itertools import pairwise
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-from stribeck.control import cascade
-from stribeck.control.cascade import Course
-from stribeck.control.cylinder import Cylinder
-from stribeck.control.observer import least_K_D, observe
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw
+from stribeck.machine.pneumatic import cascade
+from stribeck.machine.pneumatic.cascade import Course
+from stribeck.machine.pneumatic.cylinder import Cylinder
+from stribeck.machine.pneumatic.observer import least_K_D, observe
 
 if TYPE_CHECKING:
     import sympy
@@ -91,7 +91,7 @@ def derive() -> QuadraticForm:
     p = Linear.symbolic(lambda name: sympy.Symbol(name, positive=True))
     y, v, p_1, p_2, z, z_hat = sympy.symbols("y v p_1 p_2 z z_hat", real=True)
     path: Course = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
-    e, s = cascade.errors(c, path, y, v)
+    e, s = cascade.tracking_errors(c, path, y, v)
     found = observe(Linear, p, c.K, v, s, {"z_hat": z_hat})
     dz_dt = Linear.dz_dt(p, v, z)
     acceleration = Cylinder.acceleration(m, 0.0, Linear.friction(p, v, z, dz_dt), (p_1, p_2))

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from stribeck.constants import show
 from stribeck.errors import InputError
-from stribeck.exchange.bam import from_bam, to_bam
-from stribeck.exchange.mjcf import Tables, from_mujoco_file, to_mujoco
+from stribeck.exports.exchange.bam import from_bam, to_bam
+from stribeck.exports.exchange.mjcf import Tables, from_mujoco_file, to_mujoco
 from stribeck.scenario import Scenario
 
 __all__ = ["from_bam", "from_mujoco_file", "import_", "tables", "to_bam", "to_mujoco"]

@@ -9,12 +9,12 @@ import sympy
 
 import stribeck
 from stribeck.cli import _status
-from stribeck.control import observer
-from stribeck.control.gains import at_speed, decay, gain_verdict, prove
-from stribeck.control.proof import derive
 from stribeck.laws import BristleLaw
+from stribeck.loops.gains import at_speed, decay, gain_verdict, prove
 from stribeck.loops.lyapunov import along, gains_of
-from tests.control.servos import servo, solved
+from stribeck.loops.proof import derive
+from stribeck.machine.pneumatic import observer
+from tests.machine.pneumatic.servos import servo, solved
 from tests.simulation.rig import needs_compiler
 
 TABLE_1 = {"parameters": "canudas1995", "k_v": 1e8}

@@ -8,9 +8,9 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from stribeck.constants import Constant
-from stribeck.control.cylinder import Cylinder
 from stribeck.expressions.graph import Expr, derivative
 from stribeck.expressions.ops import Value
+from stribeck.machine.pneumatic.cylinder import Cylinder
 
 Course = tuple[Expr, Expr, Expr, Expr]  # a desired position and its first three derivatives
 
@@ -34,7 +34,7 @@ def course(position: Expr, t: Expr) -> Course:
     return position, speed, acceleration, derivative(acceleration, t)
 
 
-def errors(c: SimpleNamespace, path: Course, y: Value, v: Value) -> tuple[Value, Value]:
+def tracking_errors(c: SimpleNamespace, path: Course, y: Value, v: Value) -> tuple[Value, Value]:
     """The position error e (m) and s = de/dt + lambda e (m/s)."""
     e = y - path[0]
     return e, v - path[1] + getattr(c, "lambda") * e

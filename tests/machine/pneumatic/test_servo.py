@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stribeck import InputError, Scenario, simulate
-from stribeck.control.sampled import tracked
+from stribeck.machine.sampled import tracked
 from stribeck.signals import PointToPointSignal, SplineSignal
-from tests.control.servos import data, last, servo, solved
+from tests.machine.pneumatic.servos import data, last, servo, solved
 from tests.simulation.rig import needs_compiler
 
 MOVES = {"kind": "point_to_point", "t": [0.0, 1.0, 2.0, 3.0], "value": [0.5, 0.6, 0.6, 0.5]}

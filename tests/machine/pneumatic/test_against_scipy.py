@@ -6,8 +6,8 @@ import pytest
 from stribeck import Scenario, simulate
 from stribeck.simulation.solution import Solution
 from tests import radau
-from tests.control import independent
-from tests.control.servos import COLUMNS, last, servo, solved
+from tests.machine.pneumatic import independent
+from tests.machine.pneumatic.servos import COLUMNS, last, servo, solved
 from tests.shared import SHARED
 from tests.simulation.rig import needs_compiler
 

@@ -28,7 +28,7 @@ START = {Z_HAT.name: 0.0, ETA.name: 0.0, **{scale.name: 1.0 for scale in SCALES}
 def least_K_D(K: Value, sigma_0: Value, sigma_1: Value, w: Value) -> Value:
     """The smallest gain on s, N s/m, with which V never grows for a law linear in z whose w = -d(dz/dt)/dz is at most ``w``.
 
-    :func:`stribeck.control.proof.derive` holds it against what it derives from the loop's equations.
+    :func:`stribeck.loops.proof.derive` holds it against what it derives from the loop's equations.
     """
     return K * sigma_1 * (sigma_1 * w / 4 - sigma_0)
 

@@ -1,1 +1,0 @@
-"""Controllers that compensate friction: their equations, written once, and their Lyapunov function."""

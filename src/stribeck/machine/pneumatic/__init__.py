@@ -1,0 +1,1 @@
+"""A pneumatic cylinder, its cascade and its observer: equations, written once."""
