@@ -162,7 +162,7 @@ def test_threads_are_a_whole_number(threads):
 
 
 def test_more_than_memory_holds(monkeypatch):
-    monkeypatch.setattr(module.memory, "available", lambda: 1e6)
+    monkeypatch.setattr(module.platforms, "free_memory", lambda: 1e6)
     with pytest.raises(InputError, match=r"1000 lanes of 201 rows would take .* 'stribeck sweep'"):
         simulate(Scenario(PULLED), {"plant.mass": np.ones(1000)})
 

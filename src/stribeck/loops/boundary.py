@@ -117,7 +117,7 @@ def known_path(loop: Loop, path: str, given: str = "vary") -> None:
     Raises:
         InputError: with what is like it.
     """
-    from stribeck.simulation.places import machine_places
+    from stribeck.simulation.variations import machine_places
 
     known = list(machine_places(loop.scenario))
     if path not in known:

@@ -218,7 +218,7 @@ def resolution_of(scenario: Scenario, controller: Controller) -> float:
 
 def a_number(scenario: Scenario) -> dict[str, float]:
     """A number of the machine by its path, as it is: a lane needs one to be given."""
-    from stribeck.simulation.places import machine_places
+    from stribeck.simulation.variations import machine_places
 
     places = machine_places(scenario)
     return next({path: scenario.rig.values[at]} for path, at in places.items() if at in scenario.rig.values)

@@ -26,7 +26,7 @@ def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple
     Raises:
         InputError: the file cannot be read, or names what the machine does not have.
     """
-    from stribeck.simulation.places import machine_places
+    from stribeck.simulation.variations import machine_places
 
     places = machine_places(scenario)
     rig = scenario.rig

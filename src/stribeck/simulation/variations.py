@@ -13,21 +13,18 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
-from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
 from stribeck.machine.element import RATIO_LARGEST
-from stribeck.machine.elements.controllers import AT_LIMIT
-from stribeck.machine.elements.dither import WAVES_A_STEP
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import ConstantField
 from stribeck.scenario import Scenario
+from stribeck.scenario.declared import declared
 from stribeck.scenario.rig import Rig, evaluate
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
-from stribeck.simulation.places import Place, machine_places
 
-# Where a threshold varies: below the table of a contact, a link or a controller, by name, and what share of it counts.
-_LEVELS = {"contacts": (".law", "v_s", 1.0), "links": ("", "gap", 0.5), "controllers": ("", "limit", AT_LIMIT)}
+Place = tuple[str, str]  # owner and name of a constant; the owner "initial" has the states at t = 0
+_IN_PIECES = ("ramp", "step")  # signals whose constants make pieces
 _SHIFT = "shift."  # before a state's name: what is added to it where a lane begins
 
 
@@ -69,6 +66,26 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
     unknown = [path for path in given if path not in known]
     numbers = not rig.single or all(path.startswith("law.") for path in unknown)  # which a law may leave unused
     return (LaneByLane if unknown and numbers else Variations)(scenario, values)
+
+
+def machine_places(scenario: Scenario) -> dict[str, Place]:
+    """Every path that can be varied in lanes, and the constant it stands for."""
+    rig, called = scenario.rig, scenario.called
+    found: dict[str, Place] = {leaf.path: leaf.key for leaf, _ in scenario.elements.leaves}
+    for body in scenario.elements.bodies.values():
+        if body.tied_to is None:
+            found[f"{body.path}.initial.y"] = ("initial", body.of("y"))
+            if body.free:
+                found |= {
+                    f"{body.path}.initial.{n}": ("initial", body.of(n)) for n in ("v", *(s.name for s in body.states))
+                }
+    for contact in scenario.elements.contacts.values():
+        if contact.has_z:
+            found[f"{contact.path}.initial.z"] = ("initial", contact.of("z"))
+    for use, signal in rig.signals.items():
+        if signal.kind in _IN_PIECES:
+            found |= {f"{use.path}.{name}": (use.path, name) for name in signal.constants}
+    return {called.to_file(path): place for path, place in found.items()}
 
 
 class Variations:
@@ -119,20 +136,22 @@ class Variations:
         rows = np.stack([table.at(t) for table in tables])[which]
         segment = {name: rows[:, :, i] for i, name in enumerate(machine.piece_fields)}
         segment |= {name: held[:, :, i] for i, name in enumerate((*machine.held, *machine.shown))}
-        values = {key: self.constant(*key) for key in machine.parameters}
+        values = self._carried.values
         shaped = {key: x[:, np.newaxis] if isinstance(x, np.ndarray) else x for key, x in values.items()}
         found = evaluate(machine, shaped, segment, t, named)
         return {name: np.broadcast_to(np.asarray(x, float), shape) for name, x in found.items()}
 
     # -- what the equations take, a row for each lane --------------------------------------------------------------
 
-    def constant(self, owner: str, name: str) -> Value:
-        """A constant: an array over the lanes where it varies, else a number, or None."""
-        return self._varied.get((owner, name), self._fixed.get((owner, name)))
+    @cached_property
+    def _carried(self) -> Rig:
+        """The machine of all lanes: an array of one value for each lane in the place of each constant that varies."""
+        varied = {key: x for key, x in self._varied.items() if key in self.rig.values}
+        return self.rig.with_values(varied) if varied else self.rig
 
     def parameters(self) -> Array:
         """The run-time constants of the compiled system."""
-        return self._table([self.constant(*key) for key in self.scenario.system.parameters])
+        return self._table([self._carried.values[key] for key in self.scenario.system.parameters])
 
     def initial(self) -> Array:
         """The states at t = 0."""
@@ -144,9 +163,8 @@ class Variations:
     def atol(self) -> Array:
         """The absolute tolerance of each state."""
         names = [state.name for state in self.rig.machine.states]
-        varied = {key: x for key, x in self._varied.items() if key in self.rig.values}
         try:
-            found = self.scenario.atol(self.rig.with_values(varied) if varied else None)
+            found = self.scenario.atol(self._carried)
             return self._table([found[name] for name in names])
         except (TypeError, ValueError):  # scales that are compared, or written for numbers
             rows = (self.scenario.atol(self._rig_of(lane)) for lane in range(len(self)))
@@ -158,16 +176,11 @@ class Variations:
     def threshold(self) -> Array:
         """The speed that slip and stick of the only contact are told by; 0 for none."""
         path = next(iter(self.rig.laws))
-        return self._table([self._varied.get((path, "v_s"), self.scenario.threshold)])[:, 0]
+        return self._table([self._carried.values.get((path, "v_s"), self.scenario.threshold)])[:, 0]
 
     def thresholds(self) -> Array:
         """The threshold of each watched quantity, 0 for none."""
-        rig = self.rig
-        found = []
-        for each, now in zip(rig.machine.watching, rig.thresholds(), strict=True):
-            path, name, share = _LEVELS[each.section]
-            key = (f"{each.path}{path}".lstrip("."), name)
-            found.append(self._varied[key] * share if key in self._varied else now)
+        found = self._carried.thresholds()
         return self._table(found) if found else np.zeros((len(self), 0))
 
     def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
@@ -204,9 +217,8 @@ class Variations:
         for use in self.rig.signals:
             signals, which = self._signals(use)
             found = np.minimum(found, np.array([signal.longest_step for signal in signals])[which])
-        for each in self.rig.machine.controllers:
-            if each.dither is not None and each.sampling is None:
-                found = np.minimum(found, WAVES_A_STEP / self.constant(f"{each.path}.dither", "frequency"))
+        for each in self._carried.elements.controllers.values():
+            found = np.minimum(found, each.longest_step())
         return found
 
     def pieces(self) -> Tables:
@@ -246,7 +258,7 @@ class Variations:
         """What is wrong with each lane's values, in the words of a scenario's validation; None where nothing is."""
         found: list[str | None] = [None] * len(self)
         for path, x in self.values.items():
-            constant = self._declared(path)
+            constant = declared(self.scenario, path) or Constant("", "")
             bad = ~np.isfinite(x)
             if constant.above is not None:
                 bad |= ~(x > constant.above)
@@ -270,40 +282,24 @@ class Variations:
     def _relations(self, owner: str, law: Law, found: list[str | None]) -> None:
         """What is wrong with the constants of a law taken together."""
         paths = {place: path for path, place in self.places.items()}
-        values = {name: self.constant(owner, name) for name in {**PARAMETERS, **law.constants()}}
+        fixed, names = law.machine | law.values, {**PARAMETERS, **law.constants()}
+        values = {name: self._carried.values.get((owner, name), fixed.get(name)) for name in names}
         for relation in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
             needs = {name: values[name] for name in relation.needs}
             if any(x is None for x in needs.values()) or not any((owner, name) in self._varied for name in needs):
                 continue
-            for lane, row in enumerate(self._table(list(needs.values()))):
+            for lane, row in enumerate(self._table([x for x in needs.values() if x is not None])):
                 own = dict(zip(needs, map(float, row), strict=True))
                 if found[lane] is None and not relation.holds(SimpleNamespace(**own)):
                     stated = ", ".join(f"{name} = {x}" for name, x in own.items() if name != relation.key)
                     path = paths.get((owner, relation.key), relation.key)
                     found[lane] = f"{path}: {own[relation.key]}: must be {relation.allowed} ({stated})"
 
-    def _declared(self, path: str) -> Constant:
-        owner, name = self.places[path]
-        if owner in self.rig.laws:
-            return {**PARAMETERS, **self.rig.laws[owner].constants()}[name]
-        signals = {use.path: signal.constants for use, signal in self.rig.signals.items()}
-        known = self.rig.machine.tables.get(owner, ({}, False))[0]
-        return {**signals.get(owner, {}), **known}.get(name, Constant("", ""))
-
     # -- helpers ---------------------------------------------------------------------------------------------------
 
     @cached_property
     def _varied(self) -> dict[Place, Array]:
         return {self.places[path]: x for path, x in self.values.items()}
-
-    @cached_property
-    def _fixed(self) -> dict[Place, float | None]:
-        found: dict[Place, float | None] = dict(self.rig.values)
-        for path, law in self.rig.laws.items():
-            found |= {(path, name): x for name, x in (law.machine | law.values).items() if (path, name) not in found}
-        for use, signal in self.rig.signals.items():
-            found |= {(use.path, name): x for name, x in signal.values.items()}
-        return found
 
     def _table(self, columns: Sequence[float | Array]) -> Array:
         return np.stack([np.broadcast_to(np.asarray(x, float), (len(self),)) for x in columns], axis=1)

@@ -14,7 +14,7 @@ from stribeck.identify.actuator.coordinates import paths
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.problem import STEP, MachineProblem
 from stribeck.identify.actuator.runs import Compared, RecordedRun
-from stribeck.simulation.places import machine_places
+from stribeck.simulation.variations import machine_places
 
 _BETTER = 1.3  # times narrower than by repeating a recording: worth the trouble
 _MOST = 28  # recordings that are tried on paper

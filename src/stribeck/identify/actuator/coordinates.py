@@ -11,7 +11,7 @@ import numpy as np
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator.recordings import Logs, Sought
 from stribeck.scenario import Scenario
-from stribeck.simulation.places import machine_places
+from stribeck.simulation.variations import machine_places
 
 _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
 _START = re.compile(r"initial\.(\w+)\.([yv])")

@@ -17,7 +17,7 @@ from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.judging import judged as by_core
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.scenario import Scenario
-from stribeck.simulation.places import machine_places
+from stribeck.simulation.variations import machine_places
 
 RELATED = 0.95  # of a correlation: two numbers can stand for each other
 EQUAL = (

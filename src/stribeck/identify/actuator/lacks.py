@@ -16,7 +16,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem, number_at
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.identify.core.library import LARGEST
-from stribeck.simulation.places import machine_places
+from stribeck.simulation.variations import machine_places
 
 BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # of the fastest speed: where a Stribeck curve may bend, by factors of 2.5
 CLOCK = 1e-3  # s/s: a computer's clock is off by less

@@ -20,8 +20,7 @@ from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.signals.piecewise import PointsSignal
 from stribeck.simulation import compiler, lanes
-from stribeck.simulation.places import machine_places
-from stribeck.simulation.variations import Variations, vary
+from stribeck.simulation.variations import Variations, machine_places, vary
 
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5
