@@ -1,5 +1,7 @@
 """``stribeck.fit`` as Python calls it: what it takes, what it refuses, and the law that comes out."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,6 +9,7 @@ import pytest
 import stribeck
 from stribeck import InputError
 from stribeck.identify.log import Log
+from stribeck.identify.options import FitOptions
 
 STEP = 1e-3
 T = np.arange(4000) * STEP
@@ -54,6 +57,31 @@ def test_messages_name_arguments_and_not_options():
     assert str(caught.value).startswith("method: 'x': must be static, dynamic")
     with pytest.raises(InputError, match=r"^output: 'velocity': belongs to method dynamic, not static$"):
         stribeck.fit(log(), "coulomb_viscous", output="velocity", method="static")
+
+
+@pytest.mark.parametrize(
+    ("law", "options", "said"),
+    [
+        ("lugre", {"method": "static"}, "'static': law 'lugre' has bristles, which a static fit does not see"),
+        ("lugre", {"forms": False}, "forms: belongs to .*method static, not dynamic"),
+        ("lugre", {"weight": False, "speeds": (0.1,)}, "weight: belongs to .*speed: belongs to"),
+        ("stribeck", {"terms": ("delay",)}, "'delay': belongs to .*method dynamic: a static fit chooses it itself"),
+        ("stribeck", {"constants": {"F_q": 1.0}}, r"F_q: law 'stribeck' has no such constant \(did you mean"),
+        ("stribeck", {"constants": {"F_c": -1.0}}, "F_c: -1.0: must be"),
+        ("stribeck", {"mass": 1.0, "constants": {"mass": 1.0}}, "mass: 1.0: is given with .*constants as well"),
+        ("stribeck", {"mass": -1.0}, "mass: -1.0: must be a number from 0"),
+        ("lugre_sobczyk", {"free": ("k_v",), "constants": {"k_v": 1e5}}, "k_v: is given with .*constants as well"),
+        ("lugre_majorant", {"free": ("smooth_abs",)}, "smooth_abs: is a word, not a number"),
+        (None, {"method": "dynamic"}, "method: needs .*law: without one, static laws are compared"),
+        (None, {"free": ("k_v",)}, "free: needs .*law"),
+        (None, {"constants": {"F_q": 1.0}}, "F_q: no law has such a constant"),
+    ],
+)  # fmt: skip
+def test_what_a_law_cannot_be_asked_for(law, options, said):
+    asked = FitOptions(**options)
+    with pytest.raises(InputError) as caught:
+        asked.check(law) if law else asked.check_without_law()
+    assert re.search(said, " ".join(caught.value.problems)), caught.value.problems
 
 
 def test_the_law_of_a_fit_is_the_law_of_its_curve():

@@ -6,7 +6,7 @@ import pytest
 from stribeck.identify.core.choice import chosen
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.predictor import of_json, predictor
-from stribeck.identify.core.states import EstimateState
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import record_of
 from stribeck.identify.models.static_problem import rows_of
@@ -31,6 +31,13 @@ def test_a_complete_law_is_identified_and_its_intervals_hold_the_truth():
         assert inside(found[name], truth, "range"), name
     assert all(found[n].state is EstimateState.IDENTIFIED for n in ("mass", "F_c", "F_s", "sigma_2", "offset"))
     assert sum(inside(found[n], x) for n, x in TRUTH.items()) >= len(TRUTH) - 1
+
+
+def test_an_open_end_is_none_in_json():
+    bound = Estimate(1.5, (0.5, np.inf), (0.25, np.inf), EstimateState.AT_LEAST, unit="N", why="no slow rows")
+    told = bound.to_json()
+    assert (told["interval"], told["range"], told["low"], told["high"]) == ([0.5, None], [0.25, None], 0.5, None)
+    assert (told["state"], told["why"], "experiment" in told) == ("at least", "no slow rows", False)
 
 
 def test_the_range_is_never_narrower_than_the_interval():
