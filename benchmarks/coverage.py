@@ -100,7 +100,7 @@ def of_machine(name: str, lacks: str, fault: str, seed: int) -> Found:
         recordings.append(Recording(f"run{i}", t, outputs, inputs, case.known(size), window=case.window))
     sought = tuple(Sought(n, x / 8, 8 * x) for n, x in case.usual.items())
     fit = fit_machine(case.machine, Logs(tuple(recordings), sought), starts=3, seed=seed, baselines=False)
-    return fit.parameters, truth
+    return fit.estimates, truth
 
 
 CASES: dict[str, Callable[[int], Found]] = {

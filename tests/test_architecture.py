@@ -38,7 +38,7 @@ def test_what_the_page_and_its_drawing_name_exists():
             assert (SOURCE / path).exists() or (ROOT / path).exists(), path
     inside = {
         "exports": "targets c fmu machine controller python exchange",
-        "identify": "data features models core methods report actuator",
+        "identify": "data features models core methods actuator",
     }
     for room, parts in inside.items():
         line = next(line for line in DRAWING.splitlines() if f"{room}/" in line)

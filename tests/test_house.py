@@ -17,14 +17,14 @@ LONG_FILES: dict[str, str] = {}
 LONG_FUNCTIONS: dict[str, str] = {}
 # Rooms that hold `Any`, how often at most, and what forces it there; there is none in the others.
 ANY: dict[str, tuple[int, str]] = {
-    "cli": (4, "summaries for JSON that are read again by their keys, to be printed"),
+    "cli": (5, "summaries for JSON that are read again by their keys, to be printed; keywords for the library"),
     "exports": (9, "the files of other programs, as JSON and XML hold them"),
     "explore": (8, "Bokeh's figures; numbers for the page"),
     "expressions": (
         8,
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
     ),
-    "identify": (15, "data frames and mappings of users; MuJoCo has no types"),
+    "identify": (16, "data frames and mappings of users; fit.json; MuJoCo has no types"),
     "laws": (4, "constants as users give them; a description that is told"),
     "parameter_sets": (2, "a file's tables, and values as tomllib gives them"),
     "properties": (

@@ -142,7 +142,7 @@ def test_the_design_of_a_servo():
     found = st.design(st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2}), v_max=0.2)
     assert found.gains.v_max == 0.2
     assert found.proof.proven is True
-    assert found.to_json()["simulation"]["status"] == "done"
+    assert found.to_dict()["simulation"]["status"] == "done"
     with pytest.raises(st.InputError, match="v_max: -1: must be a finite number > 0"):
         st.design(examples.path("servo"), v_max=-1)
     with pytest.raises(st.InputError, match="vary: must be left out: a servo"):
@@ -170,6 +170,6 @@ def test_a_fit_as_a_table(law):
     assert isinstance(fit, st.Fit)
     html = fit._repr_html_()
     assert "<td>F_c</td>" in html
-    assert "coulomb_viscous, static fit" in html
-    assert repr(fit).startswith("<Fit coulomb_viscous, static, relative residual ")
+    assert "coulomb_viscous, relative residual" in html
+    assert repr(fit).startswith("<LogFit of the record: coulomb_viscous, relative residual ")
     assert "array" not in repr(fit)

@@ -53,7 +53,7 @@ def fitted(machine: dict[str, Any], recorded: dict[str, np.ndarray], out: Path) 
     """The machine with the friction that the log tells, and the file of its intervals."""
     contact = next(iter(machine["contacts"]))
     found = stribeck.fit(recorded, "stribeck", time="t", position="y", velocity="v", force="u", mass=_inertia(machine))
-    told = {n: found.estimates[n].to_json() for n in FITTED if found.estimates[n].identifiable}
+    told = {n: found.estimates[n].to_dict() for n in FITTED if found.estimates[n].identifiable}
     data = deepcopy(machine)
     numbers = data["contacts"][contact]["law"]["parameters"]
     numbers |= {n: float(found.used[n]) for n in FITTED}  # as the fitted curve has them, where the log leaves one open

@@ -3,10 +3,11 @@
 import json
 import tomllib
 
+import pytest
 import tomli_w
 
-from stribeck import Scenario, simulate
-from stribeck.cli import actuator
+from stribeck import Fit, Scenario, simulate
+from stribeck.identify.said import HEAD
 from tests.identify.actuator.recorded import body, logs, record
 from tests.pages import Page
 from tests.simulation.rig import needs_compiler
@@ -16,7 +17,7 @@ WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
 
 
 @needs_compiler
-def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(stribeck, tmp_path, capsys):
+def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(stribeck, tmp_path):
     record(tmp_path / "run.csv", body(amplitude=5.0))
     record(tmp_path / "other.csv", body(amplitude=5.0, F_c=1.2, F_s=1.3), seed=3)
     path = logs(tmp_path, ["run.csv"], WANTED)
@@ -40,15 +41,14 @@ def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(st
     found = json.loads(done.out)
     assert [m["name"] for m in found["transfer"]["moved"]] == [F_C]
     assert found["transfer"]["same"] == [MASS]
-    actuator._print_transfer(found["transfer"])  # as the command prints it without --json
     there = found["transfer"]["moved"][0]["to"]
-    told = " ".join(capsys.readouterr().out.split())
-    assert f"beyond both intervals moved {F_C} {F_C}: " in told
-    assert f"there {there['low']:.6g} ... {there['high']:.6g}" in told
-    assert "other.csv (other): a.y predicted to " in told
     page = Page(tmp_path / "out" / "report.html")
-    shown = page.rows(["parameter", "estimate", "95 % from", "to", "range from", "to", "unit", "state"])
-    assert shown[MASS][0] == f"{found['parameters'][MASS]['value']:.6g}"
+    assert f"{F_C} moved beyond both intervals: " in page.text
+    assert f"there {there['low']:.6g} ... {there['high']:.6g}" in page.text
+    assert "other.csv (other): a.y predicted to " in page.text
+    shown = page.rows(HEAD)
+    mass = found["parameters"][MASS]
+    assert float(shown[MASS][0]) == pytest.approx(mass["value"], abs=0.1 * (mass["high"] - mass["low"]))
     assert shown[MASS][-2:] == ["kg", "identified"]
     assert shown["guide level half"][-2:] == ["N", "identified"]
     (moved,) = page.rows(["number", "here", "there"])
@@ -57,6 +57,11 @@ def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(st
     kept = tomllib.loads((tmp_path / "out" / "parameters.toml").read_text())
     assert kept["parameters"][MASS]["state"] == "identified"
     assert kept["levels"]["guide level half"]["speed"] > 0
+    read = Fit.load(tmp_path / "out")
+    assert read[MASS].interval == (mass["low"], mass["high"])
+    assert read["F_c"] is read.parameters[F_C]
+    assert read.error(False) == found["error"]["fitted"]
+    assert read.machine.data["bodies"]["a"]["mass"] == mass["value"]
     assert simulate(Scenario.load(tmp_path / "out" / "machine.toml")).status == "done"
 
 

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import threading
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,12 +13,11 @@ import tomli_w
 
 import stribeck
 from stribeck import examples
-from stribeck.cli import _status, actuator
+from stribeck.cli import _status
 from stribeck.files import together, write_text
-from stribeck.identify.actuator import page
-from stribeck.identify.predict import saved
-from stribeck.identify.report import files
-from stribeck.identify.report.files import FITS
+from stribeck.identify import written
+from stribeck.identify.actuator import MachineFit
+from stribeck.identify.result import LogFit
 from stribeck.mouth import page as pages
 from tests.identify.actuator.recorded import body, logs, record
 from tests.simulation.rig import needs_compiler
@@ -137,32 +135,26 @@ def test_a_check_over_that_of_another_law(stribeck, tmp_path):
     assert (out / "rig.toml").exists()
 
 
-def test_a_fit_over_one_of_another_kind(tmp_path):
+def of_machine(status):
+    return MachineFit(status, "", {}, [], [], [], {}, {"schema": 2})
+
+
+def test_a_fit_over_one_of_another_kind(tmp_path, monkeypatch):
     """machine.toml of an older fit stood beside the numbers of another one."""
-    (tmp_path / "fit.json").write_text(saved(SimpleNamespace(
-        law_name="lugre", method="static", fixed={}, used={}, details={}, relative_force_error=0.1,
-        cross_validated_error=None, data_hash="", parameters={}, predictor=None,
-    )))  # fmt: skip
-    failed = SimpleNamespace(status="failed", reason="why", parameters={}, levels={})
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(page, "report", lambda *rest: "page")
-        page.write_machine_fit(failed, tmp_path, "stribeck fit", "title")
-        assert content(tmp_path).keys() == {"parameters.toml", "report.html"}
-        done = SimpleNamespace(status="done", reason=None, parameters={}, levels={}, data={"schema": 2})
-        page.write_machine_fit(done, tmp_path, "stribeck fit", "title")
-        assert "machine.toml" in content(tmp_path)
-        whole = content(tmp_path)
-        patch.setattr(page, "toml", lambda *rest: 1 / 0)  # stopped half-way
+    written.write_fit(LogFit("coulomb_viscous", "static", {}, {}, {"k_v": 1e9}, {}, 0.1, ""), tmp_path)
+    assert content(tmp_path).keys() == {"parameters.toml", "fit.json", "report.html"}
+    written.write_fit(of_machine("done"), tmp_path)
+    assert content(tmp_path).keys() == {"parameters.toml", "fit.json", "report.html", "machine.toml"}
+    whole = content(tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(written, "machine_toml", lambda *rest: 1 / 0)  # stopped half-way
         with pytest.raises(ZeroDivisionError):
-            page.write_machine_fit(failed, tmp_path, "stribeck fit", "title")
-        assert content(tmp_path) == whole
-        patch.undo()
-        patch.setattr(page, "report", lambda *rest: "page")
-        page.write_machine_fit(failed, tmp_path, "stribeck fit", "title")
-    assert content(tmp_path).keys() == {"parameters.toml", "report.html"}
+            written.write_fit(of_machine("missed"), tmp_path)
+    assert content(tmp_path) == whole
+    written.write_fit(of_machine("missed"), tmp_path)
+    assert content(tmp_path).keys() == {"parameters.toml", "fit.json", "report.html"}
     (tmp_path / "machine.toml").write_text("# the user's own\n")
-    with together(tmp_path, "parameters.toml", FITS):
-        pass
+    written.write_fit(of_machine("missed"), tmp_path)
     assert (tmp_path / "machine.toml").exists()
 
 
@@ -272,7 +264,7 @@ def test_a_fit_that_ends_while_it_writes_leaves_the_older_result_whole(stribeck,
     assert stribeck(*asked, "--law", "coulomb_viscous").status == 0
     before = content(tmp_path / "out")
     assert set(before) == {"report.html", "parameters.toml", "fit.json"}
-    monkeypatch.setattr("stribeck.identify.predict.saved", _ends)
+    monkeypatch.setattr("stribeck.identify.written.text_of", _ends)
     assert stribeck(*asked, "--law", "coulomb_viscous", "--mass", "0").status != 0
     assert content(tmp_path / "out") == before
 
@@ -339,8 +331,7 @@ def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, m
     def stopped(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(files, "write_report", stopped)
-    monkeypatch.setattr(actuator, "write_machine_fit", stopped)
+    monkeypatch.setattr(pages, "write", stopped)
     t = np.arange(0.0, 8.0, 0.01)
     force = np.sign(np.cos(t)) + 0.4 * np.cos(t)
     rows = "".join(
@@ -380,4 +371,4 @@ def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, m
     ]
     assert _status(words) == 130
     assert "bodies.a.mass" in capsys.readouterr().out
-    assert content(tmp_path / "machine") == {}
+    assert content(tmp_path / "machine").keys() == {"parameters.toml", "fit.json", "machine.toml"}

@@ -18,12 +18,12 @@ def fitted(tmp_path_factory):
     """The folder of a fit to a log without presliding."""
     from stribeck.identify.onebody import fit_simulated
     from stribeck.identify.options import FitOptions
-    from stribeck.identify.report.files import toml
+    from stribeck.identify.written import toml
 
     log = rig.held_at(0.05)
     fit = fit_simulated(log, "lugre", FitOptions(mass=0.0, constants={"offset": 0.0}, starts=2))
     folder = tmp_path_factory.mktemp("fit")
-    (folder / "parameters.toml").write_text(toml(fit, "stribeck fit", "log.csv"))
+    (folder / "parameters.toml").write_text(toml(fit, "stribeck fit"))
     assert not fit.estimates["sigma_0"].identifiable
     return folder, fit
 

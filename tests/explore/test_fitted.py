@@ -171,21 +171,20 @@ def test_what_was_found_of_the_first_recording_alone_is_shown_with_it(stribeck, 
 
 
 @pytest.mark.parametrize(
-    ("told", "said"),
+    ("estimates", "said"),
     [
-        ("", "parameters: missing: must be a table"), ("parameters = 3", "parameters: 3: must be a table"),
-        ("[parameters]\nm = 3", "parameters.m: 3: must be a table with a value"),
-        ("[parameters]\nm = {low = 3.0}", "parameters.m: a table with low: must be a table with a value"),
-        ("[parameters]\nm = {value = 'x'}", "parameters.m.value: 'x': must be a number"),
-        ("[parameters]\nm = {value = nan}", "parameters.m.value: nan: must be a number"),
-        ("[parameters]\nm = {value = 1.0, high = true}", "parameters.m.high: true: must be a number"),
+        (3, "estimates: 3: must be a table of estimates"), ({"m": 3}, "a table with m: must be a table of estimates"),
+        ({"m": {"estimate": 1.0}}, "a table with m: must be a table of estimates"),
     ],
 )  # fmt: skip
-def test_numbers_that_no_fit_wrote_are_refused_in_a_line(told, said, tmp_path):
+def test_numbers_that_no_fit_wrote_are_refused_in_a_line(estimates, said, tmp_path):
     """They were tracebacks."""
-    (tmp_path / "parameters.toml").write_text(f"logs = 'logs.toml'\n{told}\n")
+    common = {"format": 5, "kind": "machine", "status": "done", "notes": [], "reason": "", "name": "axis", "levels": {}}
+    own = {"correlated": [], "logs": [], "noise": {}, "baselines": {}, "laws": None, "source": "logs.toml"}
+    (tmp_path / "fit.json").write_text(json.dumps({**common, **own, "estimates": estimates}))
+    (tmp_path / "parameters.toml").write_text("")
     (tmp_path / "machine.toml").write_text("schema = 2\n")
     with pytest.raises(InputError) as error:
         of_folder(tmp_path, {}, trust=False)
     assert len(error.value.problems) == 1
-    assert str(error.value).endswith(f": {said}")
+    assert str(error.value).endswith(said)

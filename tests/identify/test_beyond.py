@@ -10,7 +10,7 @@ from stribeck.errors import InputError
 from stribeck.identify.api import read_log
 from stribeck.identify.beyond import beyond, seen
 from stribeck.identify.log import INTEGRAL, Log
-from stribeck.identify.predict import load, predict, saved
+from stribeck.identify.result import Fit
 
 NAMES = {"time": "t", "position": "y", "velocity": "v", "force": "F"}
 
@@ -75,16 +75,16 @@ def rig(size: float) -> dict[str, np.ndarray]:
 
 def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(tmp_path):
     fit = stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES, terms=["stiffness"], mass=0.0)
-    (tmp_path / "fit.json").write_text(saved(fit), encoding="utf-8")
-    model = load(tmp_path)
-    assert model.seen["position"] == pytest.approx((-0.2, 0.2), rel=0.01)
-    inside = predict(model, read_log(rig(0.2), columns=NAMES))
+    fit.save(tmp_path)
+    kept = Fit.load(tmp_path)
+    assert kept.details["seen"]["position"] == pytest.approx((-0.2, 0.2), rel=0.01)
+    inside = kept.predict(read_log(rig(0.2), columns=NAMES))
     assert inside.beyond.rows == 0
     assert inside.beyond.error is None
-    wide = predict(model, read_log(rig(0.4), columns=NAMES))
+    wide = kept.predict(read_log(rig(0.4), columns=NAMES))
     # of a sine twice as tall, 2/3 of the time beyond in the position, 2/3 in the speed, and never neither beyond
     assert wide.beyond.rows == pytest.approx(wide.beyond.of, rel=0.02)
-    assert json.loads(json.dumps(wide.to_json()))["beyond"]["what"]["position"]["seen"] == pytest.approx(
+    assert json.loads(json.dumps(wide.to_dict()))["beyond"]["what"]["position"]["seen"] == pytest.approx(
         [-0.2, 0.2], rel=0.01
     )
 
@@ -92,8 +92,9 @@ def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(tmp_path):
 @pytest.mark.parametrize("range_", [[1.0], [2.0, 1.0], [0.0, "x"], 3.0])
 def test_a_range_that_is_none_is_refused(tmp_path, range_):
     fit = stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES)
-    data = json.loads(saved(fit))
+    fit.save(tmp_path)
+    data = json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))
     data["seen"]["velocity"] = range_
     (tmp_path / "fit.json").write_text(json.dumps(data), encoding="utf-8")
     with pytest.raises(InputError, match=r"seen: .*: must be a table of ranges"):
-        load(tmp_path)
+        Fit.load(tmp_path)

@@ -40,7 +40,7 @@ def test_an_integral_hunts_against_stiction():
     step = {"kind": "step", "time": 0.0, "value": 1.0}
     found = only(axis(contact=canudas, signal=step, K_p=3.0, K_i=4.0, K_d=6.0))
     assert found.verdict == "hunting"
-    cycle = found.to_json()["limit_cycle"]
+    cycle = found.to_dict()["limit_cycle"]
     assert cycle["body"] == "a"
     assert cycle["amplitude"] == pytest.approx(0.064, abs=1e-3)
     assert cycle["period"] == pytest.approx(24.4, abs=0.1)
@@ -148,7 +148,7 @@ def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
     table["compensation"]["share"] = own.share
     speed = 0.05 / 0.5 * 35 / 16  # the fastest of a move of order seven
     period = 2 * np.pi * 0.025 / speed
-    told = found.to_json()
+    told = found.to_dict()
     assert told["moves"] == pytest.approx({"amplitude": 0.025, "speed": speed, "period": period}, rel=2e-3)
     assert [row.get("table") for row in told["compensations"]][:2] == [None, table["compensation"]]
     table["signal"] = {"kind": "sine", "amplitude": 0.025, "frequency": 1 / period}

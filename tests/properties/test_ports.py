@@ -38,7 +38,7 @@ def machine(law=None, **contact):
 
 def ranges(**contact):
     rig = Scenario(machine(**contact)).rig
-    return of_contact(rig, rig.machine.contacts[0], 2.0, {}).to_json()
+    return of_contact(rig, rig.machine.contacts[0], 2.0, {}).to_dict()
 
 
 @pytest.mark.parametrize(("kind", "given"), [
@@ -106,7 +106,7 @@ def test_a_passive_machine():
     assert found.ranges == {"mesh": {"F_c": [1.0, None], "F_s": [1.5, None]}}
     assert set(found.ports) == {"loads.push", "loads.teeth"}
     assert found.verify()
-    assert found.to_json()["machine"]["passive"] is True
+    assert found.to_dict()["machine"]["passive"] is True
 
 
 @pytest.mark.parametrize(("sigma_2", "holds"), [(8.3, False), (8.4, True)])

@@ -283,7 +283,7 @@ def test_no_work_is_null_and_not_wrong():
 
 
 def test_the_json_is_that_of_the_contract():
-    data = check(law_with("lugre")).to_json()
+    data = check(law_with("lugre")).to_dict()
     assert data["law"] == "lugre"
     assert list(data["properties"]) == list(NAMES)
     assert all(set(p) == {"holds", "method", "evidence"} for p in data["properties"].values())

@@ -133,13 +133,13 @@ def test_a_power_that_is_no_whole_number():
 def test_verdicts_can_be_pickled():
     found = check(stribeck.law("lugre", TABLE_1))
     again = pickle.loads(pickle.dumps(found))
-    assert again.to_json() == found.to_json()
+    assert again.to_dict() == found.to_dict()
     assert again["passive"].certificate == found["passive"].certificate
 
 
 def test_the_verdict_does_not_depend_on_time():
     law = stribeck.law("lugre_majorant", TABLE_1, k_v=1e7)
-    assert check(law).to_json() == check(law).to_json()
+    assert check(law).to_dict() == check(law).to_dict()
     assert all(v.holds in (None, False) for v in check(law, work=0.0).properties.values())
 
 

@@ -135,7 +135,7 @@ def check(
     more |= {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
     tell(
         found.document,
-        {**found.to_json(), **more} if json else None,
+        {**found.to_dict(), **more} if json else None,
         None if json else [*(files or ()), *(pages or ())[-1:]],
     )
     return 0

@@ -64,7 +64,7 @@ def design(
                 loaded, vary=vary or [], compensate=compensate, uncertainty=uncertainty, controller=controller, v_max=v_max,
                 seed=seed, tell=share,
             )  # fmt: skip
-        summary = found.to_json()
+        summary = found.to_dict()
         files = [] if out is None else write_design(found, summary, out, command_line())
     if files:
         summary["files"] = files

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,19 +13,13 @@ import typer
 
 from stribeck.cli import record
 from stribeck.cli.options import ADVANCED, Json, Out, command
-from stribeck.cli.output import OutputFolder, command_line, print_json
+from stribeck.cli.output import OutputFolder, command_line, tell
 from stribeck.cli.progress import progress
-from stribeck.errors import InputError
-from stribeck.mouth.terminal import say
+from stribeck.errors import InputError, refuse_twice
 
 if TYPE_CHECKING:
-    from stribeck.identify.log import Log
-    from stribeck.identify.options import FitOptions
-    from stribeck.identify.result import Estimate, Fit
-
-_READ = 0.05  # of the work
-_NOTES = 5  # on the screen; the page and --json have all
-_LAWS = 3  # in the headline
+    from stribeck.identify.result import Fit
+    from stribeck.mouth.document import Document
 
 
 def _advanced(name: str, metavar: str, text: str) -> typer.models.OptionInfo:
@@ -106,30 +101,14 @@ class How:
         ),
     ] = None
 
-    def options(self) -> FitOptions:
-        """The same as the library has it.
-
-        Raises:
-            InputError: a value is not allowed.
-        """
-        from stribeck.cli.actuator import sought
-        from stribeck.identify.options import FitOptions
-
-        return FitOptions(
-            mass=self.mass,
-            method=self.method,
-            constants=record.constants(self.set_ or []),
-            free=tuple(self.free or ()),
-            terms=tuple(self.term or ()),
-            starts=self.starts,
-            seed=self.seed,
-            output=self.output,
-            forms=not self.no_forms,
-            filter=self.filter_,
-            weight=not self.no_weight,
-            speeds=tuple(self.speed or ()),
-            unknown=sought(self.unknown or []),
-        )
+    def given(self) -> record.Keywords:
+        """The same as arguments of :func:`stribeck.fit`."""
+        return {
+            "mass": self.mass, "method": self.method, "free": self.free or (), "terms": self.term or (),
+            "forms": not self.no_forms, "filter": self.filter_, "weight": not self.no_weight, "speeds": self.speed or (),
+            "cutoff": self.cutoff, "starts": self.starts, "seed": self.seed, "output": self.output,
+            "unknown": sought(self.unknown or []),
+        }  # fmt: skip
 
 
 @command("fit", "stribeck fit log.csv --time t --position y --force F --out fit")
@@ -166,6 +145,9 @@ def fit(
             help="With --plan and --out: also write a synthetic log (of --law, --set, --seed).",
         ),
     ] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", rich_help_panel=ADVANCED, help="Print every note, not only the first five.")
+    ] = False,
     out: Out = None,
     json: Json = False,
 ) -> int:
@@ -173,135 +155,113 @@ def fit(
     range and a state for each."""
     laws, assignments = law or [], how.set_ or []
     if plan is not None:
-        from stribeck.cli import plan as planning
+        from stribeck.cli.plan import plan as planned
 
-        return planning.plan(
+        return planned(
             context, plan, simulate=simulate, laws=laws, assignments=assignments, seed=how.seed, out=out, json=json
         )
     if simulate:
         raise InputError("--simulate: goes with --plan, which is not given")
     if not data:
         raise InputError("DATA: missing: a log to fit, or --plan to learn what to measure")
-    if logs is not None or transfer is not None:
-        from stribeck.cli import actuator
+    if logs is None and transfer is not None:
+        raise InputError(f"--transfer: {str(transfer)!r}: needs --logs")
+    if logs is not None and len(data) != 1:
+        raise InputError(f"DATA: {len(data)} files: with --logs there must be one, the machine's")
+    from stribeck.identify.written import FILES, write_fit
 
-        actuator.check_options(context)
-        sought = actuator.RecordingsOptions(data, logs, laws, assignments, how.unknown or [], transfer)
-        return actuator.fit(sought, starts=how.starts, seed=how.seed, out=out, json=json)
-    return _fit_log(data, laws, columns, how, out=out, json=json)
-
-
-def _fit_log(
-    data: list[Path], laws: list[str], columns: record.ColumnsOfALog, how: How, *, out: Path | None, json: bool
-) -> int:
-    """Read the log, fit, write what was asked for, print the estimates."""
-    from stribeck.identify import api as fitting
-
-    names, options = columns.read(), how.options()
-    reading = fitting.preparation(laws, options, how.cutoff)
-    with OutputFolder(out):
-        try:
-            with progress("fit") as share:
-                log = fitting.log_of(data, names, reading)
-                share(_READ)
-                result = fitting.fit_log(log, laws, options, _rest_of(share))
-        except KeyboardInterrupt:
-            print("stribeck: nothing was found yet", file=sys.stderr)
-            raise
+    reads, names = ([data[0], logs], FILES) if logs is not None else ([], ())
+    with OutputFolder(out, reads, names):
+        with progress("fit") as share:
+            given = {**how.given(), **columns.given(), "progress": share}
+            if logs is None:
+                found = _of_log(data, laws, assignments, given)
+            else:
+                found = _of_machine(
+                    data[0], laws, assignments, given | {"logs": logs, "transfer": transfer, "folder": out}
+                )
         written: list[str] = []
-        summary = result.to_json()
-        summary["data"] = {
-            "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
-        }  # fmt: skip
         try:
             if out is not None:
-                told = fitting.reading(data, names, reading, options)
-                _write(result, data, told, out, written)
+                write_fit(found, out, command_line(), written)
         finally:  # while the page is drawn, too: what was found is said
-            _tell(result, log, data, summary, written, json)
-    return 130 if result.status == "stopped" else 0
+            _show(found, data, written, out, verbose=verbose, json=json)
+    return {"done": 0, "stopped": 130}.get(found.status, 1)
 
 
-def _write(result: Fit, data: list[Path], reading: dict[str, object], out: Path, written: list[str]) -> None:
-    """Write the numbers, then the page, whose drawing takes seconds and may be stopped; ``written`` gets the paths."""
-    from stribeck.files import seen_from, together
-    from stribeck.identify.report.files import FITS, write_numbers, write_report
-
-    about = reading | {"files": [seen_from(out, path) for path in data]}
-    named = command_line(), ", ".join(p.name for p in data)
-    with together(out, last="parameters.toml", older={**FITS, "report.html": ""}) as place:
-        names = write_numbers(result, place, *named, about)
-    written += [str(out / name) for name in names]
-    with together(out, last="report.html") as place:
-        names = write_report(result, place, *named)
-    written += [str(out / name) for name in names]
+# -- call ------------------------------------------------------------------------------------------------------------
 
 
-def _tell(result: Fit, log: Log, data: list[Path], summary: dict[str, object], written: list[str], json: bool) -> None:
-    if json:
-        print_json({**summary, "files": written})
-        return
-    print(_headline(result, data))
-    print()
-    print_estimates(result.parameters)
-    if result.notes:
-        print()
-    for text in result.notes[:_NOTES]:
-        say(text, 4, "  ")
-    if log.quality and not written:
-        say(f"{len(log.quality)} notes about the data: --out DIR writes them on the page, --json prints them.", 4, "  ")
-    for file in written:
-        print(f"  wrote {file}")
-    if written:
-        print(f"  next: stribeck predict other.csv --fit {Path(written[0]).parent}")
+def _of_log(data: list[Path], laws: list[str], assignments: list[str], given: record.Keywords) -> Fit:
+    """A law fitted to a log."""
+    from stribeck.identify.api import fit as fitted
+
+    try:
+        return fitted(data, laws, constants=record.constants(assignments), **given)
+    except KeyboardInterrupt:
+        print("stribeck: nothing was found yet", file=sys.stderr)
+        raise
 
 
-def _headline(result: Fit, data: list[Path]) -> str:
-    """The file, the law, what it leaves, and what plainer models leave."""
-    from stribeck.mouth.cells import percent
+def _of_machine(machine: Path, laws: list[str], assignments: list[str], given: record.Keywords) -> Fit:
+    """A machine fitted to its recordings."""
+    from stribeck.identify.api import fit as fitted
+    from stribeck.scenario import Scenario, parse_assignments
 
-    name = data[0].name if len(data) == 1 else f"{len(data)} files"
-    others = sorted((c for c in result.candidates if not c["chosen"]), key=lambda c: -c["relative_force_error"])
-    told = ", ".join(f"{c['name']} {percent(c['relative_force_error'])}" for c in others[:_LAWS])
-    left = f"{name}: {result.law_name}, relative residual {percent(result.relative_force_error)}"
-    return f"{left}    ({told})" if told else left
+    scenario = Scenario.load(machine, parse_assignments(assignments))
+    return fitted(scenario, _by_contact(laws), **given)
 
 
-def print_estimates(estimates: Mapping[str, Estimate]) -> None:
-    """Every estimate with interval, range, unit and state; ``~`` marks those that are not identifiable."""
-    rows = [["parameter", "estimate", "95 % interval", "model range", "unit", "state"]]
-    for name, e in estimates.items():
-        mark = "" if e.identifiable else "~"
-        rows.append([name, mark + _number(e.value, e), _ends(e.interval, e), _ends(e.range, e), e.unit, str(e.state)])
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for row in rows:
-        print("  " + "   ".join(x.ljust(w) for x, w in zip(row, widths, strict=True)).rstrip())
+def sought(texts: Sequence[str]) -> dict[str, object]:
+    """``PATH=LOW:HIGH``, or ``PATH=TABLE`` as in LOGS.toml, as a mapping."""
+    from stribeck.scenario import parse_assignment
+
+    found: list[tuple[str, object]] = []
+    for text in texts:
+        path, _, given = text.partition("=")
+        ends = given.split(":")
+        try:
+            pair = [float(x) for x in ends]
+        except ValueError:
+            pair = []
+        table: object = parse_assignment(text)[1] if "{" in given else pair
+        if not path.strip() or not (isinstance(table, dict) or len(pair) == 2):
+            raise InputError(f"--unknown: {text!r}: must be PATH=LOW:HIGH, or PATH={{ low = X, high = X, start = X }}")
+        found.append((path.strip(), table))
+    refuse_twice([path for path, _ in found], "--unknown")
+    return dict(found)
 
 
-def _ends(pair: tuple[float, float] | None, e: Estimate) -> str:
-    """An interval in words: one that is open at an end as a bound."""
-    if pair is None:
-        return "-"
-    low, high = pair
-    if low == -float("inf") or high == float("inf"):
-        told = [f"{word} {_number(x, e)}" for word, x in ((">", low), ("<", high)) if abs(x) != float("inf")]
-        return " ".join(told) or "open"
-    return f"{_number(low, e)} ... {_number(high, e)}"
+def _by_contact(texts: Sequence[str]) -> dict[str, list[str]]:
+    """``CONTACT=NAME,NAME`` as a mapping."""
+    found = []
+    for text in texts:
+        contact, equals, names = text.partition("=")
+        if not equals or not contact or not names:
+            raise InputError(f"--law: {text!r}: must be CONTACT=NAME,NAME with --logs")
+        found.append((contact.strip(), [name.strip() for name in names.split(",")]))
+    refuse_twice([contact for contact, _ in found], "--law")
+    return dict(found)
 
 
-def _number(x: float, e: Estimate) -> str:
-    """With so many places as its interval tells: two digits of its half width."""
-    from math import floor, isfinite, log10
-
-    ends = [abs(e.value - end) for end in e.interval if isfinite(end) and end != e.value]
-    half = min(ends, default=0.0)
-    if not isfinite(x) or not half:
-        return f"{x:.4g}"
-    places = 1 - floor(log10(half))
-    text = f"{round(x, places):.6g}"
-    return f"{x:.{places}f}" if 0 <= places <= 5 and "e" not in text else text
+# -- show ------------------------------------------------------------------------------------------------------------
 
 
-def _rest_of(tell: Callable[[float], None]) -> Callable[[float], None]:
-    """The progress of what follows the reading."""
-    return lambda share: tell(_READ + (1 - _READ) * share)
+def _show(found: Fit, data: list[Path], written: list[str], out: Path | None, *, verbose: bool, json: bool) -> None:
+    """Print the fit, and what comes next."""
+    from stribeck.identify.result import LogFit
+
+    summary = found.to_dict()
+    if isinstance(found, LogFit) and (log := found.log) is not None:
+        about = {"rows": len(log), "quality": list(log.quality), "sources": log.sources}
+        summary["data"] = {"files": [str(p) for p in data], **about}
+
+    def document() -> Document:
+        following = None
+        if written and isinstance(found, LogFit):
+            following = f"stribeck predict other.csv --fit {shlex.quote(str(out))}", ""
+        elif any(name.endswith("machine.toml") for name in written):
+            following = f"stribeck run {shlex.quote(str(out))}/machine.toml --out run", ""
+        return replace(found.document(), next=following)
+
+    tell(document, {**summary, "files": written} if json else None, None if json else written, verbose)

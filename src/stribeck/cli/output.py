@@ -86,14 +86,17 @@ def print_json(data: object) -> None:
     print(json.dumps(finite(data), allow_nan=False))
 
 
-def tell(document: Callable[[], Document], data: Mapping[str, object] | None, files: Sequence[str] | None = ()) -> None:
+def tell(
+    document: Callable[[], Document], data: Mapping[str, object] | None, files: Sequence[str] | None = (),
+    verbose: bool = False,
+) -> None:  # fmt: skip
     """Print ``data`` and the files as JSON where it is given, else the document and the files; None: without them."""
     if data is not None:
         print_json(data if files is None else {**data, "files": files})
         return
     from stribeck.mouth import terminal
 
-    terminal.tell(document(), files or ())
+    terminal.tell(document(), files or (), verbose)
 
 
 def command_line() -> str:

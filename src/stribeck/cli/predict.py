@@ -10,11 +10,11 @@ import typer
 from stribeck.cli.options import ADVANCED, Json, Out, Trust, Undetermined, command, given_options, load_scenario
 from stribeck.cli.output import OutputFolder, command_line, failed, tell
 from stribeck.cli.progress import progress
-from stribeck.cli.record import ColumnsAsFitted
+from stribeck.cli.record import ColumnsAsFitted, Keywords
 from stribeck.errors import InputError
 
 if TYPE_CHECKING:
-    from stribeck.identify.data.read import ColumnNames
+    from stribeck.mouth.document import Document
 
 
 @command("predict", "stribeck predict another.csv --fit fit --out predicted")
@@ -49,12 +49,12 @@ def predict(
 ) -> int:  # fmt: skip
     """Predict another record by a fit or a machine file: error, overlay and report."""
     _refuse_mixed(given_options(context), fit, machine)
-    of_log = columns.read()
+    given = columns.given()
     if fit is not None:
-        return _by_fit(data, fit, of_log, cutoff, out=out, json=json, trust=trust)
+        return _by_fit(data, fit, given | {"cutoff": cutoff}, out=out, json=json, trust=trust)
     if machine is None or len(data) != 1:
         raise InputError(f"DATA: {len(data)} files: with --machine there must be one")
-    return _by_machine(data[0], machine, of_log, set_ or [], out=out, json=json, trust=trust)
+    return _by_machine(data[0], machine, given, set_ or [], out=out, json=json, trust=trust)
 
 
 _OF_A_FIT = ("load", "pressure", "cutoff")  # options that the simulation of a machine file has no use for
@@ -74,34 +74,26 @@ def _refuse_mixed(given: dict[str, str], fit: Path | None, machine: Path | None)
         raise InputError(wrong)
 
 
-def _by_fit(
-    data: list[Path], fit: Path, of_log: ColumnNames, cutoff: float | None, *, out: Path | None, json: bool, trust: bool
-) -> int:
+def _by_fit(data: list[Path], fit: Path, given: Keywords, *, out: Path | None, json: bool, trust: bool) -> int:
     """Predict the force by the law that a fit found."""
-    from stribeck.identify import api as fitting
-    from stribeck.identify import predict as predicting
-    from stribeck.identify.data.read import ColumnNames
-    from stribeck.identify.report import predicted
+    from stribeck.identify.predict import Predicted
+    from stribeck.identify.predict import predict as predicted
 
-    model = predicting.load(fit, trust)
-    names = {**model.columns, **of_log.names}
-    units = {**{n: u for n, u in model.units.items() if n in names.values()}, **of_log.units}
-    gain = of_log.force_gain if of_log.force_gain is not None else model.force_gain
     with OutputFolder(out):
         with progress("predict"):
-            log = fitting.log_of(data, ColumnNames(names, units, gain), predicting.how_to_read(model, cutoff))
-            found = predicting.predict(model, log)
-        document = predicted.by_fit(found, ", ".join(p.name for p in data), str(fit))
-        files = [] if out is None else predicted.write(document, out, "prediction.html", command_line())
-    about = {"files": [str(p) for p in data], "rows": len(log)}
-    tell(lambda: document, {**found.to_json(), "notes": found.notes(), "data": about} if json else None, files)
+            found = predicted(data, fit, trust=trust, **given)
+        assert isinstance(found, Predicted)
+        document = found.document()
+        files = [] if out is None else _write(document, out, "prediction.html")
+    about = {"files": [str(p) for p in data], "rows": len(found.traces.time)}
+    tell(lambda: document, {**found.to_dict(), "notes": found.notes(), "data": about} if json else None, files)
     return 0
 
 
 def _by_machine(
     data: Path,
     machine: Path,
-    columns: ColumnNames,
+    given: Keywords,
     assignments: list[str],
     *,
     out: Path | None,
@@ -109,18 +101,29 @@ def _by_machine(
     trust: bool,
 ) -> int:
     """Simulate the file with the record's drive, print how far the motion is off."""
-    from stribeck.identify import validate as validating
-    from stribeck.identify.report import predicted
+    from stribeck.identify.predict import predict as predicted
+    from stribeck.identify.validate import Validated
 
     with OutputFolder(out):
         loaded = load_scenario(machine, assignments, trust)
         with progress("predict"):
-            found = validating.validate(loaded, data, columns.names, columns.units, columns.force_gain)
-        document = predicted.by_machine(found, f"{loaded.name} against {data.name}")
-        files = [] if out is None else predicted.write(document, out, "validation.html", command_line())
-    summary = {**found.to_json(), "scenario": loaded.name, "data": str(data)}
+            found = predicted(data, machine=loaded, **given)
+        assert isinstance(found, Validated)
+        document = found.document()
+        files = [] if out is None else _write(document, out, "validation.html")
+    summary = {**found.to_dict(), "scenario": loaded.name, "data": str(data)}
     tell(lambda: document, summary if json else None, files)
-    if found.status != "done":
+    if not found.success:
         failed(loaded.name, found.reason)
         return 1
     return 0
+
+
+def _write(document: Document, folder: Path, name: str) -> list[str]:
+    """Write the page under a name; its path."""
+    from stribeck.files import together
+    from stribeck.mouth import page
+
+    with together(folder, last=name) as place:
+        page.write(document, place, command_line(), name, pictures=False)
+    return [str(folder / name)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -15,6 +15,7 @@ from stribeck.errors import InputError, refuse_twice
 if TYPE_CHECKING:
     from stribeck.identify.data.read import ColumnNames
 
+Keywords = dict[str, Any]  # arguments of a function of the library
 Data = Annotated[
     list[Path] | None,
     typer.Argument(
@@ -70,6 +71,11 @@ class Columns:
             role: name for role, name in vars(self).items() if role not in ("force_gain", "unit") and name is not None
         }
         return ColumnNames(names, dict(units), self.force_gain)
+
+    def given(self) -> Keywords:
+        """The same as arguments of :func:`stribeck.fit`."""
+        read = self.read()
+        return {"columns": read.names, "units": read.units, "force_gain": read.force_gain}
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from __future__ import annotations
 # Where an option is not called as the argument: the rest is --argument with dashes.
 _WORDS = {
     "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA",
-    "forces": "--force", "laws": "--law", "folder": "--out",
+    "forces": "--force", "laws": "--law", "folder": "--out", "speeds": "--speed", "forms": "--no-forms",
+    "weight": "--no-weight",
 }  # fmt: skip
 _POSITIONAL = {"law": ("check", "export"), "scenario": ("run", "sweep", "design")}
 

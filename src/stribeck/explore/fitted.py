@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 
@@ -15,19 +13,21 @@ from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.explore.beside import Beside, Report, short
-from stribeck.files import read_file
 from stribeck.identify import api, predict
 from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate
 from stribeck.identify.actuator.estimate import first_noise
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording, read_logs
+from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.identify.actuator.starts import begun
+from stribeck.identify.core.states import Estimate
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.log import Log
-from stribeck.laws.base import PARAMETERS, Law
+from stribeck.identify.result import Fit, LogFit
+from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
@@ -42,41 +42,42 @@ def of_folder(folder: Path, trust: bool) -> Report:
     Raises:
         InputError: files that it names are gone, or cannot be read as then.
     """
-    return _of_fit(folder, trust) if (folder / predict.FILE).exists() else _of_machine_fit(folder, trust)
+    found = Fit.load(folder, trust)
+    return _of_log(folder, found, trust) if isinstance(found, LogFit) else _of_machine(folder, found)
 
 
-def _of_fit(folder: Path, trust: bool) -> Report:
+def _of_log(folder: Path, fit: LogFit, trust: bool) -> Report:
     """The law along the measured motion, or under the measured force where the motion was fitted."""
-    model = predict.load(folder, trust)
-    if not model.files:
+    kept = fit.reading
+    if not kept.files:
         raise InputError(f"{arg('report')}: {show(str(folder))}: names no file of a record; must be fitted from a file")
-    files = [folder / name for name in model.files]
-    reading = ColumnNames(dict(model.columns), dict(model.units), model.force_gain)
-    simulated = api.is_simulated([model.law], model.method)
-    log = api.log_of(files, reading, Preparation(model.cutoff, None, simulated, model.published))
+    files = [Path(name) for name in kept.files]
+    reading = ColumnNames(dict(kept.columns), dict(kept.units), kept.force_gain)
+    simulated = api.is_simulated([fit.law_name], fit.method)
+    log = api.log_of(files, reading, Preparation(kept.cutoff, None, simulated, kept.published))
     first = next(log.runs())
     log = log.rows(slice(first.start, min(first.stop, first.start + _MOST)))
-    by_force = model.output != "force"
-    scenario = _scenario(files[0].stem, model, log, by_force, trust)
+    by_force = kept.output != "force"
+    scenario = _scenario(files[0].stem, fit, log, by_force, trust)
     if by_force:
         scenario = _begun(scenario, log)
-    return Report(scenario, _intervals(folder, scenario.law), _measured(model, log, by_force, files))
+    return Report(scenario, _intervals(fit), _measured(fit, log, by_force, files))
 
 
-def _scenario(name: str, model: predict.FittedModel, log: Log, by_force: bool, trust: bool) -> Scenario:
-    kind = laws.find(model.law)
-    values = {n: x for n, x in model.values.items() if n in kind.constants()}
+def _scenario(name: str, fit: LogFit, log: Log, by_force: bool, trust: bool) -> Scenario:
+    kind = laws.find(fit.law_name)
+    values = {n: x for n, x in fit.of_curve.items() if n in kind.constants()}
     machine = {n: values.pop(n) for n in list(values) if n in PARAMETERS}
-    law = {"name": model.law, **values, **({"parameters": machine} if machine else {})}
+    law = {"name": fit.law_name, **values, **({"parameters": machine} if machine else {})}
     t = log.time - log.time[0]
-    value = log.force - predict.beside(model, log, without=("mass",)) if by_force else log.velocity
+    value = log.force - predict.beside(fit, log, without=("mass",)) if by_force else log.velocity
     start = {"y": float(log.position[0])} | ({"v": float(log.velocity[0])} if by_force else {})
     if kind.has_z:  # as bristles are that have slid at this speed
         start["z"] = float(kind({**values, **machine}).steady_deflection(float(log.velocity[0])))
     drive = {"kind": "force" if by_force else "velocity"}
     plant: dict[str, object] = {"initial": start}
     if by_force:
-        plant["mass"] = float(model.values["mass"])
+        plant["mass"] = float(fit.of_curve["mass"])
     return Scenario(
         {
             "schema": 1, "name": name, "law": law, "plant": plant,
@@ -116,85 +117,53 @@ def _begun(scenario: Scenario, log: Log) -> Scenario:
     return changed(begin, scenario.solve.t_end)
 
 
-def _measured(model: predict.FittedModel, log: Log, by_force: bool, files: list[Path]) -> Beside:
+def _measured(fit: LogFit, log: Log, by_force: bool, files: list[Path]) -> Beside:
     t, name = log.time - log.time[0], ", ".join(path.name for path in files)
     about = f"{name}, the first {len(log)} rows"
     if by_force:
         return Beside(about, {"y": (t, log.position), "v": (t, log.velocity)})
-    left = [n for n in model.body if n == "delay" or n.startswith(("F_c_by", "sigma_2_by"))]
-    left += dict.fromkeys(form for form, _ in model.predictor.forms) if model.predictor else []
+    left = [n for n in fit.terms if n == "delay" or n.startswith(("F_c_by", "sigma_2_by"))]
+    left += dict.fromkeys(form for form, _ in fit.predictor.forms) if fit.predictor else []
     if left:
         about += f"; the curve has no {', '.join(left)}, which the fit has"
-    friction = log.force - predict.beside(model, log)
+    friction = log.force - predict.beside(fit, log)
     return Beside(about, {"y": (t, log.position), "v": (t, log.velocity), "F": (t, friction)}, ("y", "v"))
 
 
-def _intervals(folder: Path, law: Law) -> dict[str, tuple[float, float]]:
-    """The intervals that parameters.toml tells, by the path of each number."""
-    found = _toml(folder / "parameters.toml")
-    paths = {n: f"law.parameters.{n}" if n in PARAMETERS else f"law.{n}" for n in law.constants()}
-    tables = (found.get(name) for name in ("parameters", "body"))
-    told: dict[str, object] = {n: x for table in tables if isinstance(table, Mapping) for n, x in table.items()}
-    _check(folder, {n: x for n, x in told.items() if isinstance(x, Mapping)})
-    return _ends({paths.get(n, "plant.mass" if n == "mass" else n): x for n, x in told.items()})
+def _intervals(fit: LogFit) -> dict[str, tuple[float, float]]:
+    """The closed intervals, by the path of each number."""
+    paths = {n: f"law.parameters.{n}" if n in PARAMETERS else f"law.{n}" for n in laws.find(fit.law_name).constants()}
+    return _closed(
+        {paths.get(n, "plant.mass" if n == "mass" else n): e for n, e in {**fit.estimates, **fit.body}.items()}
+    )
 
 
-def _check(folder: Path, parameters: object) -> None:
-    """Refuse numbers that no fit wrote.
-
-    Raises:
-        InputError: what was found is no table, or holds entries without a value, or ends that are no numbers.
-    """
-    place = f"{arg('report')}: {show(str(folder / 'parameters.toml'))}: parameters"
-    if not isinstance(parameters, Mapping):
-        found = "missing" if parameters is None else show(parameters)
-        raise InputError(f"{place}: {found}: must be a table")
-    problems = []
-    for name, each in parameters.items():
-        if not isinstance(each, Mapping) or "value" not in each:
-            problems.append(f"{place}.{name}: {show(each)}: must be a table with a value")
-            continue
-        ends = {key: each[key] for key in ("value", "low", "high") if key in each}
-        wrong = {key: x for key, x in ends.items() if isinstance(x, bool) or not isinstance(x, int | float) or x != x}
-        problems += [f"{place}.{name}.{key}: {show(x)}: must be a number" for key, x in wrong.items()]
-    if problems:
-        raise InputError(problems)
+def _closed(estimates: Mapping[str, Estimate]) -> dict[str, tuple[float, float]]:
+    return {n: e.interval for n, e in estimates.items() if e.low is not None and e.high is not None}
 
 
-def _ends(told: Mapping[str, object]) -> dict[str, tuple[float, float]]:
-    found = {}
-    for path, x in told.items():
-        low, high = (x.get("low"), x.get("high")) if isinstance(x, Mapping) else (None, None)
-        if isinstance(low, float) and isinstance(high, float):
-            found[path] = (low, high)
-    return found
-
-
-def _of_machine_fit(folder: Path, trust: bool) -> Report:
+def _of_machine(folder: Path, fit: Fit) -> Report:
     """The fitted machine in its first recording."""
-    kept = _toml(folder / "parameters.toml")
-    logs = kept.get("logs")
-    if not isinstance(logs, str) or not (folder / "machine.toml").is_file():
-        must = "must be a folder of a fit that is done (its parameters.toml names the logs; machine.toml is beside it)"
+    assert isinstance(fit, MachineFit)
+    if fit.source is None or not fit.data:
+        must = "must be a folder of a fit that is done (its fit.json names the logs; machine.toml is beside it)"
         raise InputError(f"{arg('report')}: {show(str(folder))}: {must}")
-    _check(folder, kept.get("parameters"))
-    parameters = _of_first(cast("Mapping[str, Mapping[str, float]]", kept["parameters"]))
-    value = {name: float(each["value"]) for name, each in parameters.items()}
-    scenario = Scenario.load(folder / "machine.toml", {}, trust=trust)
-    scenario = scenario.with_changes({name: x for name, x in value.items() if not name.startswith("outputs.")})
-    recording = read_logs(folder / logs, needs_unknown=False).recordings[0]
+    estimates = _of_first(fit.estimates)
+    value = {name: e.value for name, e in estimates.items()}
+    scenario = fit.machine.with_changes({name: x for name, x in value.items() if not name.startswith("outputs.")})
+    recording = read_logs(fit.source, needs_unknown=False).recordings[0]
     last = min(len(recording.t), _MOST) - 1
     end, shown = float(recording.t[last]), None if last + 1 == len(recording.t) else (0.0, float(recording.t[last]))
-    run, begins = begun(scenario, recording, 0, set(parameters), shown)
+    run, begins = begun(scenario, recording, 0, set(estimates), shown)
     columns = {each.column: _true(each, value) for each in run.targets}
     start = _started(run, begins, columns, recording)
     about = f"{Path(recording.file).name}, {_part(recording, end)}"
     return Report(
-        run.scenario.with_changes(start) if start else run.scenario, _ends(parameters), Beside(about, columns)
+        run.scenario.with_changes(start) if start else run.scenario, _closed(estimates), Beside(about, columns)
     )
 
 
-def _of_first(parameters: Mapping[str, Mapping[str, float]]) -> dict[str, Mapping[str, float]]:
+def _of_first(parameters: Mapping[str, Estimate]) -> dict[str, Estimate]:
     """What was found of all recordings and of the first one alone, by the machine's paths."""
     found = {name: each for name, each in parameters.items() if not name.startswith("log.")}
     for name, each in parameters.items():
@@ -215,13 +184,6 @@ def _started(
     problem = MachineProblem([run], begins, first_noise([recording])[0])
     found = problem.values(search(problem, 1, 0).u)
     return run.start | {path: share * found[c.name] for c in begins for path, share in c.targets.items()}
-
-
-def _toml(path: Path) -> dict[str, object]:
-    try:
-        return tomllib.loads(read_file(path).decode())
-    except (OSError, ValueError):
-        return {}
 
 
 def _part(recording: Recording, end: float) -> str:

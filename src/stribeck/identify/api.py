@@ -3,41 +3,50 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.actuator.api import fit_machine
+from stribeck.identify.actuator.recordings import Logs
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES
+from stribeck.identify.details import RecordReading
 from stribeck.identify.log import Log
 from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
 from stribeck.identify.methods.static import LAWS, Setting, check_motion, fit_static
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import Fit
+from stribeck.identify.result import Fit, LogFit
 from stribeck.recorded import is_table
 
+_READ = 0.05  # of the work
 Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
+Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None
 
 
 def fit(
-    data: Data, law: str | Sequence[str] | None = None, *,
+    data: Data, law: Law = None, *, logs: Logs | str | Path | None = None, transfer: Logs | str | Path | None = None,
     columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
     force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
     constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
     forms: bool = True, filter: str | None = None, weight: bool = True, speeds: Sequence[float] = (),
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
-    unknown: Mapping[str, object] | None = None, progress: Callable[[float], None] | None = None, **named: str,
+    unknown: Mapping[str, object] | None = None, folder: str | Path | None = None,
+    progress: Callable[[float], None] | None = None, **named: str,
 ) -> Fit:  # fmt: skip
-    """Fit a friction law to a measured log; of several laws, the one that describes the log best.
+    """Fit a friction law to a measured log, or a machine to recordings of it.
 
     Args:
         data: a file (CSV, Parquet, MAT, NPZ), a pandas data frame, a mapping of names to arrays, several of these of
-            one layout (runs), or a :class:`stribeck.identify.log.Log`.
-        law: name or FILE.py:NAME, or several; None compares the static laws, and LuGre if the record shows presliding.
+            one layout (runs), or a :class:`stribeck.identify.log.Log`; with ``logs`` a machine (its file, its tables).
+        law: name or FILE.py:NAME, or several, of which the one that describes the log best is taken; None compares the
+            static laws, and LuGre if the record shows presliding. With ``logs`` the laws to try, by contact.
+        logs: the recordings of a machine: LOGS.toml, which says what is measured and sought (docs/reference/fit-files.md).
+        transfer: recordings of another unit or day; numbers that moved are listed (with ``logs``).
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
         units: unit of a column by its name; SI unless given. A position in an angle makes the axis rotary.
@@ -54,43 +63,89 @@ def fit(
         cutoff: cut-off frequency of the motion's filter, Hz; chosen from the data unless given; 0 for no filter.
         starts, seed: number of starts of a fit by simulation, and their seed.
         output: signal that the simulation must match: "force" along the measured motion, or "velocity" or "position" under
-            the measured force (dynamic; one law). A controller in the loop is a machine (:func:`stribeck.identify.fit_machine`).
+            the measured force (dynamic; one law). A controller in the loop is a machine (``logs``).
         unknown: what is known of fitted numbers, by name: (low, high), or a table of low, high, start and prior as in
             LOGS.toml. A static fit takes low and high of what bends the law's curve (v_s, k_v): the rest has one optimum.
+            With ``logs`` further unknowns, by path.
+        folder: where a fit of a machine keeps how far it has come, so that one that was stopped goes on.
         progress: called with the share of the work done, 0 to 1, in any thread. Ctrl-C ends a fit by simulation; the best
             values so far are returned, with status "stopped".
         **named: columns by role.
 
     Returns:
-        The fit.
+        The fit: a LogFit, or with ``logs`` a MachineFit.
 
     Raises:
         InputError: if data, columns, units or constants cannot be used; one line for each problem.
     """
-    names = [] if law is None else [law] if isinstance(law, str) else list(law)
     options = FitOptions(
         mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, forms, filter, weight,
         tuple(speeds), dict(unknown or {}),
     )  # fmt: skip
     of_file = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
+    if logs is not None:
+        _refuse_of_a_log(options, of_file, cutoff)
+        return fit_machine(
+            data, logs, laws=_by_contact(law), unknown=options.unknown, transfer_to=transfer, starts=starts, seed=seed,
+            progress=progress, folder=None if folder is None else Path(folder),
+        )  # fmt: skip
+    if transfer is not None:
+        raise InputError(f"{arg('transfer')}: {show(str(transfer))}: needs {arg('logs')}")
+    if isinstance(law, Mapping):
+        raise InputError(f"{arg('law')}: {show(law)}: laws by contact need {arg('logs')}")
+    names = [] if law is None else [law] if isinstance(law, str) else list(law)
     how = preparation(names, options, cutoff)
     log = log_of(data, of_file, how)
-    return replace(fit_log(log, names, options, progress), reading=reading(data, of_file, how, options))
+    rest = None
+    if progress is not None:
+        progress(_READ)
+        rest = lambda share: progress(_READ + (1 - _READ) * share)  # noqa: E731
+    return replace(fit_log(log, names, options, rest), reading=reading(data, of_file, how, options))
 
 
-def reading(data: Data, columns: ColumnNames, how: Preparation, options: FitOptions) -> dict[str, object]:
+def _refuse_of_a_log(options: FitOptions, columns: ColumnNames, cutoff: float | None) -> None:
+    """Refuse what says something of a log: of recordings LOGS.toml says it.
+
+    Raises:
+        InputError: a line for each.
+    """
+    usual = FitOptions()
+    given = [f.name for f in fields(FitOptions) if getattr(options, f.name) != getattr(usual, f.name)]
+    wrong = [n for n in given if n not in ("starts", "seed", "unknown")]
+    wrong += [*columns.names, *(["units"] if columns.units else [])]
+    wrong += [n for n, x in (("force_gain", columns.force_gain), ("cutoff", cutoff)) if x is not None]
+    if wrong:
+        text = f"is for a log: with {arg('logs')}, LOGS.toml says what is measured and sought"
+        raise InputError([f"{arg(n)}: {text}" for n in wrong])
+
+
+def _by_contact(law: Law) -> dict[str, Sequence[str]]:
+    """The laws to try by contact.
+
+    Raises:
+        InputError: they are not given by contact.
+    """
+    if law is None or isinstance(law, Mapping):
+        return dict(law or {})
+    raise InputError(f"{arg('law')}: {show(law)}: must be laws by contact with {arg('logs')}")
+
+
+def reading(data: Data, columns: ColumnNames, how: Preparation, options: FitOptions) -> RecordReading:
     """How a record was read, as fit.json has it."""
+    return RecordReading(
+        files_of(data), columns.names, columns.units, columns.force_gain, how.cutoff, options.output, how.published
+    )
+
+
+def files_of(data: Data) -> tuple[str, ...]:
+    """The files of a record that is from files."""
     sources = data if isinstance(data, list | tuple) else [data]
-    return {
-        "files": [str(Path(each).resolve()) for each in sources if isinstance(each, str | Path)],
-        "columns": columns.names, "units": columns.units, "force_gain": columns.force_gain, "cutoff": how.cutoff,
-        "output": options.output, "published": how.published,
-    }  # fmt: skip
+    return tuple(str(Path(each).resolve()) for each in sources if isinstance(each, str | Path))
 
 
 def fit_log(
     log: Log, names: Sequence[str], options: FitOptions, progress: Callable[[float], None] | None = None
-) -> Fit:
+) -> LogFit:
     """Fit one law to a log; or several, or for no name the static ones, and report the best; as :func:`fit` says."""
     if options.output != "force" and len(names) != 1:
         raise InputError(f"{arg('output')}: laws are compared by the force they predict; must be given with one law")

@@ -35,7 +35,7 @@ class Beyond:
     within: float | None
     what: dict[str, tuple[int, tuple[float, float], tuple[float, float]]]
 
-    def to_json(self) -> dict[str, object]:
+    def to_dict(self) -> dict[str, object]:
         """As ``stribeck predict --json`` has it."""
         what = {
             name: {"rows": n, "seen": list(seen), "here": list(here)} for name, (n, seen, here) in self.what.items()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypedDict
 
 from stribeck.arrays import Array
@@ -34,3 +36,30 @@ class FitDetails(TypedDict, total=False):
     output: str
     output_error: float
     output_trace: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class RecordReading:
+    """How a record was read.
+
+    Attributes:
+        files: the record's, if it is from files.
+        columns, units, force_gain, cutoff: as the user gave them.
+        output: what a simulation was to meet.
+        published: whether the record's last rows were kept, as in the published procedure.
+    """
+
+    files: tuple[str, ...] = ()
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    force_gain: float | str | None = None
+    cutoff: float | None = None
+    output: str = "force"
+    published: bool = False
+
+    @property
+    def title(self) -> str:
+        """The file's name, or how many there are."""
+        if not self.files:
+            return "the record"
+        return Path(self.files[0]).name if len(self.files) == 1 else f"{len(self.files)} files"

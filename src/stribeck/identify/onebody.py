@@ -34,7 +34,7 @@ from stribeck.identify.models import terms
 from stribeck.identify.models.static_problem import in_stretches
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import Fit, Prediction
+from stribeck.identify.result import LogFit, Prediction
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
@@ -89,7 +89,7 @@ class OneBody:
         return places.get(name, f"loads.{name}.gain")
 
 
-def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> Fit:
+def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> LogFit:
     """Fit a law's constants, and terms beside it, by simulation.
 
     Args:
@@ -315,7 +315,7 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought
 # -- the fit -------------------------------------------------------------------------------------------------------------
 
 
-def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> Fit:
+def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> LogFit:
     """The machine's fit as one of the log."""
     values = {n: found.parameters[path].value for path, n in names.items()}
     constants = model.law.constants()
@@ -349,7 +349,7 @@ def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, s
                 "fitted": fitted,
             },
         }
-    return Fit(
+    return LogFit(
         law_name=model.name, method="dynamic",
         estimates={n: estimates[n] for n in constants if n in estimates},
         body={n: e for n, e in estimates.items() if n in TERMS},

@@ -12,6 +12,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, note
 from stribeck.identify.data.read import ColumnNames, read
+from stribeck.mouth.document import Document, Told
 from stribeck.scenario import Scenario
 from stribeck.signals.piecewise import FileSignal
 from stribeck.simulation import simulate
@@ -30,7 +31,7 @@ class Misfit(TypedDict):
 
 
 @dataclass(frozen=True)
-class Validated:
+class Validated(Told):
     """A simulation beside a record.
 
     Attributes:
@@ -38,6 +39,7 @@ class Validated:
         time: s from the record's start.
         traces: by what was measured: unit, measured, simulated.
         errors: by the same: RMS and largest difference, and RMS over that of the measured trace about its mean.
+        title: what was compared.
     """
 
     status: str
@@ -45,8 +47,25 @@ class Validated:
     time: Array
     traces: dict[str, tuple[str, Array, Array]]
     errors: dict[str, Misfit]
+    title: str
 
-    def to_json(self) -> dict[str, object]:
+    @property
+    def success(self) -> bool:
+        """Whether the simulation reached the record's end."""
+        return self.reason is None
+
+    @property
+    def message(self) -> str:
+        """Why the simulation failed; else that it is done."""
+        return self.reason or self.status
+
+    def document(self) -> Document:
+        """What the comparison says to people, for the terminal and for a page."""
+        from stribeck.identify import said
+
+        return said.of_validation(self)
+
+    def to_dict(self) -> dict[str, object]:
         """What ``stribeck predict --machine --json`` prints."""
         return {"status": self.status, "reason": self.reason, "rows": len(self.time), "errors": self.errors}
 
@@ -102,7 +121,8 @@ def validate(
         rms = float(np.sqrt(np.mean(left**2))) if len(x) else float("nan")
         largest = float(np.max(abs(left), initial=0.0))
         errors[role] = {"unit": unit, "rms": rms, "largest": largest, "relative": rms / spread if spread > 0 else None}
-    return Validated(solution.status, solution.reason, time[reached], traces, errors)
+    title = f"{scenario.name} against {data.name}"
+    return Validated(solution.status, solution.reason, time[reached], traces, errors, title)
 
 
 def _driven_until(scenario: Scenario) -> float:

@@ -47,7 +47,7 @@ class Library:
             "parameter_sets": {
                 name: {k: v for k, v in asdict(s).items() if k not in _OF_FILES} for name, s in self.sets.items()
             },
-            "machines": {name: m.to_json() for name, m in self.machines.items()},
+            "machines": {name: m.to_dict() for name, m in self.machines.items()},
         }
 
     def document(self) -> Document:

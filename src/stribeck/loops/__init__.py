@@ -80,7 +80,7 @@ class Design:
 
         return said.design(self)
 
-    def to_json(self) -> dict[str, object]:
+    def to_dict(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""
         j = self.judgement
         cycle = {"amplitude": j.amplitude, "period": j.period, "body": j.body}

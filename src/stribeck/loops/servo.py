@@ -52,7 +52,7 @@ class ServoDesign:
 
         return servo_said.servo(self)
 
-    def to_json(self) -> dict[str, object]:
+    def to_dict(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""
         found: dict[str, object] = {
             "scenario": self.solution.scenario.name, "derivative": str(derive().derivative), **self.gains.summary(),

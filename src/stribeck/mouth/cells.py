@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stribeck.mouth.document import Amount, Cell, Head, Share, Table
+from stribeck.mouth.document import Amount, Cell, Ends, Head, Share, Table, Uncertain
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
 _NOT_ABOVE_ONE = ("m", "s", "rad", "V")  # nobody reads kilometres, kiloseconds or kiloradians off a plot
@@ -55,12 +55,36 @@ def percent(share: float | None, places: int | None = None) -> str:
     return f"{100 * share:.3g} %" if places is None else f"{100 * share:.{places}f} %"
 
 
+def in_places(x: float, value: float, interval: tuple[float, float]) -> str:
+    """A number with so many places as an interval about ``value`` tells: two digits of its half width."""
+    half = min((abs(value - end) for end in interval if math.isfinite(end) and end != value), default=0.0)
+    if not math.isfinite(x) or not half:
+        return f"{x:.4g}"
+    places = 1 - math.floor(math.log10(half))
+    text = f"{round(x, places):.6g}"
+    return f"{x:.{places}f}" if 0 <= places <= 5 and "e" not in text else text
+
+
+def _interval(cell: Ends) -> str:
+    """An interval: of one that is open at an end the bound that is left."""
+    if cell.ends is None:
+        return "-"
+    low, high = (None if math.isinf(x) else in_places(x, cell.value, cell.interval) for x in cell.ends)
+    if low is None or high is None:
+        return f"> {low}" if low is not None else f"< {high}" if high is not None else "open"
+    return f"{low} ... {high}"
+
+
 def text(cell: Cell, count: int = 6) -> str:
     """The text of a cell; a plain number has so many digits."""
     if isinstance(cell, Amount):
         return "-" if cell.value is None or math.isnan(cell.value) else human(cell.value, cell.unit, cell.digits)
     if isinstance(cell, Share):
         return percent(cell.value, cell.places)
+    if isinstance(cell, Uncertain):
+        return f"{'~' if cell.doubtful else ''}{in_places(cell.value, cell.value, cell.interval)}"
+    if isinstance(cell, Ends):
+        return _interval(cell)
     if isinstance(cell, str | int):
         return str(cell)
     return digits(cell, count=count)

@@ -30,7 +30,28 @@ class Share:
     places: int | None = None
 
 
-Cell = str | int | float | None | Amount | Share
+@dataclass(frozen=True)
+class Uncertain:
+    """A number with the places that its interval leaves it; ``doubtful``: marked ``~``."""
+
+    value: float
+    interval: tuple[float, float]
+    doubtful: bool = False
+
+
+@dataclass(frozen=True)
+class Ends:
+    """The ends of an interval, with the places that another one, about the same ``value``, leaves them.
+
+    An infinite end is open: what is left is a bound.
+    """
+
+    ends: tuple[float, float] | None
+    value: float
+    interval: tuple[float, float]
+
+
+Cell = str | int | float | None | Amount | Share | Uncertain | Ends
 
 
 @dataclass(frozen=True)
@@ -88,6 +109,7 @@ class Chapter:
     Attributes:
         text: paragraphs of the page. facts: sentences for the terminal too.
         headed: the terminal prints its title too.
+        brief: the terminal prints the first facts only, and how many more there are, unless it is to print all.
     """
 
     key: str
@@ -99,6 +121,7 @@ class Chapter:
     code: str = field(default="", kw_only=True)
     on: Sequence[str] = field(default=BOTH, kw_only=True)
     headed: bool = field(default=False, kw_only=True)
+    brief: bool = field(default=False, kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -118,3 +141,21 @@ class Document:
     facts: Sequence[str] = ()
     chapters: Sequence[Chapter] = ()
     next: tuple[str, str] | None = None
+
+
+class Told:
+    """A result that says itself: ``print()`` shows what a terminal would, a notebook the same as HTML."""
+
+    def document(self) -> Document:
+        """What the result says to people, for the terminal and for a page."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        from stribeck.mouth import terminal
+
+        return "\n".join(terminal.lines(self.document()))
+
+    def _repr_html_(self) -> str:
+        from stribeck.mouth import page
+
+        return page.fragment(self.document())

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from html import escape
 from importlib.resources import files
 from pathlib import Path
 
@@ -24,9 +25,10 @@ def in_script(data: object) -> str:
 
 def _whole(text: str) -> str:
     """The text as HTML; options of commands are not broken behind their dashes."""
-    from markupsafe import Markup, escape
+    from markupsafe import Markup
+    from markupsafe import escape as safe
 
-    shown = str(escape(text)).replace("\n", "<br>")
+    shown = str(safe(text)).replace("\n", "<br>")
     return Markup(re.sub(r"--[\w-]+", r'<span class="whole">\g<0></span>', shown))
 
 
@@ -45,7 +47,7 @@ def write(
     """
     chapters, paths = [], list[Path]()
     for chapter in (each for each in document.chapters if "page" in each.on):
-        made = [plots.drawn(figure) if isinstance(figure, Figure) else figure for figure in chapter.figures]
+        made = [plots.drawn(each) if isinstance(each, Figure) else each for each in chapter.figures]
         shown = [figure for figure in made if figure is not None]
         chapters.append(replace(chapter, figures=shown))
         paths += [write_figure(figure, folder) for figure in shown if pictures]
@@ -59,6 +61,23 @@ def write(
 def _sentence(text: str) -> str:
     """The text with a capital and a full stop."""
     return f"{text[:1].upper()}{text[1:]}" + ("" if text.endswith((".", "!", "?", ":")) else ".")
+
+
+def fragment(document: Document) -> str:
+    """What a terminal shows of a document as HTML without a style, for notebooks."""
+    parts = [f"<p><b>{escape(document.title)}</b>: {escape(document.lead)}</p>"]
+    parts += [f"<p>{escape(text)}</p>" for text in document.facts]
+    for chapter in (each for each in document.chapters if "terminal" in each.on):
+        parts += [f"<p>{escape(text)}</p>" for text in chapter.facts]
+        for table in (each for each in chapter.tables if "terminal" in each.on):
+            head, rows, _ = texts(table, "terminal")
+            lines = [_row("th", head), *(_row("td", row) for row in rows)]
+            parts.append(f"<table>{''.join(lines)}</table>")
+    return "\n".join(parts)
+
+
+def _row(kind: str, cells: Sequence[str]) -> str:
+    return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
 
 
 def write_figure(figure: FigureSvg, folder: Path) -> Path:

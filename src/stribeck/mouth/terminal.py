@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import shutil
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from stribeck.errors import printable
 from stribeck.mouth.cells import texts
-from stribeck.mouth.document import Document, Table
+from stribeck.mouth.document import Chapter, Document, Table
 
 _WIDEST = 100  # columns: longer lines are hard to read
 _LEAST = 24  # columns, of a folded cell
-_APART = 3  # blanks between two columns
+_APART, _NEAR = 3, 2  # blanks between two columns; where the room is short
+_BRIEF = 5  # facts of a brief chapter: what one reads
 
 
-def width() -> int:
-    """The columns of the terminal, at most 100; 80 where there is none."""
-    return max(40, min(shutil.get_terminal_size((80, 24)).columns, _WIDEST))
+def width(without: int = 80) -> int:
+    """The columns of the terminal, at most 100; ``without`` where there is none."""
+    return max(40, min(shutil.get_terminal_size((without, 24)).columns, _WIDEST))
 
 
 def say(text: str, indent: int = 0, first: str = "") -> None:
@@ -28,35 +29,56 @@ def say(text: str, indent: int = 0, first: str = "") -> None:
         indent: of the lines after the first, in columns.
         first: what the first line begins with: a heading, to which ``indent`` makes the others stand beside.
     """
-    lines = _folded(printable(" ".join(text.split())), width(), first, " " * indent)
-    print("\n".join(lines) if lines else first.rstrip())
+    print("\n".join(_said(text, indent, first)))
 
 
-def tell(document: Document, files: Sequence[str] = ()) -> None:
-    """Print a document, the files that were written, and what comes next."""
-    say(f"{document.title}: {document.lead}", 4)
+def tell(document: Document, files: Sequence[str] = (), verbose: bool = False) -> None:
+    """Print a document, the files that were written, and what comes next; with ``verbose`` every note."""
+    for text in lines(document, files, verbose):
+        print(text)
+
+
+def lines(document: Document, files: Sequence[str] = (), verbose: bool = False) -> Iterator[str]:
+    """The lines of a document."""
+    yield from _said(f"{document.title}: {document.lead}", 4, wide=width(_WIDEST))
     for text in document.facts:
-        say(text, 4, "  ")
+        yield from _said(text, 4, "  ")
     for chapter in document.chapters:
-        tables = [table for table in chapter.tables if "terminal" in table.on]
-        if "terminal" not in chapter.on or not (tables or chapter.facts or chapter.code):
-            continue
-        print()
-        if chapter.headed:
-            say(chapter.title, 4)
-        for text in chapter.facts:
-            say(text, 4, "  ")
-        for i, table in enumerate(tables):
-            if i:
-                print()
-            _table(table)
-        for line in chapter.code.splitlines():
-            say(line, 4, "  ")
+        if "terminal" in chapter.on:
+            yield from _chapter(chapter, verbose)
     for file in files:
-        print(f"  wrote {printable(file)}")
+        yield f"  wrote {printable(file)}"
     if document.next is not None:
         command, why = document.next
-        print(f"\n  next: {command}    {why}".rstrip())
+        yield ""
+        yield f"  next: {command}    {why}".rstrip()
+
+
+def _chapter(chapter: Chapter, verbose: bool) -> Iterator[str]:
+    """A blank line, the facts, the tables and the code; nothing where there is none of these."""
+    tables = [table for table in chapter.tables if "terminal" in table.on]
+    facts = chapter.facts if verbose or not chapter.brief else chapter.facts[:_BRIEF]
+    if not (tables or facts or chapter.code):
+        return
+    yield ""
+    if chapter.headed:
+        yield from _said(chapter.title, 4)
+    for text in facts:
+        yield from _said(text, 4, "  ")
+    if left := len(chapter.facts) - len(facts):
+        yield f"  {left} more: --verbose, or the page (--out DIR)"
+    for i, table in enumerate(tables):
+        if i:
+            yield ""
+        yield from _table(table)
+    for line in chapter.code.splitlines():
+        yield from _said(line, 4, "  ")
+
+
+def _said(text: str, indent: int = 0, first: str = "", wide: int | None = None) -> list[str]:
+    """Text on lines that end between words."""
+    found = _folded(printable(" ".join(text.split())), wide or width(), first, " " * indent)
+    return found or [first.rstrip()]
 
 
 def _folded(text: str, wide: int, first: str = "", other: str = "") -> list[str]:
@@ -65,7 +87,7 @@ def _folded(text: str, wide: int, first: str = "", other: str = "") -> list[str]
     )
 
 
-def _table(table: Table) -> None:
+def _table(table: Table) -> Iterator[str]:
     """Rows in columns; where they are wider than the terminal the last column of words folds, or the first stands above."""
     titles, rows, words = texts(table, "terminal")
     if not rows:
@@ -73,7 +95,9 @@ def _table(table: Table) -> None:
     columns = len(titles)
     rows = [titles, *([printable(cell) if "\n" not in cell else cell for cell in row] for row in rows)]
     widths = [max(max(map(len, row[i].split("\n")), default=0) for row in rows) for i in range(columns)]
-    room = width() - 2 - sum(widths[:-1]) - _APART * (columns - 1)
+    whole = width(_WIDEST) - 2  # what goes to a file may be wide
+    apart = _APART if sum(widths) + _APART * (columns - 1) <= whole else _NEAR
+    room = whole - sum(widths[:-1]) - apart * (columns - 1)
     above = False
     if widths[-1] > room:
         above = columns > 2 and not (words[-1] and room >= _LEAST)
@@ -82,7 +106,7 @@ def _table(table: Table) -> None:
         widths[-1] = max(room, _LEAST) if words[-1] else widths[-1]
     for row in rows:
         if above and row[0]:
-            print(f"  {row[0]}")
+            yield f"  {row[0]}"
         cells = ["", *row[1:]] if above else row
         folded = [
             [
@@ -95,4 +119,4 @@ def _table(table: Table) -> None:
         for k in range(max(map(len, folded), default=0)):
             line = [lines[k] if k < len(lines) else "" for lines in folded]
             shown = [x.ljust(w) if left else x.rjust(w) for x, w, left in zip(line, widths, words, strict=True)]
-            print("  " + (" " * _APART).join(shown).rstrip())
+            yield "  " + (" " * apart).join(shown).rstrip()

@@ -39,7 +39,7 @@ class MachineSet:
     parameters: Mapping[str, Mapping[str, object]]
     machine: Mapping[str, object]
 
-    def to_json(self) -> dict[str, object]:
+    def to_dict(self) -> dict[str, object]:
         """As ``stribeck library --json`` prints it."""
         return asdict(self)
 

@@ -91,14 +91,14 @@ class MachineVerdicts:
         """The certificates of all contacts, as plain data."""
         return {"contacts": {name: verdicts.certificates() for name, verdicts in self.contacts.items()}}
 
-    def to_json(self) -> dict[str, Json]:
+    def to_dict(self) -> dict[str, Json]:
         """Plain data."""
         machine = {
             "passive": self.passive, "why": self.why, "spoiled_by": self.spoiled_by, "undecided": self.undecided,
             "ports": self.ports,
         }  # fmt: skip
         contacts = {
-            name: {**verdicts.to_json(), "ranges": self.ranges[name]} for name, verdicts in self.contacts.items()
+            name: {**verdicts.to_dict(), "ranges": self.ranges[name]} for name, verdicts in self.contacts.items()
         }
         return {"scenario": self.name, "contacts": contacts, "machine": machine}
 
@@ -130,7 +130,7 @@ def check_machine(
         found = MachineVerdicts(made.name, {}, {})
         for contact in made.rig.machine.contacts:
             varied = of_contact(made.rig, contact, made.end, stated)
-            found.ranges[contact.name] = varied.to_json()
+            found.ranges[contact.name] = varied.to_dict()
             found.contacts[contact.name] = _of_law(varied, v_max, work)
         _whole(made, found)
     found.seconds = process_time() - started

@@ -53,7 +53,7 @@ class Verdict:
     def __repr__(self) -> str:
         return f"{DECIDED[self.holds]}: {self.reason}"
 
-    def to_json(self) -> dict[str, Json]:
+    def to_dict(self) -> dict[str, Json]:
         """The verdict as JSON."""
         data: dict[str, Json] = {"holds": self.holds, "method": self.method, "evidence": self.evidence}
         return data if self.verified is None else {**data, "verified": self.verified}
@@ -137,7 +137,7 @@ class Verdicts:
     @property
     def level(self) -> dict[str, list[float | None]]:
         """The constants that vary and the ends between which they do (None: without end); none in a plain check."""
-        return {} if self.varied is None else self.varied.to_json()
+        return {} if self.varied is None else self.varied.to_dict()
 
     def headings(self) -> list[str]:
         """The law with its constants; and what varies, where something does."""
@@ -177,14 +177,14 @@ class Verdicts:
             },
         }
 
-    def to_json(self) -> dict[str, Json]:
+    def to_dict(self) -> dict[str, Json]:
         """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and what belongs to it."""
         varied = {} if self.varied is None else {"level": self.level}
         more = {"steepness": {name: each.to_dict() for name, each in self.steepness.items()}} if self.steepness else {}
         return {
             **more,
             "law": self.law.name,
-            "properties": {name: verdict.to_json() for name, verdict in self.properties.items()},
+            "properties": {name: verdict.to_dict() for name, verdict in self.properties.items()},
             "constants": {**self.law.values, **self.law.choices},
             "v_max": self.v_max,
             **varied,

@@ -213,7 +213,7 @@ class Varied:
         values |= {n: self._worst(n) for n in ("k_v",) if n in self.ranges and n in cls.constants()}
         return cls(values, self.law.rotary)
 
-    def to_json(self) -> dict[str, list[float | None]]:
+    def to_dict(self) -> dict[str, list[float | None]]:
         """The ranges for people: the lower end and the upper, None without end."""
         return {n: [float(low), None if high is None else float(high)] for n, (low, high) in self.ranges.items()}
 

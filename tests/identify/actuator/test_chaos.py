@@ -68,7 +68,7 @@ def test_a_chaotic_recording_has_intervals_that_hold_the_truth(motion):
     assert abs(near["rotor.y"] - far["rotor.y"])[-200:].max() > 30 * 1e-6  # errors grow
     found = fitted(motion, 6.0)
     for name, x in TRUTH.items():
-        p = found.parameters[name]
+        p = found.estimates[name]
         assert p.state == "identified"
         assert p.low < x < p.high
 

@@ -36,13 +36,13 @@ def test_the_truth_lies_in_the_intervals(recordings):
     found = fit_machine(machine(), path, starts=4)
     assert found.status == "done", found.reason
     for name, truth in ((F_C, 1.0), (MASS, 1.0)):
-        p = found.parameters[name]
+        p = found.estimates[name]
         assert p.state == "identified"
         assert p.low < truth < p.high, (name, p)
         assert p.high - p.low < 0.1 * truth
     assert found.error(held_out=True) < 0.02
     assert found.baselines["no friction"]["held_out"] > 5 * found.error(held_out=True)
-    assert found.data["bodies"]["a"]["mass"] == found.parameters[MASS].value
+    assert found.data["bodies"]["a"]["mass"] == found.estimates[MASS].value
 
 
 def test_no_point_of_a_recording_is_simulated_twice(recordings, monkeypatch):
@@ -79,7 +79,7 @@ def test_a_column_in_degrees_or_of_the_wrong_sign_is_noticed(recordings, tmp_pat
         record(tmp_path / "wrong.csv", body(amplitude=5.0), change=lambda x, f=factor: {**x, "y": f * x["y"]})
         found = fit_machine(machine(), logs(tmp_path, ["wrong.csv"], WANTED), starts=2)
         assert found.status == "missed"
-        assert not any(p.state == "identified" for p in found.parameters.values())
+        assert not any(p.state == "identified" for p in found.estimates.values())
         assert any(words in note and "a.y" in note for note in found.notes), found.notes
 
 
@@ -89,7 +89,7 @@ def test_one_load_cannot_tell_how_the_level_depends_on_it(tmp_path):
     record(tmp_path / "run.csv", body(**truth))
     path = logs(tmp_path, ["run.csv"], {F_C: {"low": 0.1, "high": 10.0}, gain: {"low": 0.0, "high": 0.6}})
     found = fit_machine(body(**truth, F_s=3.0), path, starts=3, baselines=False)
-    assert "identified" not in {found.parameters[n].state for n in (F_C, gain)}
+    assert "identified" not in {found.estimates[n].state for n in (F_C, gain)}
     assert found.correlated
     assert set(found.correlated[0]["names"]) == {F_C, gain}
 
@@ -99,7 +99,7 @@ def test_friction_alone_may_be_sought(recordings):
     data = body(F_c=0.8, F_s=1.3)
     data["bodies"]["a"]["initial"] = {"y": 0.0, "v": 0.0}
     found = fit_machine(data, logs(recordings, ["run0.csv"], {F_C: WANTED[F_C]}), starts=2)
-    assert found.parameters[F_C].low < 1.0 < found.parameters[F_C].high
+    assert found.estimates[F_C].low < 1.0 < found.estimates[F_C].high
     assert found.baselines["no friction"]["fitted"] > 5 * found.error(held_out=False)
 
 

@@ -39,7 +39,7 @@ def test_missing_samples_cost_no_truth(tmp_path, end, sure):
     record(tmp_path / "b.csv", body(amplitude=4.0, step=0.0025), seed=1, change=without(120, end))
     found = fit_machine(body(), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
     for name in (F_C, MASS):
-        e = found.parameters[name]
+        e = found.estimates[name]
         low, high = e.interval if sure else e.range
         assert low < 1.0 < high
         assert sure == (high < 1.05 * low)

@@ -26,11 +26,11 @@ def test_a_held_input_is_followed_as_held_and_told_where_it_is_not_said(tmp_path
     path = logs(tmp_path, [{"file": "run.csv", "inputs": HELD}], WANTED)
     found = fit_machine(body(mass=1.2), path, starts=1, baselines=False)
     for name in (F_C, MASS):
-        assert found.parameters[name].low < 1.0 < found.parameters[name].high
+        assert found.estimates[name].low < 1.0 < found.estimates[name].high
     assert not any("sample to sample (held" in n for n in found.notes), found.notes
     told = fit_machine(body(mass=1.2), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
     assert any("inputs held from sample to sample (held = true)" in n for n in told.notes), told.notes
-    assert not any(told.parameters[name].state == "identified" for name in (F_C, MASS))
+    assert not any(told.estimates[name].state == "identified" for name in (F_C, MASS))
 
 
 def test_what_is_wrong_with_held_is_said(tmp_path):
@@ -58,5 +58,5 @@ def test_the_last_samples_of_an_uneven_recording_are_compared_at_their_own_times
     found = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
     (trace,) = found.logs[0].traces
     assert trace.rms < 1.2 * NOISE
-    p = found.parameters[MASS]
+    p = found.estimates[MASS]
     assert p.low < 1.0 < p.high

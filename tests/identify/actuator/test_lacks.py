@@ -66,7 +66,7 @@ def fitted(more=lambda y, v, push: 0.0, change=lambda y: y):
 
 
 def outside(found, how="range"):
-    return [n for n, e in found.parameters.items() if not getattr(e, how)[0] < TRUTH[n] < getattr(e, how)[1]]
+    return [n for n, e in found.estimates.items() if not getattr(e, how)[0] < TRUTH[n] < getattr(e, how)[1]]
 
 
 def named(found):
@@ -85,23 +85,23 @@ LACKS = {
 def test_ranges_hold_where_a_term_lacks(what):
     """White residuals hide the bump and the drag."""
     found = fitted(LACKS[what])
-    assert not outside(found), {n: (e.value, e.range) for n, e in found.parameters.items()}
+    assert not outside(found), {n: (e.value, e.range) for n, e in found.estimates.items()}
     if what in ("level by direction", "level by push.f"):
         assert any(what in note for note in named(found)), found.notes
 
 
 def test_friction_that_lacks_nothing_is_identified():
     found = fitted()
-    assert {e.state for e in found.parameters.values()} == {"identified"}
+    assert {e.state for e in found.estimates.values()} == {"identified"}
     assert not outside(found, "interval")
     assert not named(found)
-    for e in found.parameters.values():
+    for e in found.estimates.values():
         assert e.interval[1] - e.interval[0] < 0.05 * e.value
     levels = {n: e for n, e in found.levels.items() if n != "joint level slow"}
     for name, e in levels.items():
         v = found.speeds[name]
         assert e.range[0] < TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v < e.range[1]
-    assert found["F_c"] is found.parameters[f"{LAW}F_c"]
+    assert found["F_c"] is found.estimates[f"{LAW}F_c"]
 
 
 def test_a_sensor_that_errs_is_not_taken_for_friction():

@@ -41,7 +41,7 @@ def fitted(folder, data, wanted, **more):
     path = logs(folder, entries, wanted)
     found = fit_machine(data, path, starts=2, baselines=False, **more)
     for name, x in TRUTH.items():
-        p = found.parameters[name]
+        p = found.estimates[name]
         assert p.state == "identified", (name, found.notes)
         assert p.value == pytest.approx(x, rel=2e-3)
     return found
@@ -72,7 +72,7 @@ def test_an_elasto_plastic_law_left_open_stays_below_break_away(tmp_path):
     assert found.laws["failed"] == {}
     law = found.data["contacts"]["guide"]["law"]
     assert 0 < law["z_ba"] * law["parameters"]["sigma_0"] < law["parameters"]["F_c"]
-    assert found.parameters["contacts.guide.law.z_ba"].unit == "m"
+    assert found.estimates["contacts.guide.law.z_ba"].unit == "m"
 
 
 def test_what_is_related_in_a_law_stays_so_wherever_a_search_goes():

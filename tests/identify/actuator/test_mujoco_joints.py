@@ -48,7 +48,7 @@ def test_each_joint_s_friction_is_found(arm):
     assert (model.dof_damping == before).all()
     assert set(joints) == set(TRUTH)
     for name, (damping, loss) in TRUTH.items():
-        found = joints[name].fit(starts=1, baselines=False).parameters
+        found = joints[name].fit(starts=1, baselines=False).estimates
         assert found["contacts.friction.law.parameters.F_c"].value == pytest.approx(loss, rel=0.05), name
         assert found["contacts.friction.law.parameters.sigma_2"].value == pytest.approx(damping, rel=0.05), name
 

@@ -41,7 +41,7 @@ def test_the_speed_at_the_start_is_found(motion, first, column):
         baselines=False,
     )
     for name in (F_C, MASS):
-        p = found.parameters[name]
+        p = found.estimates[name]
         assert p.state == "identified", found.notes
         assert p.low < 1.0 < p.high
     label = "log.0.initial.a.v"  # its bristles, of which nobody knows, begin unstretched

@@ -73,7 +73,7 @@ def test_an_unstable_machine_is_fitted_in_windows():
     sought = tuple(Sought(name, x / 8, 8 * x) for name, x in truth.items())
     found = fit_machine(machine, Logs((recording,), sought), starts=4, baselines=False)
     for name, x in truth.items():
-        p = found.parameters[name]
+        p = found.estimates[name]
         assert p.state == "identified"
         assert p.low < x < p.high
         assert p.high - p.low < 0.1 * x

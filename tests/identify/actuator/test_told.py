@@ -30,9 +30,9 @@ def test_a_clock_that_drifts_is_told_and_can_be_sought(tmp_path):
     assert any("outputs.a.y.clock 0.0" in note for note in told.notes), told.notes
     clock = {"outputs.a.y.clock": {"low": -0.03, "high": 0.03}}
     found = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED | clock), starts=1, baselines=False)
-    p = found.parameters["outputs.a.y.clock"]
+    p = found.estimates["outputs.a.y.clock"]
     assert p.low < 0.01 < p.high
-    assert found.parameters[MASS].low < 1.0 < found.parameters[MASS].high
+    assert found.estimates[MASS].low < 1.0 < found.estimates[MASS].high
 
 
 def test_the_one_recording_that_is_in_other_units_is_named(tmp_path):
@@ -57,9 +57,9 @@ def test_the_sensor_of_one_recording_that_errs_is_named(tmp_path, off):
     entries = [{"file": f"{name}.csv", "known": start} for name in ("good", "bad")]
     offset = {"log.1.outputs.a.y.offset": {"low": -0.1, "high": 0.1}}
     found = fit_machine(body(), logs(tmp_path, entries, WANTED | offset), starts=1, baselines=False)
-    p = found.parameters["log.1.outputs.a.y.offset"]
+    p = found.estimates["log.1.outputs.a.y.offset"]
     assert p.low < off < p.high
-    assert found.parameters[MASS].low < 1.0 < found.parameters[MASS].high
+    assert found.estimates[MASS].low < 1.0 < found.estimates[MASS].high
 
 
 @pytest.mark.thorough
@@ -74,7 +74,7 @@ def test_noise_of_an_input_is_counted_in_the_intervals(tmp_path):
         for name in ("noisy.csv", "clean.csv")
     )
     for name in wanted:
-        p, exact = found.parameters[name], clean.parameters[name]
+        p, exact = found.estimates[name], clean.estimates[name]
         assert p.low < 1.0 < p.high
         assert exact.low < 1.0 < exact.high
         assert p.high - p.low > 5 * (exact.high - exact.low)
@@ -88,7 +88,7 @@ def test_a_fixed_number_that_is_wrong_is_named_and_in_the_ranges(tmp_path, noise
     record(tmp_path / "b.csv", body(amplitude=3.0), noise=noise, seed=1)
     told = fit_machine(body(sigma_2=4.4), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=3, baselines=False)
     for name in (F_C, MASS):
-        assert told.parameters[name].range[0] < 1.0 < told.parameters[name].range[1]
+        assert told.estimates[name].range[0] < 1.0 < told.estimates[name].range[1]
     if noise < 5e-4:  # else it is not seen
         assert any("sigma_2 fixed at 4.4 and rather " in n for n in told.notes), told.notes
 
@@ -102,7 +102,7 @@ def test_a_wrong_constant_that_spoils_another_is_the_one_that_is_named(tmp_path)
     truth = {f"{law}v_s": 0.02, f"{law}F_s": 1.3, F_C: 1.0, MASS: 1.0}
     wanted = {n: {"low": x / 5, "high": 5 * x} for n, x in truth.items()}
     told = fit_machine(body(sigma_0=3e4), logs(tmp_path, ["a.csv", "b.csv"], wanted), starts=3, baselines=False)
-    ranges = {n: told.parameters[n].range for n in truth}
+    ranges = {n: told.estimates[n].range for n in truth}
     assert all(low < truth[n] < high for n, (low, high) in ranges.items()), ranges
     (note,) = [n for n in told.notes if n.startswith("What is left would fall")]
     assert f"{law}sigma_0 fixed at 3e+04 and rather " in note
@@ -160,7 +160,7 @@ def test_the_unit_of_a_machine_that_falls_over_is_named(tmp_path, factor, said):
     }  # fmt: skip
     sought = (Sought("bodies.arm.inertia", 0.01, 0.5), Sought("loads.gravity.amplitude", 0.3, 10.0))
     told = fit_machine(machine, Logs((recording,), sought), starts=2, baselines=False)
-    assert not any(p.state == "identified" for p in told.parameters.values())
+    assert not any(p.state == "identified" for p in told.estimates.values())
     assert any(n.startswith(f"arm.y: with its column times {said}") for n in told.notes), told.notes
 
 

@@ -59,7 +59,7 @@ def test_a_pendulum_that_is_swung_up_and_balanced_is_fitted_in_stretches():
     found = fit_machine(pendulum(), Logs((Recording("up", T, *channels, {}),), sought), starts=3, baselines=False)
     assert any(n.startswith("errors grow fast in this motion: recordings are fitted in ") for n in found.notes)
     for name, truth in TRUTH.items():
-        e = found.parameters[name]
+        e = found.estimates[name]
         assert e.state == "identified"
         assert e.range[0] < truth < e.range[1], (name, e)
         half = (e.interval[1] - e.interval[0]) / 2

@@ -9,7 +9,7 @@ from stribeck.identify.api import read_log
 from stribeck.identify.data.effect import by_effect, quiet
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.predict import load, predict, saved
+from stribeck.identify.result import Fit
 
 STEP = 1e-3
 SPEEDS = (0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.4, 1.0)
@@ -107,8 +107,8 @@ def test_a_weight_hides_no_rounded_motion(tmp_path):
         np.savez(tmp_path / f"{seed}.npz", t=t, x=tick * np.round(y / tick), F=torque)
     fit = stribeck.fit(tmp_path / "1.npz", terms=["gravity_sin"], **NAMES)
     assert fit.body["gravity_sin"].value == pytest.approx(1.3, rel=0.02)
-    (tmp_path / "fit.json").write_text(saved(fit), encoding="utf-8")
-    found = predict(load(tmp_path), load_log([tmp_path / "2.npz"], ColumnNames(NAMES)))
+    fit.save(tmp_path / "fit")
+    found = Fit.load(tmp_path / "fit").predict(load_log([tmp_path / "2.npz"], ColumnNames(NAMES)))
     assert found.force_error < 0.04
 
 

@@ -52,7 +52,7 @@ def spoilt(draw, columns):
 def check(fit):
     assert math.isfinite(fit.relative_force_error)
     assert fit.cross_validated_error is None or math.isfinite(fit.cross_validated_error)
-    fit.to_json()
+    fit.to_dict()
     for name, e in fit.parameters.items():
         assert all(math.isfinite(x) for x in (e.value, e.low, e.high) if x is not None), name
         assert e.range[0] <= e.interval[0] <= e.value <= e.interval[1] <= e.range[1], name

@@ -23,10 +23,10 @@ def test_a_fit_reports_every_number_with_interval_range_and_state():
     assert fit["F_c"].interval[0] <= TRUTH["F_c"] <= fit["F_c"].interval[1]
     assert set(fit.parameters) >= {"F_c", "F_s", "v_s", "sigma_2", "mass", "offset", "level slow", "level fast"}
     assert fit.law().values["F_s"] == pytest.approx(TRUTH["F_s"], rel=0.05)
-    told = fit.to_json()["parameters"]["F_c"]
+    told = fit.to_dict()["parameters"]["F_c"]
     assert told.keys() >= {"value", "low", "high", "unit", "identifiable", "estimate", "interval", "range", "state"}
     assert [c["law"] for c in fit.candidates if c["chosen"]] == ["stribeck"]
-    assert json.loads(json.dumps(fit.to_json()))["levels"].keys() == fit.levels.keys()
+    assert json.loads(json.dumps(fit.to_dict()))["levels"].keys() == fit.levels.keys()
     with pytest.raises(KeyError, match="no such parameter"):
         fit["F_k"]
     other = fit.predict(record(2))
@@ -35,14 +35,13 @@ def test_a_fit_reports_every_number_with_interval_range_and_state():
 
 
 def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):
-    from stribeck.identify import predict
-    from stribeck.identify.report import page as pages
+    from stribeck.identify import said
 
     fit = stribeck.fit(record(1), "coulomb_viscous")
-    monkeypatch.setattr(pages, "_result", lambda fit: {}["time"])
+    monkeypatch.setattr(said, "_model", lambda fit: {}["time"])
     with pytest.warns(Warning, match="could not be drawn"):
         assert fit.save(tmp_path) == ["parameters.toml", "fit.json"]
-    assert predict.predict(predict.load(tmp_path), record(2)).force_error < 0.2
+    assert stribeck.Fit.load(tmp_path).predict(record(2)).force_error < 0.2
 
 
 def test_a_level_by_time_over_several_files_has_a_page(tmp_path):

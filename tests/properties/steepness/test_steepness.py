@@ -258,7 +258,7 @@ def test_check_holds_the_answer_beside_the_verdicts():
     verdicts = check(law("lugre_majorant", "canudas1995", k_v=1e6), creep=1e-6)
     assert verdicts["bounded"].holds
     assert verdicts.steepness["lugre_majorant"].k_v == pytest.approx(1.472e6, rel=1e-3)
-    assert verdicts.to_json()["steepness"]["lugre_majorant"]["requirements"][0]["tolerance"] == 1e-6
+    assert verdicts.to_dict()["steepness"]["lugre_majorant"]["requirements"][0]["tolerance"] == 1e-6
     assert check(law("lugre_majorant", "canudas1995", k_v=1e6)).steepness == {}
     with pytest.raises(InputError, match="'lugre': must be a law with bristles and k_v: lugre_arctan, lugre_sobczyk"):
         check(law("lugre", "canudas1995"), creep=1e-6)

@@ -201,7 +201,8 @@ class Fitting:
         result = MachineFit(
             status, reason, judged.estimates, judged.correlated, self.errors(best, values), notes,
             dict(best.problem.noise), filled(self.scenario, self.sought, values), judged.levels, judged.speeds,
-            relation=judged.relation, agreeing=best.found.agreeing,
+            relation=judged.relation, agreeing=best.found.agreeing, name=self.scenario.name, folder=self.scenario.folder,
+            source=self.logs.path,
         )  # fmt: skip
         result.nuisance = {c.name: values[c.name] for c in best.problem.sought if c.nuisance}
         return result

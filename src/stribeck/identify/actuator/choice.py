@@ -279,7 +279,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
     if not contacts:
         return found
     speeds = _speeds(fit)
-    values = {name: p.value for name, p in result.parameters.items()}
+    values = {name: p.value for name, p in result.estimates.items()}
     kinds: list[tuple[str, str | None]] = [("no friction", None), *BASELINES.items()]
     for label, law in kinds:
         try:

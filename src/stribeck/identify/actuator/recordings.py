@@ -96,11 +96,12 @@ class Sought:
 
 @dataclass(frozen=True)
 class Logs:
-    """What LOGS.toml holds."""
+    """What LOGS.toml holds; ``path``: the file, where there is one."""
 
     recordings: tuple[Recording, ...]
     sought: tuple[Sought, ...]
     laws: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    path: Path | None = None
 
 
 def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
@@ -140,7 +141,7 @@ def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
         problems.append(f"{path}: log.0.hold_out: true: at least one recording must be for fitting")
     if problems:
         raise InputError(problems)
-    return Logs(tuple(found), tuple(sought), laws)
+    return Logs(tuple(found), tuple(sought), laws, path)
 
 
 def _table(given: object, where: str, problems: list[str]) -> Mapping[str, object]:

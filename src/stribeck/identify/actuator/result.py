@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TypedDict
+from pathlib import Path
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.errors import InputError
 from stribeck.files import finite
 from stribeck.identify.core.states import Estimate
+from stribeck.identify.result import Fit
+from stribeck.mouth.cells import percent
+from stribeck.mouth.document import Document
+from stribeck.scenario import Scenario
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass
@@ -34,18 +44,30 @@ class Trace:
         return self.rms / size if size > 0 else float("inf")
 
 
+class TraceError(TypedDict):
+    """What is left of a column: root mean square in ``unit``, and as a share of its changes."""
+
+    rms: float
+    relative: float
+    unit: str
+
+
 @dataclass
 class LogResult:
-    """One recording: its errors by column; ``traces`` for the page."""
+    """One recording: its errors by column; ``traces`` for the page, of a fit that was made just now."""
 
     file: str
     held_out: bool
     traces: list[Trace]
+    errors: dict[str, TraceError] = field(default_factory=dict)
 
-    def to_json(self) -> dict[str, object]:
+    def __post_init__(self) -> None:
+        for x in self.traces:
+            self.errors[x.column] = {"rms": x.rms, "relative": x.relative, "unit": x.unit}
+
+    def to_dict(self) -> dict[str, object]:
         """As the command prints it."""
-        errors = {x.column: {"rms": x.rms, "relative": x.relative, "unit": x.unit} for x in self.traces}
-        return {"file": self.file, "held_out": self.held_out, "errors": errors}
+        return {"file": self.file, "held_out": self.held_out, "errors": self.errors}
 
 
 class Group(TypedDict):
@@ -87,20 +109,22 @@ class Transfer(TypedDict):
     parameters: dict[str, dict[str, object]]
 
 
-@dataclass
-class MachineFit:
+@dataclass(repr=False)
+class MachineFit(Fit):
     """The machine's numbers from its recordings.
 
     Attributes:
         status: "done", "missed" (the model does not follow the recordings: nothing is identified) or "stopped".
-        parameters: estimates by path, each with a 95 % interval, a model range and a state.
+        estimates: what was sought, by path, each with a 95 % interval, a model range and a state.
         levels: the friction of each contact at four ``speeds`` that were seen, estimates like all others.
-        data: the machine with what was found, as tables.
+        data: the machine with what was found, as tables; ``folder``: where its relative paths begin.
+        name: the machine's; ``source``: the file of the recordings, where there is one.
+        trust: whether laws in files that the machine names may be executed wherever these lie.
     """
 
     status: str
     reason: str
-    parameters: dict[str, Estimate]
+    estimates: dict[str, Estimate]
     correlated: list[Group]
     logs: list[LogResult]
     notes: list[str]
@@ -114,33 +138,67 @@ class MachineFit:
     relation: tuple[list[str], Array] | None = None
     nuisance: dict[str, float] = field(default_factory=dict)
     agreeing: int = 1
+    name: str = "the machine"
+    folder: Path = field(default_factory=Path)
+    source: Path | None = None
+    trust: bool = True
 
-    def __getitem__(self, name: str) -> Estimate:
-        """An estimate by its path, or by the end of it where no other path ends so: ``fit["F_c"]``.
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """All estimates: what was sought, and the levels."""
+        return {**self.estimates, **self.levels}
 
-        Raises:
-            KeyError: no path, or several, end so.
-        """
-        every = {**self.parameters, **self.levels}
-        found = [n for n in every if n == name] or [n for n in every if n.endswith(f".{name}")]
-        if len(found) != 1:
-            raise KeyError(
-                f"{name!r}: {'several paths end' if found else 'no path ends'} so (there are {', '.join(found or every)})"
-            )
-        return every[found[0]]
+    @property
+    def title(self) -> str:
+        """The machine."""
+        return self.name
+
+    @property
+    def lead(self) -> str:
+        """What the machine leaves of its recordings, fitted and held out."""
+        left = f"relative residual {percent(self.error(False))}"
+        if (held := self.error(True)) is not None:
+            left += f", {percent(held)} held out"
+        if self.laws:
+            left = f"{self.laws['picked']}, {left}"
+        return left if self.status == "done" else f"{self.status}: {self.reason}; {left}"
+
+    @property
+    def machine(self) -> Scenario:
+        """The machine with what was found, as it is simulated."""
+        if not self.data:
+            raise InputError(f"fit: {self.status}: there is no machine with these numbers")
+        return Scenario(self.data, folder=self.folder, trust=self.trust)
 
     def error(self, held_out: bool) -> float | None:
         """The relative error over all recordings of that kind: root mean square over their columns."""
-        squares = [x.relative**2 for log in self.logs if log.held_out is held_out for x in log.traces]
+        squares = [e["relative"] ** 2 for log in self.logs if log.held_out is held_out for e in log.errors.values()]
         return float(np.sqrt(np.mean(squares))) if squares else None
 
-    def to_json(self) -> dict[str, object]:
-        """As ``--json`` prints it."""
-        told = {
+    def plot(self) -> Figure:
+        """The first recording: measured and simulated, as a Matplotlib figure."""
+        from stribeck.identify import figures
+        from stribeck.mouth import plots
+
+        traced = [log for log in self.logs if log.traces]
+        if not traced:
+            raise InputError("fit: it holds no recording; there is nothing to plot")
+        with plots.style():
+            return figures.recording(traced[0].traces)
+
+    def document(self) -> Document:
+        """What the fit says to people, for the terminal and for a page."""
+        from stribeck.identify import said
+
+        return said.of_machine(self)
+
+    def to_dict(self) -> dict[str, object]:
+        """What ``stribeck fit --logs --json`` prints."""
+        told: Mapping[str, object] = {
             "status": self.status, "reason": self.reason,
-            "parameters": {name: p.to_json() for name, p in self.parameters.items()},
-            "levels": {name: p.to_json() | {"speed": self.speeds[name]} for name, p in self.levels.items()},
-            "correlated": self.correlated, "logs": [log.to_json() for log in self.logs],
+            "parameters": {name: p.to_dict() for name, p in self.estimates.items()},
+            "levels": {name: p.to_dict() | {"speed": self.speeds[name]} for name, p in self.levels.items()},
+            "correlated": self.correlated, "logs": [log.to_dict() for log in self.logs],
             "noise": self.noise, "notes": self.notes, "baselines": self.baselines, "laws": self.laws or {},
             "transfer": self.transfer, "error": {"fitted": self.error(False), "held_out": self.error(True)},
         }  # fmt: skip

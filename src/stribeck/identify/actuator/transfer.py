@@ -28,7 +28,7 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> Transfer:
     if problems:
         raise InputError(problems)
     sought = [c for c in fit.sought if c.log is None]
-    values = {name: p.value for name, p in result.parameters.items()}
+    values = {name: p.value for name, p in result.estimates.items()}
     numbered = list(enumerate(other.recordings))
     logs = [LogResult(r.file, True, traces(fit.scenario, r, i, sought, values)) for i, r in numbered]
     own = estimate(fit.scenario, numbered, sought, 1, 0, fit.work, values)
@@ -38,14 +38,14 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> Transfer:
     )
     moved, same, open_ = list[Moved](), list[str](), list[str]()
     for name, there in found.estimates.items():
-        here = result.parameters[name]
+        here = result.estimates[name]
         if not (here.identifiable and there.identifiable):
             open_.append(name)
         elif here.interval[1] < there.interval[0] or there.interval[1] < here.interval[0]:
-            moved.append({"name": name, "from": here.to_json(), "to": there.to_json()})
+            moved.append({"name": name, "from": here.to_dict(), "to": there.to_dict()})
         else:
             same.append(name)
     return {
-        "logs": [log.to_json() for log in logs], "moved": moved, "same": same, "not_told": open_,
-        "parameters": {name: p.to_json() for name, p in found.estimates.items()},
+        "logs": [log.to_dict() for log in logs], "moved": moved, "same": same, "not_told": open_,
+        "parameters": {name: p.to_dict() for name, p in found.estimates.items()},
     }  # fmt: skip

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
+Kept = Mapping[str, Any]  # JSON, once it was found to be as a fit writes it
 NARROW = 2.0  # high below twice low: the factor of two that an engineer still designs with
 OFFSET = 0.5  # of the friction level: an offset is narrow against that, as it may be 0
 
@@ -66,14 +68,33 @@ class Estimate:
         """The upper end of the 95 % interval; None if it is open."""
         return self.interval[1] if np.isfinite(self.interval[1]) else None
 
-    def to_json(self) -> dict[str, object]:
+    def to_dict(self) -> dict[str, object]:
         """As the contract has it, with both uncertainties and the state."""
-        told = {key: getattr(self, key) for key in ("depends_on", "why", "experiment") if getattr(self, key)}
+        told = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}
         return {
             "value": self.value, "low": self.low, "high": self.high, "unit": self.unit, "identifiable": self.identifiable,
             "estimate": self.value, "interval": _open(self.interval), "range": self.range and _open(self.range),
-            "state": str(self.state), **told,
+            "state": str(self.state), "depends_on": self.depends_on, **told,
         }  # fmt: skip
+
+    @classmethod
+    def of_dict(cls, told: Kept) -> Estimate:
+        """The estimate that :meth:`to_dict` told.
+
+        Raises:
+            KeyError, TypeError, ValueError: it is something else.
+        """
+        interval, wide = _ends(told["interval"]), told["range"]
+        unit, form, why, experiment = (str(told.get(key, "")) for key in ("unit", "depends_on", "why", "experiment"))
+        value = np.nan if told["estimate"] is None else float(told["estimate"])
+        state = EstimateState(told["state"])
+        return cls(value, interval, wide and _ends(wide), state, unit, form, why=why, experiment=experiment)
+
+
+def _ends(pair: Sequence[float | None]) -> tuple[float, float]:
+    """The ends, infinite where one is open."""
+    low, high = pair
+    return -np.inf if low is None else float(low), np.inf if high is None else float(high)
 
 
 def _open(pair: tuple[float, float]) -> list[float | None]:

@@ -15,7 +15,7 @@ from stribeck.identify.log import Log, thinned
 from stribeck.identify.models.memory import rows_together
 from stribeck.identify.onebody import fit_simulated
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import Fit
+from stribeck.identify.result import LogFit
 
 Progress = Callable[[float], None]
 LAW = "lugre"
@@ -28,20 +28,20 @@ RISE = 0.3  # of the friction level: less is noise or inertia
 LOOKED_AT = 20_000  # reversals: more take longer than the fit
 
 
-def asked_for(log: Log, static: Fit) -> bool:
+def asked_for(log: Log, static: LogFit) -> bool:
     """Whether a law with bristles is worth a try: the record shows presliding, and the static fit misses it."""
     return _error_everywhere(static, log) > LITTLE and shows_presliding(log)
 
 
 def better(
-    log: Log, static: Fit | None, names: Sequence[str], options: FitOptions, progress: Progress | None = None
-) -> Fit:
+    log: Log, static: LogFit | None, names: Sequence[str], options: FitOptions, progress: Progress | None = None
+) -> LogFit:
     """The best of laws that are simulated, by BIC; the static fit if it leaves less than twice as much in all rows.
 
     Raises:
         StribeckError: there is no static fit, and none of the laws could be simulated.
     """
-    found, failed = list[Fit](), dict[str, str]()
+    found, failed = list[LogFit](), dict[str, str]()
     known = {constant for name in names for constant in laws.find(name).constants()}
     for i, name in enumerate(names):
         try:
@@ -76,7 +76,7 @@ def _part(progress: Progress | None, number: int, count: int) -> Progress | None
     return None if progress is None else lambda share: progress((number + share) / count)
 
 
-def _bic(fit: Fit) -> float:
+def _bic(fit: LogFit) -> float:
     """Of the force along the measured motion; rows that err alike count once."""
     assert fit.prediction is not None
     r = fit.prediction.measured - fit.prediction.fitted
@@ -84,14 +84,14 @@ def _bic(fit: Fit) -> float:
     return float(rows * np.log(max(float(np.mean(r**2)), 1e-300)) + len(fit.parameters) * np.log(rows))
 
 
-def _candidate(fit: Fit, chosen: bool) -> Candidate:
+def _candidate(fit: LogFit, chosen: bool) -> Candidate:
     return {
         "name": fit.law_name, "law": fit.law_name, "forms": [], "numbers": len(fit.parameters),
         "relative_force_error": fit.relative_force_error, "cross_validated_error": None, "chosen": chosen,
     }  # fmt: skip
 
 
-def _error_everywhere(fit: Fit, log: Log) -> float:
+def _error_everywhere(fit: LogFit, log: Log) -> float:
     """What a static fit leaves of the force in all rows, at rest too."""
     assert fit.predictor is not None
     size = max(float(np.linalg.norm(log.force)), 1e-300)

@@ -32,7 +32,7 @@ from stribeck.identify.models.curves import REACHED, SteadyCurve, curve_of
 from stribeck.identify.models.record import Record, record_of
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
-from stribeck.identify.result import Fit, Prediction
+from stribeck.identify.result import LogFit, Prediction
 
 LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates where no law is named
 PLAIN = "coulomb_viscous"
@@ -68,7 +68,7 @@ class Setting:
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
-def fit_static(log: Log, names: Sequence[str], setting: Setting | None = None) -> Fit:
+def fit_static(log: Log, names: Sequence[str], setting: Setting | None = None) -> LogFit:
     """Fit static laws to a record and report the best one.
 
     Args:
@@ -181,7 +181,7 @@ def _finished(
     unused: Sequence[str],
     setting: Setting,
     error: float,
-) -> Fit:
+) -> LogFit:
     """The fit with what a report shows."""
     lib, log, curve = choice.library, rows.log, choice.library.curve
     known = laws.find(curve.law).constants()
@@ -198,7 +198,7 @@ def _finished(
         if "F_s" in known or not any(f.startswith(("bend", "pointed", "growth")) for f in forms)
         else nearest_stribeck(choice)
     )
-    return Fit(
+    return LogFit(
         law_name=curve.law, method="static", estimates=estimates, body=body,
         levels={n: e for n, e in told.items() if n in lib.levels},
         fixed={n: x for n, x in fixed.items() if n in known or n in TERMS}, used=used,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from stribeck import laws
 from stribeck.identify.models.terms import TERMS
-from stribeck.identify.result import Fit
+from stribeck.identify.result import LogFit
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.render import equations
@@ -24,7 +24,7 @@ _MEANING = {
 }  # fmt: skip
 
 
-def model_lines(fit: Fit) -> list[str]:
+def model_lines(fit: LogFit) -> list[str]:
     """The force that is fitted, the law's equations, and what the letters are."""
     law = laws.find(fit.law_name)
     own = [n for n, t in TERMS.items() if n in fit.used and t.column is not None]

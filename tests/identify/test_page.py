@@ -9,11 +9,11 @@ import pytest
 
 import stribeck
 from stribeck.identify.api import read_log
+from stribeck.identify.figures import inner_rows
+from stribeck.identify.formula import FACTORS, model_lines
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS, column
-from stribeck.identify.report.formula import FACTORS, model_lines
-from stribeck.identify.report.page import HEAD, page
-from stribeck.identify.report.traces import inner_rows
+from stribeck.identify.said import HEAD
 from tests.pages import Page
 
 T = np.arange(2000) * 2e-3
@@ -62,10 +62,10 @@ def test_the_page_has_the_formula_of_what_was_fitted_with_every_unit(tmp_path):
     assert lines[0].startswith("force = F + mass a + offset + stiffness y")
     assert "F_c grows by F_c_by_time t" in lines
     assert any(line.startswith("F = ") and "F_c" in line for line in lines)
-    (tmp_path / "report.html").write_text(page(fit, "stribeck fit", "log.csv"), encoding="utf-8")
+    fit.report(tmp_path / "report.html")
     shown = Page(tmp_path / "report.html")
     assert lines[0] in shown.text
-    rows = {n.removeprefix("~"): row[-2] for n, row in shown.rows(HEAD).items()}
+    rows = {n: row[-2] for n, row in shown.rows(list(HEAD)).items()}
     units = {
         "F_c": "N",
         "sigma_2": "N s/m",
@@ -85,7 +85,7 @@ def test_axes_are_in_units_that_a_person_would_use(tmp_path):
     small |= {"y": 1e-3 * small["y"], "F": 1e4 * small["F"]}
     log = read_log(small, columns={"time": "t", "position": "y", "force": "F"})
     fit = stribeck.fit(log, "coulomb_viscous", terms=["stiffness"], constants={"k_v": 1e7}, forms=False)
-    (tmp_path / "report.html").write_text(page(fit, "stribeck fit", "log.csv"), encoding="utf-8")
+    fit.report(tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     axes = [a for found in re.findall(r'data-axes="([^"]*)"', text) for a in json.loads(unescape(found))]
     labels = {a[side]["label"] for a in axes for side in "xy"}

@@ -1,1 +1,0 @@
-"""A fit's files, page and pictures."""

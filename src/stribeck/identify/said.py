@@ -1,0 +1,376 @@
+"""The documents of fits and predictions: the only place that knows how these are told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stribeck import laws
+from stribeck.constants import DECIDED
+from stribeck.errors import StribeckError
+from stribeck.identify import figures
+from stribeck.identify.formula import model_lines
+from stribeck.mouth.cells import percent
+from stribeck.mouth.document import (
+    PAGE,
+    TERMINAL,
+    Amount,
+    Cell,
+    Chapter,
+    Document,
+    Ends,
+    Figure,
+    Head,
+    Share,
+    Table,
+    Uncertain,
+)
+from stribeck.properties import check
+
+if TYPE_CHECKING:
+    from stribeck.identify.actuator.result import LogResult, MachineFit, Transfer
+    from stribeck.identify.core.states import Estimate
+    from stribeck.identify.predict import Predicted
+    from stribeck.identify.result import LogFit
+    from stribeck.identify.validate import Validated
+
+HEAD = ("parameter", "estimate", "95 % interval", "model range", "unit", "state")
+UNCERTAINTIES = (
+    "The interval says how far an estimate would move in another stretch of this experiment; the range says how far it may "
+    "be from the truth if the model lacks something."
+)
+_OTHERS = 3  # models in the headline
+_PLACES = 3  # of a share
+
+# -- what both kinds of fits tell ----------------------------------------------------------------------------------------
+
+
+def _row(name: str, e: Estimate) -> list[Cell]:
+    wide = Ends(e.range, e.value, e.interval)
+    own = Uncertain(e.value, e.interval, not e.identifiable)
+    return [name, own, Ends(e.interval, e.value, e.interval), wide, e.unit or "1", str(e.state)]
+
+
+def _numbers(
+    estimates: Mapping[str, Estimate],
+    given: Sequence[list[Cell]],
+    speeds: Mapping[str, float],
+    notes: Sequence[str],
+    more: Sequence[Table] = (),
+) -> list[Chapter]:
+    """The one table, and why some numbers are open; the notes, of which a terminal prints the first ones behind it."""
+    rows = [*(_row(n, e) for n, e in estimates.items()), *given]
+    why: list[list[Cell]] = [[n, e.why, e.experiment or "-"] for n, e in estimates.items() if e.why or e.experiment]
+    tables = [Table(HEAD, rows), *more]
+    if why:
+        tables.insert(1, Table(["not determined", "why", "what to measure"], why, prose=True, on=PAGE))
+    told = ", ".join(f"{n.removeprefix('level ')} {v:.4g}" for n, v in speeds.items())
+    text = [UNCERTAINTIES, *([f"Levels are the friction at speeds that were seen (SI): {told}."] if told else [])]
+    return [
+        Chapter("result", "Parameters", [*text, *notes], tables),
+        Chapter("notes", "Notes", facts=notes, brief=True, on=TERMINAL),
+    ]
+
+
+def _beside(lead: str, others: Mapping[str, float | None]) -> str:
+    """The headline with what plainer models leave, the largest first."""
+    known = sorted(((x, n) for n, x in others.items() if x is not None), reverse=True)[:_OTHERS]
+    return f"{lead} ({', '.join(f'{n} {percent(x)}' for x, n in known)})" if known else lead
+
+
+# -- a law fitted to a log -------------------------------------------------------------------------------------------------
+
+
+def of_log(fit: LogFit) -> Document:
+    """A law fitted to a log."""
+    others = {c["name"]: c["relative_force_error"] for c in fit.candidates if not c["chosen"]}
+    return Document(
+        fit.title,
+        _beside(fit.lead, others),
+        (),
+        [
+            *_numbers(fit.parameters, _given(fit), fit.speeds, fit.notes, _correlation(fit)), *_quality(fit), _model(fit),
+            *_candidates(fit), *_data(fit), *_traces(fit), *_curve(fit), *_properties(fit),
+        ],
+    )  # fmt: skip
+
+
+def _given(fit: LogFit) -> list[list[Cell]]:
+    """The constants that were given, as rows of the table."""
+    constants = laws.find(fit.law_name).constants()
+    units = {n: c.unit or "1" for n, c in constants.items()}
+    return [
+        [n, v if isinstance(v, str) else f"{v:.6g}", "-", "-", units.get(n, ""), "given"]
+        for n, v in fit.fixed.items()
+        if n not in fit.parameters
+    ]
+
+
+def _correlation(fit: LogFit) -> list[Table]:
+    if len(fit.names) < 2:
+        return []
+    rows: list[list[Cell]] = [
+        [n, *(f"{x:.2f}" if np.isfinite(x) else "-" for x in row)]
+        for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
+    ]
+    return [Table(["correlation", *fit.names], rows, on=PAGE)]
+
+
+def _quality(fit: LogFit) -> list[Chapter]:
+    """How many notes about the data there are, for the terminal."""
+    count = 0 if fit.log is None else len(fit.log.quality)
+    text = f"{count} {'note' if count == 1 else 'notes'} about the data: on the page"
+    return [Chapter("quality", "", facts=[text], on=TERMINAL)] if count else []
+
+
+def _model(fit: LogFit) -> Chapter:
+    text = [f"What was fitted with law {fit.law_name}, method {fit.method}, SI units."]
+    if fit.cross_validated_error is not None:
+        text.append(f"The relative residual on data left out is {percent(fit.cross_validated_error)}.")
+    return Chapter("model", "Model", text, code="\n".join(model_lines(fit)), on=PAGE)
+
+
+def _candidates(fit: LogFit) -> list[Chapter]:
+    if len(fit.candidates) < 2:
+        return []
+    rows: list[list[Cell]] = [
+        [c["name"], ", ".join(c["forms"]) or "-", Share(c["relative_force_error"], _PLACES), c["numbers"]]
+        for c in fit.candidates
+    ]
+    text = ["The model of the least BIC is reported. Forms are what the law lacks, chosen from one table."]
+    table = Table(["law", "forms", "relative residual", "numbers"], rows, prose=True)
+    return [Chapter("candidates", "Candidates", text, [table], on=PAGE)]
+
+
+def _data(fit: LogFit) -> list[Chapter]:
+    if (log := fit.log) is None:
+        return []
+    count = len(list(log.runs()))
+    rows = f"{len(log)} rows in {count} {'run' if count == 1 else 'runs'}, one every {log.step:.6g} s."
+    text = [f"{rows} SHA-256 {fit.data_hash[:16]}...", *(["Found and done:"] if log.quality else []), *log.quality]
+    table = Table(["column", "from"], [[n, s] for n, s in log.sources.items() if n != "unfiltered"], prose=True)
+    shown = [Figure("data", "The log as it was fitted.", partial(figures.data, log))]
+    if log.spectrum is not None:
+        words = "Spectrum of the measured motion, its noise floor, and the filter's cut-off."
+        shown.append(Figure("spectrum", words, partial(figures.spectrum, log, *log.spectrum)))
+    return [Chapter("data", "Data", text, [table], shown, on=PAGE)]
+
+
+def _traces(fit: LogFit) -> list[Chapter]:
+    found = figures.trace(fit)
+    if fit.log is None or found is None:
+        return []
+    text = ["What was measured and what the fit makes of it; the ends, where the motion's filter errs, are left out."]
+    words = f"The measured {found[0]} and the fit's, what is left, and a close look at reversals."
+    shown = Figure("traces", words, partial(figures.traces, fit.log, *found))
+    return [Chapter("traces", "Measured and fitted", text, figures=[shown], on=PAGE)]
+
+
+def _curve(fit: LogFit) -> list[Chapter]:
+    if (p := fit.prediction) is None:
+        return []
+    own = "Friction is the measured force less what belongs to the rig: inertia, offset and the like."
+    left = "What the fit leaves, in time and against the velocity. A pattern is something that the model lacks."
+    curve = Figure("curve", "Measured friction and the fitted law at held speeds.", partial(figures.curve, fit, p))
+    words = "Residuals of the force in time (above) and against the velocity (below)."
+    rest = Figure("residuals", words, partial(figures.residuals, fit, p))
+    return [
+        Chapter("curve", "Friction against velocity", [own], figures=[curve], on=PAGE),
+        Chapter("residuals", "Residuals", [left], figures=[rest], on=PAGE),
+    ]
+
+
+def _properties(fit: LogFit) -> list[Chapter]:
+    try:
+        law = fit.law()
+    except StribeckError:
+        open_ones = ", ".join(n for n, e in fit.estimates.items() if not e.usable)
+        text = [f"Not decided: they hang on {open_ones or 'constants'}, which the data do not determine."]
+        return [Chapter("properties", "Properties of the result", text, on=PAGE)]
+    if not law.has_z:
+        return []
+    rows: list[list[Cell]] = [
+        [name, DECIDED[v.holds], str(v.evidence.get("reason", v.method)) if v.holds is None else v.method]
+        for name, v in check(law).properties.items()
+    ]
+    text = [
+        "What 'stribeck check' proves or refutes for the law with the fitted values: yes is proved, for no "
+        "there is a counterexample. The values are taken as exact: their intervals do not count here."
+    ]
+    table = Table(["property", "holds", "how"], rows, prose=True)
+    return [Chapter("properties", "Properties of the result", text, [table], on=PAGE)]
+
+
+# -- a machine fitted to its recordings ------------------------------------------------------------------------------------
+
+
+def of_machine(fit: MachineFit) -> Document:
+    """A machine fitted to its recordings."""
+    plainer = {n: b.get("held_out") or b.get("fitted") for n, b in list(fit.baselines.items())[1:]}
+    chapters = [*_numbers(fit.parameters, (), fit.speeds, _of_machine(fit)), _errors(fit), *_other_friction(fit)]
+    chapters += [_recording(log, i) for i, log in enumerate(fit.logs) if log.traces]
+    return Document(fit.title, _beside(fit.lead, plainer), (), [*chapters, *_relation(fit), _paste(fit)])
+
+
+def _of_machine(fit: MachineFit) -> list[str]:
+    """What a reader should know, a sentence each: what is wrong, what moved, what is open, what cannot be separated."""
+    moved = _moved(fit.transfer) if fit.transfer is not None else []
+    stopped = fit.status == "stopped"
+    open_ones = [
+        f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {e.experiment}' if e.experiment else ''}"
+        for n, e in fit.parameters.items()
+        if (e.why or e.experiment) and not stopped
+    ]
+    together = [f"Cannot be separated: {', '.join(group['names'])}." for group in fit.correlated]
+    failed = [f"{label} was not fitted: {why}." for label, why in (fit.laws or {"failed": {}})["failed"].items()]
+    return [*fit.notes, *moved, *open_ones, *together, *failed]
+
+
+def _moved(transfer: Transfer) -> list[str]:
+    """How well the other recordings were predicted, and which numbers are other there."""
+    found = []
+    for log in transfer["logs"]:
+        errors = log["errors"]
+        assert isinstance(errors, dict)
+        found += [f"{log['file']} (other): {n} predicted to {percent(x['relative'])}." for n, x in errors.items()]
+    for m in transfer["moved"]:
+        here, there = (f"{_open(x['low'])} ... {_open(x['high'])}" for x in (m["from"], m["to"]))
+        found.append(f"{m['name']} moved beyond both intervals: {here}, there {there}.")
+    if not transfer["moved"]:
+        found.append("Nothing moved beyond both intervals in the other recordings.")
+    if transfer["not_told"]:
+        found.append(f"Not known of {', '.join(transfer['not_told'])} in the other recordings.")
+    return found
+
+
+def _open(x: object) -> str:
+    return f"{x:.6g}" if isinstance(x, int | float) and np.isfinite(x) else "open"
+
+
+def _errors(fit: MachineFit) -> Chapter:
+    rows: list[list[Cell]] = [
+        [log.file, "held out" if log.held_out else "fitted", column, Amount(e["rms"], e["unit"]), Share(e["relative"])]
+        for log in fit.logs for column, e in log.errors.items()
+    ]  # fmt: skip
+    head = ["recording", "used", "column", "error (rms)", "of its changes"]
+    return Chapter("errors", "Errors", [], [Table(head, rows)], on=PAGE)
+
+
+def _other_friction(fit: MachineFit) -> list[Chapter]:
+    found = []
+    if fit.baselines:
+        rows: list[list[Cell]] = [
+            [n, Share(b.get("held_out")), Share(b.get("fitted")), b.get("why", "")] for n, b in fit.baselines.items()
+        ]
+        table = Table(["friction", "held out", "fitted", ""], rows)
+        found.append(Chapter("baselines", "Beside simpler friction", [], [table], on=PAGE))
+    if fit.laws:
+        rows = [[n, Share(x), fit.laws["numbers"][n]] for n, x in fit.laws["errors"].items()]
+        text = [f"Picked: {fit.laws['picked']}."]
+        found.append(Chapter("laws", "Which law", text, [Table(["law", "held out", "numbers"], rows)], on=PAGE))
+    if fit.transfer is not None:
+        rows = [[m["name"], _open(m["from"]["value"]), _open(m["to"]["value"])] for m in fit.transfer["moved"]]
+        text = [f"Moved beyond both intervals: {', '.join(m['name'] for m in fit.transfer['moved']) or 'nothing'}."]
+        table = Table(["number", "here", "there"], rows)
+        found.append(Chapter("transfer", "The other recordings", text, [table], on=PAGE))
+    return found
+
+
+def _recording(log: LogResult, i: int) -> Chapter:
+    words = "Measured and simulated, a part of it larger, and what is left."
+    shown = Figure(f"log_{i}", words, partial(figures.recording, log.traces))
+    title = f"{log.file}{' (held out)' if log.held_out else ''}"
+    return Chapter(f"log{i}", title, figures=[shown], on=PAGE)
+
+
+def _relation(fit: MachineFit) -> list[Chapter]:
+    if fit.relation is None or len(fit.relation[0]) < 2:
+        return []
+    names, matrix = fit.relation
+    rows: list[list[Cell]] = [
+        [f"{i} {n}", *(f"{x:.2f}" for x in row)]
+        for i, (n, row) in enumerate(zip(names, matrix.tolist(), strict=True), 1)
+    ]
+    text = [] if fit.correlated else ["No two numbers can stand for each other."]
+    table = Table([Head(""), *map(str, range(1, len(names) + 1))], rows)
+    return [Chapter("correlation", "Correlation", text, [table], on=PAGE)]
+
+
+def _paste(fit: MachineFit) -> Chapter:
+    options = [f"--set {n}={e.value:.6g}" for n, e in fit.estimates.items() if not n.startswith("log.")]
+    return Chapter("paste", "To paste", ["As options:"], code=" \\\n".join(options), on=PAGE)
+
+
+# -- predictions -----------------------------------------------------------------------------------------------------------
+
+
+def of_prediction(found: Predicted) -> Document:
+    """The force that a fit predicts of a record."""
+    model, measured, friction = found.model, found.traces, found.friction
+    shown = {
+        "force": ("N", measured.measured, measured.fitted),
+        "friction": ("N", friction.measured, friction.fitted),
+    }
+    rows: list[list[Cell]] = [[name, Share(x, _PLACES)] for name, x in _errors_of(found).items()]
+    about = f"{len(measured.time)} rows of {found.title}, {found.rest:.0%} at rest; fitted to another record ({model.title})"
+    return Document(
+        f"{model.law_name}, {model.method}",
+        f"the predicted force is off by {percent(found.force_error, _PLACES)}",
+        [about, *found.notes()],
+        [_table(rows, ["of", "error"]), _overlay("prediction", measured.time, shown, ("measured", "predicted"))],
+    )
+
+
+def _errors_of(found: Predicted) -> dict[str, float | None]:
+    rows: dict[str, float | None] = {
+        "error of the force, every row in motion": found.force_error,
+        "expected by the fit": found.model.expected,
+        "the fit's own, on its record": found.model.known.get("relative_force_error"),
+        "the fit's, on parts left out of its record": found.model.known.get("cross_validated_error"),
+        "error against friction alone": found.friction_error,
+        "error of the force, rows at rest too": found.all_rows_error,
+        "error of a constant force": found.constant_error,
+    }
+    if found.beyond and found.beyond.rows:
+        rows["error of the force, beyond what was fitted"] = found.beyond.error
+        rows["error of the force, within it"] = found.beyond.within
+    return {name: x for name, x in rows.items() if x is not None}
+
+
+def of_validation(found: Validated) -> Document:
+    """A machine's motion beside a record."""
+    rows: list[list[Cell]] = [
+        [name, Amount(e["rms"], e["unit"]), Amount(e["largest"], e["unit"]), Share(e["relative"], _PLACES)]
+        for name, e in found.errors.items()
+    ]
+    off = [f"{name} by {percent(e['relative'], _PLACES)} of its changes" for name, e in found.errors.items()]
+    return Document(
+        found.title,
+        f"off: {'; '.join(off)}",
+        [f"{found.status}: {len(found.time)} rows"],
+        [
+            _table(rows, ["of", "rms error", "largest", "rms over changes"]),
+            _overlay("validation", found.time, found.traces, ("measured", "simulated")),
+        ],
+    )
+
+
+def _table(rows: list[list[Cell]], head: list[str]) -> Chapter:
+    return Chapter("errors", "Errors", (), [Table(head, rows)])
+
+
+def _overlay(name: str, time: np.ndarray, shown: figures.Traces, words: tuple[str, str]) -> Chapter:
+    """Each trace measured and otherwise, the whole record and the part in which they differ most; and the residuals."""
+    both = f"{words[0]}, {words[1]}, and the difference."
+    pictures = [
+        Figure(name, f"The whole record: {both}", partial(figures.overlay, time, shown, words)),
+        Figure(
+            f"{name}_zoom",
+            f"The tenth of it in which they differ most: {both}",
+            partial(figures.overlay, time, shown, words, worst=True),
+        ),
+    ]
+    return Chapter("overlay", f"{words[0].capitalize()} and {words[1]}", figures=pictures, on=PAGE)
