@@ -9,6 +9,7 @@ import sympy
 
 import stribeck
 from stribeck.cli import _status
+from stribeck.expressions import ops
 from stribeck.laws import BristleLaw
 from stribeck.loops.gains import at_speed, decay, gain_verdict, prove
 from stribeck.loops.lyapunov import along, gains_of
@@ -105,6 +106,24 @@ def test_conditions_of_the_example():
     speed = verdict.exact.largest_speed
     assert gain_verdict(scenario.law, gains_of(scenario), 0.999 * speed).exact.holds
     assert not gain_verdict(scenario.law, gains_of(scenario), 1.001 * speed).exact.holds
+
+
+class Downhill(BristleLaw):
+    """Friction that is lower backwards: the conditions end at a lower speed there."""
+
+    symmetric = False
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - abs(v) * p.sigma_0 / (p.F_c * (1 + 0.5 * ops.sign(v))) * z
+
+
+def test_the_largest_speed_is_that_of_the_worse_direction():
+    law = Downhill({"sigma_0": 1e5, "sigma_1": 300.0, "sigma_2": 10.0, "F_c": 5.0, "F_s": 7.0, "v_s": 0.01})
+    gains = {"K_D": 100.0, "K": 1e-4}
+    speed = gain_verdict(law, gains, 0.1).exact.largest_speed
+    assert gain_verdict(law, gains, (1 - 1e-9) * speed).exact.holds
+    assert not gain_verdict(law, gains, (1 + 1e-9) * speed).exact.holds
 
 
 @pytest.mark.parametrize("v_max", [0.5, 30.0, 300.0])
