@@ -36,8 +36,8 @@ def test_the_smallest_machine(kind):
     body = {"velocity": {"signal": SINE}} if moved else {"mass": 0.5}
     one = simulate(Scenario(single))
     many = simulate(Scenario(machine({"a": body}, contacts=GUIDE, **sections)))
-    assert one.scenario.rig.single
-    assert not many.scenario.rig.single
+    assert one.scenario.elements.unnamed
+    assert not many.scenario.elements.unnamed
     names = {"y": "a.y", "v": "a.v", "z": "guide.z", "F": "guide.F", "E_dissipated": "E_dissipated", **more}
     for old, new in names.items():
         np.testing.assert_allclose(many[new], one[old], rtol=0, atol=2e-7 * one.peaks[old], err_msg=new)

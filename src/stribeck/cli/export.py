@@ -123,7 +123,7 @@ def export(
         check_file("--out", out, *map(Path, named), parents=True)
     rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
     if part is None:
-        part = "machine" if rig is not None and not rig.rig.single and law is None and contact is None else "law"
+        part = "machine" if rig is not None and not rig.elements.unnamed and law is None and contact is None else "law"
     chosen: Law | None = None
     if part == "machine" or part in SAMPLED:
         rig = _whole(rig, part, set_ or [], {"LAW": law, "--parameters": parameters, "--contact": contact})

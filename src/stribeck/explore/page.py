@@ -101,7 +101,7 @@ def _machine(
     intervals: Mapping[str, object], beside: Beside | None,
 ) -> dict[str, object]:  # fmt: skip
     if laws:
-        what = "a machine" if not scenario.rig.single else "a servo, or a drive that follows a curve,"
+        what = "a machine" if not scenario.elements.unnamed else "a servo, or a drive that follows a curve,"
         raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
     found, machine, shown = measured(scenario), scenario.rig.machine, machine_panels(scenario)
     module = wasm.module(machine, machine_appendix(machine))

@@ -44,7 +44,7 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
 
 def measured_whole(scenario: Scenario) -> bool:
     """Whether the effect of each number is measured when the page is made, rather than known by its place in the file."""
-    return not scenario.rig.single or scenario.called.drive == "cascade" or scenario.signal.kind not in _TURNED
+    return not scenario.elements.unnamed or scenario.called.drive == "cascade" or scenario.signal.kind not in _TURNED
 
 
 def variants(scenario: Scenario, wanted: Iterable[str] | None = None) -> dict[str, Scenario]:

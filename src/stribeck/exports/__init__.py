@@ -84,7 +84,7 @@ def export(
     if isinstance(law, Scenario):
         law, scenario = None, law
     if part is None:
-        part = "machine" if law is None and scenario is not None and not scenario.rig.single else "law"
+        part = "machine" if law is None and scenario is not None and not scenario.elements.unnamed else "law"
     problems = _problems(target, part, self_test, step, fmi, controller, platforms)
     if problems:
         raise InputError(problems)

@@ -90,7 +90,7 @@ def validate(
     measured = [role for role in _COLUMNS if role in names]
     if not measured:
         raise InputError(f"{arg('position')}, {arg('velocity')} or {arg('force')}: one must be given: what is compared")
-    if not scenario.rig.single:
+    if not scenario.elements.unnamed:
         raise InputError(
             f"{arg('machine')}: {scenario.name}: is a machine; must be a law on a single body (schema = 1)"
         )

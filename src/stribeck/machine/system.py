@@ -85,14 +85,9 @@ class MachineSystem(Equations):
         return self.elements.leader(name)
 
     @property
-    def single(self) -> bool:
-        """Whether it is a law on one body under a drive (``schema = 1``), whose columns need no names in front."""
-        return self.elements.unnamed
-
-    @property
     def by_element(self) -> bool:
         """Whether events are told by the element's name."""
-        return not self.single
+        return not self.elements.unnamed
 
     # -- what the code generator needs -----------------------------------------------------------------------------
 

@@ -124,7 +124,7 @@ def check_machine(
     made = scenario_of(scenario, t_end, None)
     stated = dict(forces or {})
     _refuse(made, stated)
-    if made.rig.single:
+    if made.elements.unnamed:
         found = _single(made, v_max, work)
     else:
         found = MachineVerdicts(made.name, {}, {})

@@ -12,7 +12,7 @@ _MOVERS = {"force": "force", "spring": "spring"}  # by the kind of drive; others
 
 def as_machine(scenario: Scenario) -> Scenario:
     """The same as a file of schema 2: ``body``, its friction ``contact``, and what moves the body; a machine stays as it is."""
-    if not scenario.rig.single:
+    if not scenario.elements.unnamed:
         return scenario
     sections, _, _ = translated(deepcopy(scenario.data), scenario.rotary, _names(scenario))
     given = {
@@ -24,7 +24,7 @@ def as_machine(scenario: Scenario) -> Scenario:
 
 def machine_path(scenario: Scenario, path: str) -> str:
     """A path in a file of schema 1 as it is in that machine; others stay as they are."""
-    if not scenario.rig.single:
+    if not scenario.elements.unnamed:
         return path
     return translated(scenario.data, scenario.rotary, _names(scenario))[1].to_machine(path)
 

@@ -36,11 +36,6 @@ class Rig:
         """The elements with the present values: numbers, or arrays of one for each lane."""
         return self.machine.elements.with_values(self.values)
 
-    @property
-    def single(self) -> bool:
-        """Whether it is a law on one body under a drive (``schema = 1``)."""
-        return self.machine.single
-
     def with_values(self, values: Mapping[tuple[str, str], Value]) -> Rig:
         """The same with other constants: numbers, arrays of them, or symbols."""
         return replace(self, values={**self.values, **values})
@@ -78,7 +73,7 @@ class Rig:
     @property
     def compared(self) -> tuple[str, ...]:
         """The columns in which laws are compared: those of each body, contact and link."""
-        if self.single:
+        if self.machine.elements.unnamed:
             return "y", "v", "F"
         e = self.machine.elements
         found = [f"{name}.{x}" for name, body in e.bodies.items() if body.tied_to is None for x in ("y", "v")]
@@ -88,7 +83,7 @@ class Rig:
     @property
     def subject(self) -> str:
         """What it is about, in a few words."""
-        if self.single:
+        if self.machine.elements.unnamed:
             return f"law {self.law.name}"
         laws = ", ".join(f"{name} {c.friction.kind.name}" for name, c in self.machine.elements.contacts.items())
         count = len(self.machine.elements.bodies)
@@ -98,12 +93,12 @@ class Rig:
     @property
     def label(self) -> str:
         """What its line in a plot is called: the law of a single body; empty: by the scenario's name."""
-        return self.law.name if self.single else ""
+        return self.law.name if self.machine.elements.unnamed else ""
 
     @property
     def rotary(self) -> bool:
         """Whether the one body without a name turns; else each column says so for itself."""
-        return self.single and self.elements.bodies[""].turns
+        return self.machine.elements.unnamed and self.elements.bodies[""].turns
 
     @property
     def mass(self) -> Value:

@@ -49,7 +49,7 @@ _CASCADE = (
 def panels(solution: Solution) -> tuple[Panel, ...]:
     """What is worth seeing of a solution, in the order of reading."""
     known = {"t", *(column.name for column in solution.columns)}
-    if not solution.scenario.rig.single:
+    if not solution.scenario.elements.unnamed:
         return of_machine(solution.scenario.rig.machine)
     if "V" in known:
         return _CASCADE

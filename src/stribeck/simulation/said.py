@@ -27,7 +27,7 @@ _WORDS = {"slip": "|v| rises through v_s (slip)", "stick": "|v| falls through v_
 def run(solution: Solution) -> Document:
     """A run: what happened, largest and last numbers, events, plots, laws and the file."""
     scenario, stats = solution.scenario, solution.stats
-    about = f"law {scenario.law.name}, drive {scenario.called.drive}" if scenario.rig.single else scenario.subject
+    about = f"law {scenario.law.name}, drive {scenario.called.drive}" if scenario.elements.unnamed else scenario.subject
     facts = [
         f"{solution.status}: {about}; {len(solution.t)} rows of {scenario.rows}",
         f"{stats['accepted']} steps ({stats['rejected']} rejected) in {1e3 * stats['seconds']:.1f} ms, {stats['solver']}",
@@ -49,7 +49,7 @@ def run(solution: Solution) -> Document:
 
 def _in_short(solution: Solution) -> str:
     """What happened, in one sentence and in units that a person would use."""
-    if not solution.scenario.rig.single:
+    if not solution.scenario.elements.unnamed:
         told = ", ".join(f"{c.name} up to {human(solution.peaks[c.name], c.unit)}" for c in solution.columns[:4])
         return f"largest magnitudes: {told}"
     slips = solution.events["slip"]
@@ -118,7 +118,7 @@ def comparison(found: Comparison) -> Document:
     facts += [f"{label} failed: {s.reason}" for label, s in found.solutions.items() if s.reason]
     laws = (
         [of_law.chapter(s.scenario.law, f"law-{i}") for i, s in enumerate(found.solutions.values())]
-        if first.scenario.rig.single
+        if first.scenario.elements.unnamed
         else of_scenario.laws(first.scenario)
     )
     tables = [

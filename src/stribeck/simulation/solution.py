@@ -169,7 +169,7 @@ class Solution:
     def laws(self) -> dict[str, object]:
         """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
         rig = self.scenario.rig
-        if rig.single:
+        if rig.machine.elements.unnamed:
             return {"law": _about(rig.law)}
         return {"contacts": {name: {"law": _about(law)} for name, law in rig.named_laws.items()}}
 

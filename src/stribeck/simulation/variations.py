@@ -52,7 +52,7 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
     Raises:
         InputError: a path is none that can be varied, or its values are no arrays of numbers of equal length.
     """
-    given, rig = arrays(values), scenario.rig
+    given, unnamed = arrays(values), scenario.elements.unnamed
     if any(each.follows_others for each in scenario.elements):
         return LaneByLane(scenario, values)  # what its controller knows of the plant changes with the plant
     known = machine_places(scenario)
@@ -61,10 +61,10 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
     try:  # constants that are off, such as a play that is not given
         scenario = scenario.with_changes({path: float(x[0]) for path, x in given.items() if path not in known})
     except InputError:
-        return (Variations if rig.single else LaneByLane)(scenario, values)
+        return (Variations if unnamed else LaneByLane)(scenario, values)
     known = machine_places(scenario)
     unknown = [path for path in given if path not in known]
-    numbers = not rig.single or all(path.startswith("law.") for path in unknown)  # which a law may leave unused
+    numbers = not unnamed or all(path.startswith("law.") for path in unknown)  # which a law may leave unused
     return (LaneByLane if unknown and numbers else Variations)(scenario, values)
 
 

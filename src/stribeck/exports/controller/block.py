@@ -307,7 +307,7 @@ def block_of(
     Raises:
         InputError: there is no such controller, no sample time, or no compensation.
     """
-    if scenario is None or scenario.rig.single or not scenario.rig.machine.controllers:
+    if scenario is None or scenario.elements.unnamed or not scenario.rig.machine.controllers:
         given = "" if scenario is None else f"{scenario.name!r}: "
         text = f"part '{part}' needs a machine (schema = 2) with a controller"
         raise InputError(f"{arg('scenario')}: {given}{text}")

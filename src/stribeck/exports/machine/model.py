@@ -58,7 +58,7 @@ class MachineModel:
     """
 
     def __init__(self, scenario: Scenario | None, origin: str = "", options: Options = PLAIN) -> None:
-        if scenario is None or scenario.rig.single:
+        if scenario is None or scenario.elements.unnamed:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
         self.scenario, self.rig, self.origin, self.options = scenario, scenario.rig, origin, options

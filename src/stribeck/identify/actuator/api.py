@@ -104,7 +104,7 @@ def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
             recorded_run(scenario, recording, i)
         except InputError as error:
             problems += error.problems
-    if not scenario.rig.single:
+    if not scenario.elements.unnamed:
         try:
             sought = coordinates(scenario, logs)
         except InputError as error:

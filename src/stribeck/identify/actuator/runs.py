@@ -188,7 +188,7 @@ def recorded_run(
     Raises:
         InputError: an output is no column of the machine, an input none of its signals, or a known number none it has.
     """
-    if scenario.rig.single:
+    if scenario.elements.unnamed:
         raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
     begin, end = span or (0.0, float(recording.t[-1]))
     changes: dict[str, object] = dict(recording.known)
