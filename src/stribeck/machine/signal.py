@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, ValidationError, Va
 
 from stribeck import signals
 from stribeck.constants import Constant, kind_of
-from stribeck.errors import InputError
+from stribeck.errors import InputError, naming
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.machine.family import Family
 from stribeck.machine.table import (
@@ -194,7 +194,8 @@ class File(SignalTable):
         if self.folder is None:
             return []
         try:
-            self.built  # noqa: B018
+            with naming(str):  # the keys of a table are called as the arguments
+                self.built  # noqa: B018
         except InputError as error:
             keyed = (text.partition(": ") for text in error.problems)
             return [("path" if key == "data" else key, text) for key, _, text in keyed]
