@@ -19,10 +19,15 @@ from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.identify.actuator.api import fit_machine
+from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
+from stribeck.identify.actuator.estimate import FAR_STEP, beyond_noise, first_noise, loosened, point_of, prepared
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit
+from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.solve import search
 from stribeck.identify.beyond import seen
-from stribeck.identify.core.states import Estimate, EstimateState, state_of
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.filters import low_pass, shifted, spline_derivative
 from stribeck.identify.details import FitDetails
 from stribeck.identify.features.filtering import smoother_log
@@ -35,6 +40,7 @@ from stribeck.identify.models.static_problem import in_stretches
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import LogFit, Prediction
+from stribeck.identify.work import Work
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
@@ -52,9 +58,11 @@ _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
 BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms that a fit of the motion can have
 _LAW = "contacts.contact.law"
-_INVERSE = 0.4  # of the work of a fit of the motion, by the clock
-_WHOLE = 3.0  # of such a shift: of records with 0.1 um of noise one linear step found a half to a third of the bias
-_SLOPE = 1e-3  # of a value, for slopes by differences: the solver errs by 1e-6
+_BEFORE = 0.3  # of the work of a fit of the motion, by the clock: its windows
+_QUARTERS, _SHORTEST, _MANY, _LONGER = 4, 40, 16, 4  # windows: parts of the time between reversals; rows, at least; how
+# many; how much longer the second ones are
+_MOVING = 0.05  # of the largest speed: slower is near rest
+_DRAWS = 6  # of the motion's noise: these tell a deviation to 30 %
 _Q95 = float(norm.ppf(0.975))
 
 
@@ -107,20 +115,90 @@ def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress |
     if model.output == "force":
         found, paths = _fitted(log, model, options, options.starts, progress)
         return _finished(log, model, found, paths)
-    # the force along the measured motion has one minimum where the motion under the measured force has many
-    inverse = replace(
-        model, output="force", wanted=tuple(n for n in model.wanted if n != "delay"), first=dict(model.first)
-    )
-    inverse.first.pop("delay", None)
-    near, paths = _fitted(log, inverse, options, options.starts, _share(progress, 0.0, _INVERSE))
-    if near.status == "stopped":
-        return _finished(log, inverse, near, paths)
-    for path, n in paths.items():
-        value = near.parameters[path].value
-        guess = model.first[n]
-        model.first[n] = replace(guess, value=min(max(value, guess.bounds[0]), guess.bounds[1]))
-    found, paths = _fitted(log, model, options, 1, _share(progress, _INVERSE, 1.0))
+    near, stopped = _near(log, model, options, _share(progress, 0.0, _BEFORE))
+    model.first.update({n: replace(guess, value=near[n]) for n, guess in model.first.items()})
+    later = _interrupt if stopped else _share(progress, _BEFORE, 1.0)
+    found, paths = _fitted(log, model, options, 1, later)
     return _finished(log, model, found, paths)
+
+
+def _interrupt(share: float) -> None:
+    """Ctrl-C, for a fit whose first part was stopped."""
+    raise KeyboardInterrupt
+
+
+def _near(log: Log, model: OneBody, options: FitOptions, progress: Progress | None) -> tuple[dict[str, float], bool]:
+    """Numbers from which the motion over whole runs can be met, and whether Ctrl-C ended the search.
+
+    Over a long record the motion under the measured force has many minima; the force along the measured motion has few, and the
+    motion in short windows, each with a start of its own.
+    """
+    work, first = Work(progress), {n: guess.value for n, guess in model.first.items()}
+    inverse = replace(model, output="force", wanted=tuple(n for n in model.wanted if n != "delay"))
+    inverse = replace(inverse, first={n: guess for n, guess in model.first.items() if n != "delay"})
+    best = _searched(log, inverse, options, options.starts, first, work, None)
+    if not best.stopped:
+        best = whole = _searched(log, model, options, 1, {**first, **best.values}, work, None)
+    if not best.stopped and not best.met:
+        best = near = _searched(log, model, options, 1, first, work, _window(log))
+        if not near.stopped and not near.met:
+            best = near = _searched(log, model, options, options.starts, near.values, work, _window(log))
+        if not near.stopped:
+            best = _searched(log, model, options, 1, near.values, work, _LONGER * _window(log))
+        if not best.stopped:
+            best = _searched(log, model, options, 1, best.values, work, None)
+            best = best if best.stopped else min(best, whole, key=lambda x: x.cost)
+    inside = {n: min(max(best.values.get(n, g.value), g.bounds[0]), g.bounds[1]) for n, g in model.first.items()}
+    return inside, best.stopped
+
+
+@dataclass(frozen=True)
+class _Near:
+    """Where a search ended: the numbers, the cost, whether Ctrl-C ended it, whether noise alone is left."""
+
+    values: dict[str, float]
+    cost: float
+    stopped: bool
+    met: bool
+
+
+def _searched(
+    log: Log, model: OneBody, options: FitOptions, starts: int, begin: Mapping[str, float], work: Work, window: float | None
+) -> _Near:  # fmt: skip
+    """The best numbers from these and other starts, over whole runs or in windows of about so many seconds."""
+    sought, paths = _sought(model, log, options)
+    recordings = [(i, _recording(log, rows, model, i)) for i, rows in enumerate(_runs(log))]
+    scenario = loosened(_scenario(model, log.rotary))
+    own = coordinates(scenario, Logs(tuple(each for _, each in recordings), sought))
+    runs, begun = prepared(scenario, recordings, {c.name for c in own}, window)
+    if window is not None:
+        runs, begun = _in_motion(log, runs, begun)
+    noise, _ = first_noise([each for _, each in recordings])
+    problem = MachineProblem(runs, [*own, *begun], noise, work=work, step=FAR_STEP)
+    first = point_of(problem, {path: begin[n] for path, n in paths.items()})
+    found = search(problem, starts, options.seed, first)
+    values, met = problem.values(found.u), not found.stopped and not beyond_noise(problem, found.u, 1)
+    return _Near({n: values[path] for path, n in paths.items()}, found.cost, found.stopped, met)
+
+
+def _window(log: Log) -> float:
+    """A quarter of the time between two reversals, s."""
+    moving = abs(log.velocity) > _MOVING * np.max(abs(log.velocity))
+    between = [np.diff(np.flatnonzero(np.diff(np.sign(log.velocity[r][moving[r]])))) for r in _runs(log)]
+    rows = np.concatenate(between)
+    return float(max(np.median(rows) / _QUARTERS if len(rows) else 0, _SHORTEST) * log.step)
+
+
+def _in_motion(
+    log: Log, runs: Sequence[RecordedRun], begun: Sequence[MachineCoordinate]
+) -> tuple[list[RecordedRun], list[MachineCoordinate]]:
+    """Some of the windows, evenly over the record: those that begin in motion, where bristles are as they must be."""
+    firsts = [_runs(log)[run.log].start + round(float(run.piece or 0) / log.step) for run in runs]
+    moving = abs(log.velocity[firsts]) > _MOVING * np.max(abs(log.velocity))
+    those = np.flatnonzero(moving) if moving.any() else np.arange(len(runs))
+    some = [runs[those[i]] for i in np.unique(np.linspace(0, len(those) - 1, _MANY).round().astype(int))]
+    pieces = {(run.log, run.piece) for run in some}
+    return some, [c for c in begun if (c.log, c.piece) in pieces]
 
 
 def _fitted(
@@ -128,12 +206,24 @@ def _fitted(
 ) -> tuple[MachineFit, dict[str, str]]:
     """The machine fit of a model, and the name of each of its paths."""
     sought, paths = _sought(model, log, options)
-    recordings = tuple(_recording(log, rows, model, i) for i, rows in enumerate(_runs(log)))
+    as_well = _as_well(log, model)
+    recordings = tuple(
+        replace(
+            _recording(log, rows, model, i),
+            as_well={cause: [_recording(x, rows, model, i) for x in same] for cause, same in as_well.items()},
+        )
+        for i, rows in enumerate(_runs(log))
+    )
     found = fit_machine(
-        Scenario(_tables(model, log.rotary), folder=Path(), trust=True), Logs(recordings, sought), starts=starts,
-        seed=options.seed, baselines=False, progress=progress,
+        _scenario(model, log.rotary), Logs(recordings, sought), starts=starts, seed=options.seed, baselines=False,
+        progress=progress,
     )  # fmt: skip
     return found, paths
+
+
+def _scenario(model: OneBody, rotary: bool) -> Scenario:
+    """The machine with first values."""
+    return Scenario(_tables(model, rotary), folder=Path(), trust=True)
 
 
 def _share(progress: Progress | None, begin: float, end: float) -> Progress | None:
@@ -237,7 +327,7 @@ def _law_table(model: OneBody, values: Values) -> dict[str, object]:
 
 
 def _tables(model: OneBody, rotary: bool) -> dict[str, object]:
-    """The machine with first values."""
+    """Its tables."""
     values = {**model.fixed, **{n: g.value for n, g in model.first.items()}, **model.held}
     turns = {"rotary": True} if rotary else {}
     body: dict[str, object] = {"velocity": {"signal": _HELD}, **turns}
@@ -321,8 +411,6 @@ def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, s
     constants = model.law.constants()
     used = {**model.fixed, **model.held, **values}
     estimates = _estimates(log, model, found, names)
-    if model.output == "force" and found.status == "done":
-        estimates = _widened(estimates, log, model, used)
     estimates = _without_curve(estimates, log, used)
     bent = [found.nuisance.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
     friction, beside = parts(model.name, used, log, bent)
@@ -393,60 +481,17 @@ def _without_curve(estimates: dict[str, Estimate], log: Log, used: Values) -> di
     return found
 
 
-def _widened(estimates: Mapping[str, Estimate], log: Log, model: OneBody, used: Values) -> dict[str, Estimate]:
-    """The estimates of a fit of the force with model ranges: what the motion's filter, its noise and the acceleration's lower
-    filter may do, which no residual shows.
-
-    Each is the step of Gauss and Newton to the optimum along another motion: filtered lower, with its noise once more (Cook
-    and Stefanski 1994), with the acceleration of the whole band.
-    """
-    if log.bandwidth is None:
-        return dict(estimates)
-    names = [n for n, e in estimates.items() if n in used]
-    here = _step(log, model, used, names)
+def _as_well(log: Log, model: OneBody) -> dict[str, list[Log]]:
+    """By cause, the record as it might be as well, where the fit takes a motion that was filtered: filtered lower, with its
+    noise once more, with the acceleration of the whole band."""
+    if log.bandwidth is None or (model.output != "force" and log.sources.get("unfiltered") == model.output):
+        return {}
     rng, deviation = np.random.default_rng(0), _noise(log)
-    shifts = {
-        "filter of the motion": _step(smoother_log(log), model, used, names) - here,
-        "noise of the motion": _step(_noisier(log, deviation, rng), model, used, names) - here,
-        "filter of the acceleration": _step(_full_band(log), model, used, names) - here,
+    found = {
+        "noise of the motion": [_noisier(log, deviation, rng) for _ in range(_DRAWS)],
+        "filter of the motion": [smoother_log(log)],
     }
-    level, out = used.get("F_c", 1.0), dict[str, Estimate]()
-    for k, n in enumerate(names):
-        e = estimates[n]
-        moved = {cause: _WHOLE * abs(float(x[k])) for cause, x in shifts.items()}
-        off = float(np.sqrt(sum(x**2 for x in moved.values())))
-        ends = e.range or e.interval
-        low, high = e.value - np.hypot(e.value - ends[0], off), e.value + np.hypot(ends[1] - e.value, off)
-        out[n] = replace(e, range=(float(low), float(high)))
-        if not e.identifiable:
-            continue
-        cause, offset = max(moved, key=lambda x: moved[x]), level if n == "offset" else None
-        alone = e.value - off, e.value + off
-        if state_of(alone, alone, offset) is EstimateState.NOT_IDENTIFIABLE:
-            why = f"the {cause} may move it by {off:.2g}: it takes a finer position, or a faster record"
-            out[n] = replace(out[n], state=EstimateState.NOT_IDENTIFIABLE, why=why)
-        elif e.state is EstimateState.IDENTIFIED:
-            state = state_of(e.interval, (float(low), float(high)), offset)
-            out[n] = replace(out[n], state=state, depends_on="" if state is e.state else cause)
-    if "v_s" in out and estimates["v_s"].identifiable and not out["v_s"].identifiable:
-        for n in {"sigma_0", "sigma_1"} & out.keys():  # break-away is told by the same few samples
-            out[n] = replace(out[n], state=EstimateState.NOT_IDENTIFIABLE, why=out["v_s"].why)
-    return {**estimates, **out}
-
-
-def _step(log: Log, model: OneBody, used: Values, names: Sequence[str]) -> Array:
-    """By how much each number moves to the optimum along a motion, linearised."""
-    friction, beside = parts(model.name, used, log)
-    slopes = []
-    for n in names:
-        if n in TERMS:
-            slopes.append(terms.column(n, log, model.held))
-            continue
-        h = _SLOPE * abs(float(used[n])) or _SLOPE
-        slopes.append((sum(parts(model.name, {**used, n: used[n] + h}, log)) - friction - beside) / h)
-    matrix = np.column_stack(slopes)
-    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-    return np.asarray(np.linalg.lstsq(matrix / size, log.force - friction - beside, rcond=1e-9)[0] / size)
+    return found | ({"filter of the acceleration": [_full_band(log)]} if model.output == "force" else {})
 
 
 def _noise(log: Log) -> float:

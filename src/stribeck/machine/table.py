@@ -432,7 +432,7 @@ def within(value: Held, path: str) -> Iterator[tuple[str, Held]]:
             yield joined(path, info.alias or name), getattr(value, name)
     elif isinstance(value, dict):
         yield from ((f"{path}.{name}", x) for name, x in value.items())
-    elif isinstance(value, tuple):
+    elif isinstance(value, tuple) and not all(type(x) is float for x in value):  # samples hold nothing
         yield from ((f"{path}[{i}]", x) for i, x in enumerate(value))
 
 

@@ -27,6 +27,8 @@ def named(data: Mapping[str, object]) -> dict[str, str]:
         path, value = left.pop()
         inside: Iterable[tuple[str | int, object]] = value.items() if isinstance(value, Mapping) else enumerate(value)
         for key, each in inside:
+            if isinstance(each, float):  # of the samples of a signal, which may be many
+                continue
             place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}"
             if key in ("name", "kind") and in_a_file(each):
                 found[place] = each

@@ -65,16 +65,12 @@ class Curve(Signal):
             total = total * x + getattr(p, name)
         return total
 
-    @staticmethod
-    def _values(row: Array, start: float) -> dict[str, float]:
-        return {"start": float(start), **dict(zip(COEFFICIENTS, row.tolist(), strict=True))}
-
     @cached_property
     def pieces(self) -> list[tuple[float, dict[str, float]]]:
         first = max(int(np.searchsorted(self._start, 0.0, side="right")) - 1, 0)
+        starts, rows = self._start[first:].tolist(), self._rows[first:].tolist()
         return [
-            (float(start), self._values(row, start))
-            for start, row in zip(self._start[first:], self._rows[first:], strict=True)
+            (t, {"start": t, **dict(zip(COEFFICIENTS, row, strict=True))}) for t, row in zip(starts, rows, strict=True)
         ]
 
     def values_at(self, t: ArrayLike) -> dict[str, Value]:

@@ -1,10 +1,13 @@
-"""Errors of the recorded inputs whose size is known, as draws of what they do to all residuals: noise, and missing samples.
+"""Errors of what was measured whose size is known, as draws of what they do to all residuals: noise, missing samples, filters.
 
 A simulation follows its inputs, so these errors are in the variables, and what they leave remembers as long as a recording.
+Those that are known as recordings (noise of a motion once more, behind its filter: Cook and Stefanski 1994; another filter) are
+fitted again: they bias what is fitted, and the shift shows by how much.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -12,20 +15,33 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun, typical_roughness
+from stribeck.identify.actuator.solve import search
 
 ORDER = 6  # of the differences that are noise: an input may be fast
 PILOT, DRAWS = 4, 24  # draws that show whether it matters; that then tell a deviation to 15 %
 LITTLE = 0.02  # of the sum of squares that is left: less does not matter
+STEPS = 4  # of a search from the optimum of nearly the same recordings
 
 
-def input_errors(problem: MachineProblem, u: Array) -> list[Array]:
-    """For each source of errors that matters the residuals as it moves them, (draws, residuals)."""
+def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
+    """For each source of errors that matters the residuals as it moves them, (draws, residuals); ``J``: their slopes."""
     r = problem.residuals(u[None])[0]
-    found = [_by_gaps(problem, u, r)]
+    found = [_by_gaps(problem, u, r), *_fitted_again(problem, u, J)]
     pilot = _by_noise(problem, u, r, PILOT)
     if pilot is not None and np.mean(pilot**2) * problem.size > LITTLE * float(r @ r):
         found.append(_by_noise(problem, u, r, DRAWS))
     return [x for x in found if x is not None and np.isfinite(x).all()]
+
+
+def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array]:
+    """The recordings as they might be as well: by cause, the residuals that would move the numbers as fitting those does."""
+    for cause in dict.fromkeys(cause for run in problem.runs for cause in run.as_well):
+        found = []
+        for n in range(max(len(run.as_well[cause]) for run in problem.runs)):
+            runs = [run.instead(run.as_well[cause][n]) for run in problem.runs]
+            own = replace(problem, runs=runs, noise=dict(problem.noise))
+            found.append(J @ (search(own, 1, 0, u, steps=STEPS).u - u))
+        yield np.array(found)
 
 
 def _moved(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:

@@ -24,9 +24,10 @@ _FIRST = 0.05  # of a column's changes: the noise to begin with
 _WEIGHTINGS = 8  # a poor start may need some: each lets the search see more
 _SETTLED = 0.05
 _OFF, _GROWN = 1e-6, 100.0  # of the position's changes; times a start's error: then less than the noise decides
-_DOUBTED = 2.0  # times: more may be another minimum, unless so many starts came to this one
-_AGREEING = 3
-_TRIED_ON = 1.2  # times: more is looked for then; noise that is white leaves 1.0, to some hundredths
+_DOUBTED = (
+    1.2  # times the noise: noise that is white leaves 1.0, to some hundredths; more may be another minimum, unless
+)
+_AGREEING = 3  # so many starts came to this one
 _STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
 _SHORTEST = 0.2  # s
 _ROUGH = 12  # steps of the search in stretches
@@ -35,7 +36,7 @@ _CAREFUL = 2  # points from which whole recordings are followed part by part
 _AS_WELL = 1.2  # times what free stretches leave
 _ENOUGH = 6  # recordings in which starts are compared
 _LOOSE = 1e-6  # rtol, far from the best numbers
-_FAR_STEP = 1e-3  # of a coordinate, for slopes there
+FAR_STEP = 1e-3  # of a coordinate, for slopes there
 _NEAR = 1e-4  # of the cost: a smaller fall ends the search there
 _MUCH = 3.0  # a whole recording that is worse than its stretches by this factor is fitted in stretches
 Keep = Callable[[dict[str, float], float], None]
@@ -71,13 +72,13 @@ class BestPoint:
         return told
 
 
-def beyond_noise(problem: MachineProblem, u: Array, agreeing: int, doubted: float = _DOUBTED) -> list[str]:
-    """The columns of which more is left than ``doubted`` times their noise where few starts agree on the minimum, in words:
-    there may be a better one."""
+def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
+    """The columns of which more is left than their noise where few starts agree on the minimum, in words: there may be a better
+    one."""
     told = []
     for column, (left, _) in leftovers(problem, u).items() if agreeing < _AGREEING else ():
         least = noise_of(problem, column)
-        if least > 0 and not left <= doubted * least:  # nan: it cannot be simulated there
+        if least > 0 and not left <= _DOUBTED * least:  # nan: it cannot be simulated there
             told.append(f"{column}: {left:.2g} is left, {left / least:.3g} times what changes from sample to sample")
     return told
 
@@ -201,10 +202,10 @@ def estimate(
     notes: list[str] = []
     starts = starts if sought else 1  # the machine without friction may have nothing that is sought
     begin, many = dict(first or {}), starts > 1
-    loose = _loosened(scenario)
+    loose = loosened(scenario)
     agreeing, others = 0, list[dict[str, float]]()
-    whole_only = remembers(scenario, recordings)
-    if not whole_only and many:
+    whole_only, led = remembers(scenario, recordings), not any(x.free for x in scenario.rig.machine.bodies)
+    if not whole_only and not led and many:
         rough = _roughly(loose, recordings, sought, named, noise, work)
         found = search(
             rough, starts, seed, point_of(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH,
@@ -216,10 +217,13 @@ def estimate(
             return BestPoint(rough, found.u, found, notes, True)
         agreeing, starts = found.agreeing, 1
     runs, own = prepared(loose, recordings, named)
-    problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work, step=_FAR_STEP)
+    problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work, step=FAR_STEP)
     points = [begin, *others] if thorough else [begin]
-    found = _whole(problem, points, starts, seed, {i for i, _ in _some(recordings)}, keep)
-    if thorough and many and not found.stopped and beyond_noise(problem, found.u, found.agreeing, _TRIED_ON):
+    if led:  # a motion that was recorded lets no error last
+        found = search(problem, starts, seed, point_of(problem, begin), _kept(problem, keep), wide=True, small=_NEAR)
+    else:
+        found = _whole(problem, points, starts, seed, {i for i, _ in _some(recordings)}, keep)
+    if thorough and not led and many and not found.stopped and beyond_noise(problem, found.u, found.agreeing):
         found = search(problem, 1, seed, found.u, _kept(problem, keep), scanned(problem, found), small=_NEAR)
     runs, own = prepared(scenario, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
@@ -256,7 +260,7 @@ def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
     return tied
 
 
-def _loosened(scenario: Scenario) -> Scenario:
+def loosened(scenario: Scenario) -> Scenario:
     """The machine with the tolerance with which it is simulated while the numbers are far from their best."""
     return scenario.with_changes({"solve.rtol": max(scenario.solve.rtol, _LOOSE)})
 
@@ -283,7 +287,7 @@ def _roughly(
         _SHORTEST, min(float(np.median([r.t[-1] for _, r in some])) / _STRETCH, *(r.window or np.inf for _, r in some))
     )
     runs, _ = prepared(scenario, [(i, replace(r, window=None)) for i, r in some], named, window, free=False)
-    return MachineProblem(runs, list(sought), dict(noise), work=work, step=_FAR_STEP)
+    return MachineProblem(runs, list(sought), dict(noise), work=work, step=FAR_STEP)
 
 
 def _whole(
@@ -303,7 +307,7 @@ def _whole(
             if share == 1.0:
                 u = continued(problem, u, kept)[0] if len(some.runs) < len(problem.runs) else u
                 found = search(problem, 1, seed, u, kept, steps=_ROUGH, small=_NEAR)
-                if found.stopped or not beyond_noise(problem, found.u, 1, _TRIED_ON):
+                if found.stopped or not beyond_noise(problem, found.u, 1):
                     return found
                 u = found.u
             tried.append((float(half_squares(problem.residuals(u[None]))[0]), u))
@@ -311,7 +315,7 @@ def _whole(
         for values in points[:_CAREFUL] if len(points) > 1 else []:
             u, _ = continued(problem, point_of(problem, values), None, careful=True)
             found = search(problem, 1, seed, u, kept, steps=_ROUGH, small=_NEAR)
-            if found.stopped or not beyond_noise(problem, found.u, 1, _TRIED_ON):
+            if found.stopped or not beyond_noise(problem, found.u, 1):
                 return found
             tried.append((found.cost, found.u))
             best = min(tried, key=lambda each: each[0])[1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -69,7 +69,8 @@ class Named:
 @dataclass(frozen=True)
 class Recording:
     """One run of the actuator: times from 0 s, the measured columns by those of the machine, the signals by path, the
-    numbers that differ in this run, and whether it is held out."""
+    numbers that differ in this run, and whether it is held out. ``as_well``: by cause, the same run as errors of what was
+    measured may have made it."""
 
     file: str
     t: Array
@@ -79,6 +80,7 @@ class Recording:
     hold_out: bool = False
     window: float | None = None
     notes: tuple[str, ...] = ()
+    as_well: Mapping[str, Sequence[Recording]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -137,7 +137,7 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
     room = (problem.high - problem.low)[starts] * WIDE
     raw = np.column_stack([-r, J[:, asked], *(x.slopes for x in every)])
     clean = _without(J[:, starts] * room, raw)
-    drawn = [_without(J[:, starts] * room, x.T).T for x in input_errors(problem, u)]
+    drawn = [_without(J[:, starts] * room, x.T).T for x in input_errors(problem, u, J)]
     first = 1 + len(asked)
     rms = np.maximum(np.sqrt(np.mean(clean**2, axis=0)), 1e-300)
     moved = [i for i in range(len(every)) if rms[first + i] > 0]

@@ -44,6 +44,14 @@ class Compared:
         return replace(self, t=self.t[there], x=self.x[there], beside=beside)
 
 
+@dataclass(frozen=True)
+class MeasuredRun:
+    """What was measured in a run: its inputs by path, and the columns that are compared."""
+
+    inputs: dict[str, RecordedInput]
+    targets: list[Compared]
+
+
 @dataclass
 class RecordedRun:
     """A recording, or a stretch of one, as a scenario with its inputs and known numbers, ready to simulate."""
@@ -60,10 +68,15 @@ class RecordedRun:
     doubt: float = 0.0
     inputs: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
     played: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)  # by name, what plays in signals if it is 1
+    as_well: Mapping[str, Sequence[MeasuredRun]] = field(default_factory=dict)  # as errors of a kind may have made it
 
     def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
         """The same run with other signals."""
         return replace(self, scenario=self.scenario.with_changes({path: x.table() for path, x in drives.items()}))
+
+    def instead(self, measured: MeasuredRun) -> RecordedRun:
+        """The same run as it was measured otherwise."""
+        return replace(self.driven(measured.inputs), targets=measured.targets, inputs=measured.inputs)
 
     @property
     def size(self) -> int:
@@ -212,11 +225,20 @@ def recorded_run(
         new = scenario.with_changes(changes)
     except InputError as error:
         raise InputError([f"log.{log} ({recording.file}): {line}" for line in error.problems]) from None
-    there = rows_of(recording, begin, min(end, new.end + begin))
-    targets = [Compared(n, c.t, c.x, c.beside) for n, c in there.items() if len(c.t)]
+    until = min(end, new.end + begin)
+    targets = compared(recording, begin, until)
+    as_well = {
+        cause: [MeasuredRun(driven_by(scenario, x, (begin, end))[0], compared(x, begin, until)) for x in same]
+        for cause, same in recording.as_well.items()
+    }
     piece = None if span is None else f"{begin:g}"
     run = RecordedRun(recording.file, log, piece, new, targets, {}, recording.hold_out, {}, (), doubt, drives)
-    return replace(run, otherwise=tuple(run.driven(each).scenario for each in others))
+    return replace(run, otherwise=tuple(run.driven(each).scenario for each in others), as_well=as_well)
+
+
+def compared(recording: Recording, begin: float, end: float) -> list[Compared]:
+    """The measured columns between two times as a run is compared with them."""
+    return [Compared(n, c.t, c.x, c.beside) for n, c in rows_of(recording, begin, end).items() if len(c.t)]
 
 
 def driven_by(

@@ -46,13 +46,13 @@ class Sizes:
     step: float = 0.0
 
 
-def sizes_of(log: Log, mass: float = 0.0) -> Sizes:
+def sizes_of(log: Log) -> Sizes:
     """The natural sizes of a log.
 
     Raises:
         InputError: nothing moves, or there is no force.
     """
-    speed, force = abs(log.velocity), log.force - mass * log.acceleration
+    speed, force = abs(log.velocity), log.force
     fast = float(np.max(speed, initial=0.0))
     if fast <= 0:
         raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
@@ -115,15 +115,14 @@ def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
 
 def ranges(law: type[Law], sizes: Sizes) -> dict[str, Guess]:
     """A range for each constant of the law that a fit may free."""
-    f, fast, slow, k = sizes.force, sizes.fast, sizes.slow, sizes.stiffness
-    middle = float(np.sqrt(slow * fast))
+    f, fast, k = sizes.force, sizes.fast, sizes.stiffness
     known = {
         "sigma_0": Guess(k, k / 20, k * 20),
-        "sigma_1": Guess(0.03 * f / middle, 1e-3 * f / middle, f / middle),
+        "sigma_1": Guess(k * sizes.step, k * sizes.step / 30, k * sizes.step * 30),  # else no sample shows it
         "sigma_2": Guess(0.1 * f / fast, 1e-3 * f / fast, f / fast),
         "F_c": Guess(0.8 * f, 0.3 * f, 1.2 * f, reach=5),
         "F_s": Guess(1.2 * f, 0.5 * f, 2 * f, reach=5),
-        "v_s": Guess(middle, slow, fast),
+        "v_s": Guess(3e-3 * fast, 3e-4 * fast, fast),  # where greased guides and gears have it
     }
     for name, constant in law.constants().items():
         if name not in known:
