@@ -1,4 +1,4 @@
-"""The one type of array that numbers are kept in."""
+"""The type of numeric arrays, and their conversion from Arrow."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ Array = NDArray[np.float64]
 
 
 def of_arrow(column: pyarrow.Array) -> Array:
-    """An Arrow array of numbers in double precision, nan where there is none. Arrow's own way reads pandas first, which takes
-    a quarter of a second and swallows a Ctrl-C that comes meanwhile."""
+    """The numbers of an Arrow array in double precision, nan for missing ones.
+
+    Arrow's own conversion imports pandas first, which takes a quarter of a second and ignores a Ctrl-C in that time.
+    """
     column = column.cast("float64", safe=False)
-    there, held = column.buffers()
-    found = np.frombuffer(held, float, len(column), 8 * column.offset).copy() if len(column) else np.empty(0)
+    validity, data = column.buffers()
+    values = np.frombuffer(data, float, len(column), 8 * column.offset).copy() if len(column) else np.empty(0)
     if column.null_count:
-        bits = np.unpackbits(np.frombuffer(there, np.uint8), bitorder="little")
-        found[bits[column.offset : column.offset + len(column)] == 0] = np.nan
-    return found
+        bits = np.unpackbits(np.frombuffer(validity, np.uint8), bitorder="little")
+        values[bits[column.offset : column.offset + len(column)] == 0] = np.nan
+    return values

@@ -1,6 +1,6 @@
-"""Declarations of constants: unit, meaning and allowed range, written once for laws, plants, drives and signals.
+"""Declarations of constants: unit, meaning and allowed range, written once for laws, elements and signals.
 
-Validation, the JSON Schema, the listings and the documentation all read them from here.
+Validation, the JSON Schema, the listings and the documentation use these declarations.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from stribeck.errors import InputError, arg, nearest
 
 @dataclass(frozen=True)
 class Constant:
-    """A number that an equation uses, or a word that chooses its form.
+    """A number that an equation uses, or a word that selects its form.
 
-    ``above`` is an exclusive bound and ``at_least`` an inclusive one. A constant with a ``default`` may be left out;
-    ``optional`` ones are off (None) unless given, and the equation then takes another form. One with ``choices`` is
-    one of these words, the first unless given.
+    ``above`` is an exclusive bound and ``at_least`` an inclusive one. A constant with a ``default`` may be left out. An
+    ``optional`` one is off (None) unless given, and the equation then has another form. A constant with ``choices`` is one
+    of these words, the first unless given.
     """
 
     unit: str
@@ -30,11 +30,11 @@ class Constant:
     default: float | None = None
     optional: bool = False
     rotary_unit: str | None = None
-    example: float | None = None  # a value that makes sense, for documentation and tests
+    example: float | None = None  # a realistic value, for documentation and tests
     choices: tuple[str, ...] = ()
 
     def of_motion(self, rotary: bool) -> Constant:
-        """The declaration as a linear or a rotary machine has it: its unit and its words."""
+        """The declaration with unit and words for a linear or a rotary machine."""
         return replace(self, unit=self.unit_for(True), meaning=rotary_words(self.meaning)) if rotary else self
 
     def unit_for(self, rotary: bool) -> str:
@@ -43,7 +43,7 @@ class Constant:
 
     @property
     def allowed(self) -> str:
-        """What is allowed, in words."""
+        """The allowed values, in words."""
         if self.choices:
             return f"one of {', '.join(self.choices)}"
         if self.above is not None:
@@ -52,11 +52,11 @@ class Constant:
 
     @property
     def required(self) -> bool:
-        """True where a value must be given."""
+        """Whether a value must be given."""
         return self.default is None and not self.optional and not self.choices
 
     def problem(self, value: object) -> str | None:
-        """What is wrong with a value, or None."""
+        """The mistake in a value, in words; None if it is valid."""
         if self.choices:
             if isinstance(value, str):
                 return None if value in self.choices else f"must be {self.allowed}{nearest(value, self.choices)}"
@@ -77,10 +77,10 @@ POSITIVE = Constant("", "", above=0)
 
 
 def which_controller(given: str | None, known: Sequence[str], what: str = "controller") -> str:
-    """Which of a machine's controllers is meant: the only one unless it is given.
+    """The name of the chosen controller of a machine: the only one unless it is given.
 
     Raises:
-        InputError: there are several and none was named, or none has that name.
+        InputError: if there are several and none is given, or none has that name.
     """
     if given is None and len(known) > 1:
         raise InputError(f"{arg('controller')}: missing: must be given (one of {', '.join(known)})")
@@ -90,10 +90,10 @@ def which_controller(given: str | None, known: Sequence[str], what: str = "contr
 
 
 def require_positive(name: str, value: object, unit: str = "") -> None:
-    """Refuse an argument that is no finite number > 0.
+    """Check that an argument is a finite number > 0.
 
     Raises:
-        InputError: it is none.
+        InputError: if it is not.
     """
     if text := POSITIVE.problem(value):
         raise InputError(f"{arg(name)}: {show(value)}: {text}{f', in {unit}' if unit else ''}")
@@ -106,7 +106,7 @@ _ROTARY = {
 
 
 def rotary_unit(unit: str) -> str:
-    """The unit that a rotary machine has in the place of a linear one's: N m for N, rad for m, kg m^2 for kg."""
+    """The unit of a rotary machine for that of a linear one: N m for N, rad for m, kg m^2 for kg."""
     return _ROTARY.get(unit, unit)
 
 
@@ -117,16 +117,16 @@ _ROTARY_WORDS = {
 
 
 def rotary_words(text: str) -> str:
-    """Words for a rotary machine in the place of a linear one's: torque for force, angle for position."""
-    return re.sub(rf"\b({'|'.join(_ROTARY_WORDS)})\b", lambda found: _ROTARY_WORDS[found[1]], text)
+    """A text with the words of a rotary machine for those of a linear one: torque for force, angle for position."""
+    return re.sub(rf"\b({'|'.join(_ROTARY_WORDS)})\b", lambda match: _ROTARY_WORDS[match[1]], text)
 
 
-DECIDED = {True: "yes", False: "no", None: "undecided"}  # a verdict, in a word
-SHOWN = {**DECIDED, None: "not shown"}  # the same of what is true or not known
+DECIDED = {True: "yes", False: "no", None: "undecided"}  # a verdict in one word
+SHOWN = {**DECIDED, None: "not shown"}  # the same for statements that are never disproved
 
 
 def kind_of(value: object) -> str:
-    """What a value of a file is, in plain words."""
+    """The type of a value in a file, in plain words."""
     names = {bool: "a true/false value", str: "text", list: "a list", dict: "a table", type(None): "nothing"}
     if isinstance(value, Real) and not isinstance(value, bool):
         return "a number"
@@ -134,7 +134,7 @@ def kind_of(value: object) -> str:
 
 
 def show(value: object) -> str:
-    """A value as it may stand in a message of one line."""
+    """A value as text for a message of one line."""
     if isinstance(value, str):
         text = repr(value)
     elif isinstance(value, bool):
@@ -160,5 +160,5 @@ class Column:
     meaning: str
 
     def of_motion(self, rotary: bool) -> Column:
-        """The column as a linear or a rotary machine has it: torque in N m for force in N."""
+        """The column with unit and words for a linear or a rotary machine: torque in N m for force in N."""
         return Column(self.name, rotary_unit(self.unit), rotary_words(self.meaning)) if rotary else self

@@ -82,7 +82,7 @@ def one_line(text: str) -> str:
     return text if len(text) <= _LONGEST_LINE else f"{text[:_HEAD]}...{text[_HEAD + 3 - _LONGEST_LINE :]}"
 
 
-def said_by(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """An error's kind and words, also where a user's own kind of error cannot be shown."""
     try:
         return f"{type(error).__name__}: {error}"

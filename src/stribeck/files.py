@@ -1,4 +1,4 @@
-"""Files written beside and renamed, so that none is ever left half-written."""
+"""Atomic writing of files and folders, and reading that never waits for a pipe."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from typing import Any, BinaryIO
 from stribeck.errors import needed
 from stribeck.platforms import locked, refuse_open
 
-_LONGEST_NAME = 255  # letters of a file's name, wherever there are files
+_LONGEST_NAME = 255  # letters of a file's name, the limit of common file systems
 
 
 def write_with(path: Path, write: Callable[[Path], object]) -> None:
-    """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind.
+    """Write a file atomically: ``write`` creates it under another name, and it is renamed. A failure leaves nothing behind.
 
-    A link stays one, and its target is written; devices and pipes such as /dev/stdout are written as they are.
+    A link is kept, and its target is written. Devices and pipes such as /dev/stdout are written directly.
     """
     if path.exists() and not path.is_file() and not path.is_dir():
         write(path)
         return
     path = path.resolve()
-    beside = path.with_name(f".{os.getpid()}-{os.urandom(4).hex()}.tmp")  # short: a long name has no room for more
+    beside = path.with_name(f".{os.getpid()}-{os.urandom(4).hex()}.tmp")  # short, since the name itself may be long
     try:
         with _named(beside, path):
             write(beside)
@@ -43,14 +43,16 @@ def write_with(path: Path, write: Callable[[Path], object]) -> None:
 
 @contextmanager
 def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] | None = None) -> Iterator[Path]:
-    """A folder for the files of one result, which all move into ``folder`` when the block ends well.
+    """A temporary folder for the files of one result, which all move into ``folder`` if the block succeeds.
 
-    The file ``last`` says that the result is whole: it is taken away first and put back last, so that it never stands
-    beside files of another run. On any failure, Ctrl-C too, what was there stays as it was. Files of an older result that
-    the new one does not replace are taken away: those that its summary.json lists, and those of ``older``.
+    The file ``last`` marks a complete result: it is removed first and moved last, so that it is never beside files of
+    another run. On any failure, Ctrl-C included, the folder is unchanged. Files of an older result that the new one does not
+    replace are removed: those in the list of its summary.json, and those of ``older``.
 
     Args:
-        older: patterns of names, each with a regular expression that the file's text must begin with.
+        folder: the folder of the result.
+        last: name of the file that moves last.
+        older: patterns of names, each with a regular expression for the beginning of the file's text.
     """
     existed = folder.exists()
     beside = folder / f".{os.getpid()}-{os.urandom(4).hex()}.tmp"
@@ -58,18 +60,18 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
         with _named(beside, folder):
             folder.mkdir(parents=True, exist_ok=True)
             beside.mkdir()
-            there = folder.stat()
+            state = folder.stat()
             yield beside
             files = {file.relative_to(beside) for file in beside.rglob("*") if file.is_file()}
             with locked(folder):
-                if not beside.is_dir() or not os.path.samestat(there, folder.stat()):
+                if not beside.is_dir() or not os.path.samestat(state, folder.stat()):
                     raise OSError(errno.ESTALE, "was replaced by another folder meanwhile", str(folder))
-                gone = (_listed(folder / last) | _marked(folder, older or {})) - files
-                for path in (folder / name for name in {*files, *gone, Path(last)}):
+                obsolete = (_listed(folder / last) | _marked(folder, older or {})) - files
+                for path in (folder / name for name in {*files, *obsolete, Path(last)}):
                     if path.is_file():
                         refuse_open(path)
                 (folder / last).unlink(missing_ok=True)
-                for name in gone:
+                for name in obsolete:
                     (folder / name).unlink(missing_ok=True)
                 for name in sorted(files, key=lambda name: (name == Path(last), name)):
                     (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -77,23 +79,23 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
     finally:
         shutil.rmtree(beside, ignore_errors=True)
         if not existed:
-            with suppress(OSError):  # not empty: all is well
+            with suppress(OSError):  # not empty: the result is there
                 folder.rmdir()
 
 
 def _listed(summary: Path) -> set[Path]:
-    """The files of an older result, seen from its folder: those beside or below the summary that lists them."""
+    """The files in the list of an older result's summary that are in its folder, relative to it."""
     try:
         files = [Path(name) for name in json_of(summary)["files"]]
         there = next(path.parent for path in reversed(files) if path.name == summary.name)
     except (OSError, ValueError, KeyError, TypeError, StopIteration):
         return set()
-    found = {path.relative_to(there) for path in files if path.is_relative_to(there)}
-    return {path for path in found if ".." not in path.parts and (summary.parent / path).is_file()}
+    relative = {path.relative_to(there) for path in files if path.is_relative_to(there)}
+    return {path for path in relative if ".." not in path.parts and (summary.parent / path).is_file()}
 
 
 def _marked(folder: Path, older: Mapping[str, str]) -> set[Path]:
-    """The files of these names whose text begins as that of a command's does."""
+    """The files of these names that a command wrote, by the beginning of their text."""
     return {
         path.relative_to(folder)
         for pattern, begin in older.items()
@@ -112,7 +114,7 @@ def _head(path: Path) -> str:
 
 @contextmanager
 def _named(beside: Path, path: Path) -> Iterator[None]:
-    """Within, errors speak of the path that the user knows."""
+    """A context in which errors contain the user's path instead of the temporary one."""
     try:
         yield
     except OSError as error:
@@ -122,11 +124,11 @@ def _named(beside: Path, path: Path) -> Iterator[None]:
 
 
 def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | None:
-    """Why a file (or a folder of files) cannot be written there, or None; nothing is made.
+    """Why a file (or, with ``folder``, a folder) cannot be written there, or None; nothing is created.
 
-    ``parents``: folders that are missing on the way will be made.
+    ``parents``: missing parent folders will be created.
     """
-    if any(len(part) > _LONGEST_NAME for part in path.parts):  # of which Windows says that the file is not found
+    if any(len(part) > _LONGEST_NAME for part in path.parts):  # Windows reports such a file as not found
         return "cannot be written: File name too long"
     try:
         with suppress(FileNotFoundError, NotADirectoryError):
@@ -155,7 +157,7 @@ def read_file(path: Path) -> bytes:
     """The content of a file.
 
     Raises:
-        OSError: it cannot be read; or it is no file but a device or a pipe by name, which would be waited for.
+        OSError: if it cannot be read, or is a device or a named pipe, for which reading would wait.
     """
     with open_file(path) as file:
         return file.read()
@@ -165,16 +167,17 @@ def json_of(path: Path, sealed: bool = False) -> Any:
     """The data of a JSON file.
 
     Args:
-        sealed: of one that :func:`write_sealed` wrote; None where it is not there as it was written.
+        path: the file.
+        sealed: read a file of :func:`write_sealed`; None if it is missing or changed.
 
     Raises:
-        OSError: as in :func:`read_file`.
-        ValueError: it is not JSON, or nested deeper than can be read.
+        OSError: as :func:`read_file`.
+        ValueError: if it is not JSON, or is nested too deeply.
     """
     if sealed:
         try:
-            found = json_of(path)
-            return found["data"] if found["sha256"] == _seal(found["data"]) else None
+            stored = json_of(path)
+            return stored["data"] if stored["sha256"] == _seal(stored["data"]) else None
         except (OSError, ValueError, KeyError, TypeError):
             return None
     try:
@@ -184,16 +187,16 @@ def json_of(path: Path, sealed: bool = False) -> Any:
 
 
 def open_file(path: Path) -> BinaryIO:
-    """A file to read, as :func:`read_file` takes it.
+    """Open a file for reading.
 
     Raises:
-        OSError: as there.
+        OSError: as :func:`read_file`.
     """
     return open(path, "rb", opener=_open_at_once)
 
 
 def _open_at_once(path: str, flags: int) -> int:
-    """Open for reading without waiting for a writer; pipes that a shell has opened (/dev/fd/63) are read as they are."""
+    """Open for reading without waiting for a writer; pipes that a shell has opened (/dev/fd/63) are allowed."""
     if path.startswith(("/dev/fd/", "/dev/stdin", "/proc/self/fd/")):
         return os.open(path, flags)
     try:
@@ -211,21 +214,21 @@ def _open_at_once(path: str, flags: int) -> int:
 
 
 def seen_from(folder: Path, path: Path) -> str:
-    """A path as it is seen from a folder, so that both can be moved together; whole where that cannot be."""
+    """A path relative to a folder, so that both can be moved together; absolute if there is no relative path."""
     try:
-        found = os.path.relpath(path.absolute(), folder.absolute())
+        relative = os.path.relpath(path.absolute(), folder.absolute())
     except ValueError:  # on another drive of Windows
-        found = str(path.absolute())
-    return Path(found).as_posix()
+        relative = str(path.absolute())
+    return Path(relative).as_posix()
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file in UTF-8; what is no text, as in names of files, as escapes."""
+    """Write a text file in UTF-8; invalid characters, as in names of files, are escaped."""
     write_with(path, lambda beside: beside.write_bytes(text.encode("utf-8", "backslashreplace")))
 
 
 def arrow_array(values: Any) -> object:
-    """Values as an Arrow array; numbers without Arrow's way through pandas, whose import costs 0.2 s and 40 MB."""
+    """Values as an Arrow array; numbers without pandas, whose import costs 0.2 s and 40 MB."""
     import numpy as np
 
     with needed("a Parquet file"):
@@ -238,7 +241,7 @@ def arrow_array(values: Any) -> object:
 
 
 def write_columns(path: Path, columns: Mapping[str, object]) -> None:
-    """Columns of equal length as a Parquet file."""
+    """Write columns of equal length as a Parquet file."""
     with needed("a Parquet file"):
         import pyarrow
 
@@ -248,7 +251,7 @@ def write_columns(path: Path, columns: Mapping[str, object]) -> None:
 
 
 def write_parquet(table: object, path: Path, **options: object) -> None:
-    """An Arrow table as a Parquet file; pyarrow itself takes no name that is not text."""
+    """Write an Arrow table as a Parquet file; pyarrow itself rejects names that are not valid text."""
     from pyarrow import parquet
 
     with path.open("wb") as file:
@@ -256,7 +259,7 @@ def write_parquet(table: object, path: Path, **options: object) -> None:
 
 
 def finite(data: object) -> Any:
-    """The data with every number that is not finite replaced by None: JSON knows none of them."""
+    """The data with None for every number that is not finite, which JSON cannot represent."""
     if isinstance(data, dict):
         return {key: finite(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
@@ -271,7 +274,7 @@ def sha256_of(path: Path) -> str:
 
 
 def write_json(path: Path, data: object) -> None:
-    """Write data as JSON for people and programs."""
+    """Write data as indented JSON."""
     write_text(path, json.dumps(finite(data), indent=2, allow_nan=False) + "\n")
 
 
@@ -282,11 +285,14 @@ def write_summary(
     summary: Mapping[str, object],
     more: Mapping[str, object] | None = None,
 ) -> list[str]:
-    """Write summary.json in ``place`` beside these files, last; the paths of all as they will be in ``folder``.
+    """Write summary.json in ``place``, with a list of all files; returns their paths in ``folder``.
 
     Args:
-        summary: what it says; files that it names come first.
-        more: what stands behind the files.
+        paths: the files of the result in ``place``.
+        place: the temporary folder of :func:`together`.
+        folder: the folder of the result.
+        summary: the data; its ``files`` come first in the list.
+        more: data after the list of files.
     """
     files = [str(folder / path.name) for path in (*paths, place / "summary.json")]
     earlier = summary.get("files", [])
@@ -296,7 +302,7 @@ def write_summary(
 
 
 def write_sealed(path: Path, data: object) -> None:
-    """Write data as JSON beside its digest, for :func:`json_of`: what a stopped command goes on from."""
+    """Write data as JSON with its digest, for :func:`json_of`: the state from which a stopped command continues."""
     write_text(path, json.dumps({"sha256": _seal(data), "data": data}) + "\n")
 
 

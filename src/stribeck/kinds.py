@@ -1,4 +1,4 @@
-"""How classes are found: those of a package's modules, and ``FILE.py:NAME`` of the user's own wherever a kind's name stands."""
+"""Classes of laws and elements: those of a package's modules, and ``FILE.py:NAME`` of a user's file."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ from pathlib import Path
 from types import ModuleType
 from typing import TypeGuard, TypeVar
 
-from stribeck.errors import InputError, said_by
+from stribeck.errors import InputError, error_text
 from stribeck.files import read_file
 
 T = TypeVar("T")
 
 
 def in_a_file(name: object) -> TypeGuard[str]:
-    """True for the name of a law or an element in a file, FILE.py:NAME."""
+    """Whether a name is that of a law or an element in a file, FILE.py:NAME."""
     return isinstance(name, str) and ".py:" in name
 
 
-_loading = threading.RLock()  # another thread must not meet a module that is half loaded
-_OF_FILE = "_stribeck_user_"  # how the modules of users' files are called
+_loading = threading.RLock()  # no other thread may use a module that is partly loaded
+_OF_FILE = "_stribeck_user_"  # prefix of the names of users' modules
 _paths: dict[str, Path] = {}  # of users' files, by their module's name
 
 
 def modules(
     package: str, path: Iterable[str], first: Iterable[str] = (), aside: Iterable[str] = ()
 ) -> list[ModuleType]:
-    """Every module of a package but those ``aside``: the ``first`` in their order, then the others by name."""
+    """Every module of a package except ``aside``: the ``first`` in their order, then the others by name."""
     first = tuple(first)
     others = {m.name for m in pkgutil.iter_modules(path)} - {*first, *aside}
     return [importlib.import_module(f"{package}.{name}") for name in (*first, *sorted(others))]
 
 
 def classes(module: ModuleType, base: type[T]) -> list[type[T]]:
-    """The public classes that a module itself defines and that are derived from ``base``, in their order."""
+    """The public classes derived from ``base`` that a module itself defines, in their order."""
     return [
         value
         for name, value in vars(module).items()
@@ -50,12 +50,12 @@ def classes(module: ModuleType, base: type[T]) -> list[type[T]]:
 
 
 def of_a_file(kind: type) -> bool:
-    """True for a class that a user's file defines."""
+    """Whether a user's file defines a class."""
     return kind.__module__.startswith(_OF_FILE)
 
 
 class FromFile(type):
-    """The class of classes that users' files may define: another process unpickles them by loading the file."""
+    """The metaclass of classes that users' files may define; another process unpickles them by loading the file."""
 
 
 def _pickled(kind: FromFile) -> str | tuple[Callable[[str, str, str], FromFile], tuple[str, str, str]]:
@@ -65,37 +65,37 @@ def _pickled(kind: FromFile) -> str | tuple[Callable[[str, str, str], FromFile],
 
 
 def _unpickled(file: str, module_name: str, name: str) -> FromFile:
-    """A class of a user's file, which must be what it was.
+    """A class of a user's file, which must be unchanged.
 
     Raises:
-        InputError: the file cannot be read, does not load, or has changed.
+        InputError: if the file cannot be read, does not load, or has changed.
     """
     module, path, _ = load_module(f"{file}:{name}", None)
     if module.__name__ != module_name:
         raise InputError(f"{path}: has changed since '{name}' was pickled")
-    found = getattr(module, name)
-    assert isinstance(found, FromFile)
-    return found
+    kind = getattr(module, name)
+    assert isinstance(kind, FromFile)
+    return kind
 
 
 copyreg.pickle(FromFile, _pickled)
 
 
 def at_fault(error: BaseException) -> str | None:
-    """What a user's file raised, and in which line, where one did while it was called; else None."""
-    found = [
+    """File, line and text of an error that a user's file raised; None if it was not raised there."""
+    frames = [
         (frame.f_code.co_filename, line)
         for frame, line in traceback.walk_tb(error.__traceback__)
         if str(frame.f_globals.get("__name__")).startswith(_OF_FILE)
     ]
-    return f"{found[-1][0]}: line {found[-1][1]}: {said_by(error)}" if found else None
+    return f"{frames[-1][0]}: line {frames[-1][1]}: {error_text(error)}" if frames else None
 
 
 def load_module(name: str, folder: Path | None) -> tuple[ModuleType, Path, str]:
-    """The module, the path and the name behind ``FILE.py:NAME``.
+    """The module, the path and NAME of ``FILE.py:NAME``.
 
     Raises:
-        InputError: the file cannot be read or does not load.
+        InputError: if the file cannot be read or does not load.
     """
     file, _, wanted = name.rpartition(":")
     path = (folder or Path()) / file
@@ -110,23 +110,23 @@ def find_class(name: str, folder: Path | None, base: type[T]) -> type[T]:
     """The class ``NAME`` in ``FILE.py``, which must be derived from ``base``.
 
     Raises:
-        InputError: the file does not load, or has no such class.
+        InputError: if the file does not load, or has no such class.
     """
     module, path, wanted = load_module(name, folder)
-    found = getattr(module, wanted, None)
-    if isinstance(found, type) and issubclass(found, base):
-        return found
-    if isinstance(found, type):
+    value = getattr(module, wanted, None)
+    if isinstance(value, type) and issubclass(value, base):
+        return value
+    if isinstance(value, type):
         room = base.__module__.rpartition(".")[0]
         raise InputError(f"{name!r}: {wanted} must be derived from {room}'s {base.__name__}")
-    has = [n for n, x in vars(module).items() if isinstance(x, type) and issubclass(x, base) and x is not base]
+    others = [n for n, x in vars(module).items() if isinstance(x, type) and issubclass(x, base) and x is not base]
     what = base.__name__.removesuffix("Element").lower()
-    raise InputError(f"{name!r}: {path} has no {what} '{wanted}' (it has {', '.join(has) or 'none'})")
+    raise InputError(f"{name!r}: {path} has no {what} '{wanted}' (it has {', '.join(others) or 'none'})")
 
 
 def _module(name: str, path: Path, text: bytes) -> ModuleType:
-    """The module of a user's file: these very bytes, executed once; no byte code that lies beside them is taken."""
-    # the content is part of the name: an edited file is loaded anew
+    """The module of a user's file, from its text, executed once; byte code beside the file is not used."""
+    # the content is part of the name: an edited file is loaded again
     module_name = f"{_OF_FILE}{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
     with _loading:
         if module_name not in sys.modules:
@@ -142,5 +142,5 @@ def _module(name: str, path: Path, text: bytes) -> ModuleType:
                     raise InputError([f"{name!r}: {path}: {problem}" for problem in error.problems]) from error
                 if isinstance(error, KeyboardInterrupt):
                     raise
-                raise InputError(f"{name!r}: {path} does not load: {said_by(error)}") from error
+                raise InputError(f"{name!r}: {path} does not load: {error_text(error)}") from error
     return sys.modules[module_name]

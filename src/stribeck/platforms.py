@@ -1,4 +1,4 @@
-"""What differs between operating systems, and is used in more than one place."""
+"""Functions that differ between operating systems: locks, signals, processes."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-# The process_group of a process that end_with_children() ends.
+# The argument process_group of a process that end_with_children() ends.
 OWN_GROUP = 0 if os.name == "posix" else -1
-# Code that a shared library is made of: on Windows all code is, and compilers refuse the option.
+# The option for code of a shared library; on Windows all code is position-independent, and compilers reject the option.
 POSITION_INDEPENDENT = ("-fPIC",) if os.name == "posix" else ()
 
 
 class Occupied(Exception):
-    """Another process holds the lock of a folder."""
+    """Another process has the lock of a folder."""
 
 
 @contextmanager
 def locked(folder: Path, wait: bool = True) -> Iterator[None]:
-    """Within, no other process that asks has the lock of this folder. A file system without locks gives none.
+    """A context in which this process has the lock of a folder; without effect on a file system without locks.
 
     Raises:
-        Occupied: another process has the lock, and ``wait`` is False.
+        Occupied: if another process has the lock, and ``wait`` is False.
     """
     handle = None
     try:
         try:
-            handle = _opened(folder)
+            handle = _open_lock(folder)
             _lock(handle, wait)
         except BlockingIOError:
             raise Occupied(str(folder)) from None
@@ -39,7 +39,7 @@ def locked(folder: Path, wait: bool = True) -> Iterator[None]:
         yield
     finally:
         if handle is not None:
-            os.close(handle)  # and with it the lock
+            os.close(handle)  # releases the lock
 
 
 if sys.platform == "win32":
@@ -48,17 +48,17 @@ if sys.platform == "win32":
     import time
     from hashlib import sha256
 
-    def _opened(folder: Path) -> int:
-        """A file of the temporary folder: Windows opens no folders."""
+    def _open_lock(folder: Path) -> int:
+        """A file of the temporary folder, since Windows cannot open folders."""
         name = sha256(os.path.normcase(folder.resolve()).encode("utf-8", "surrogatepass")).hexdigest()[:16]
         return os.open(Path(tempfile.gettempdir()) / f"stribeck-{name}.lock", os.O_RDWR | os.O_CREAT)
 
     def refuse_open(path: Path) -> None:
-        """Raise PermissionError where another program has the file open: it could not be replaced."""
-        os.rename(path, path)  # noqa: PTH104 (a Path would do, and say less)
+        """Raise PermissionError if another program has the file open, since it cannot be replaced then."""
+        os.rename(path, path)  # noqa: PTH104 (Path.rename reports less)
 
     def signal_self(number: int) -> None:
-        """Have this process get a signal; os.kill would end it at once."""
+        """Send a signal to this process; os.kill would end it at once."""
         signal.raise_signal(number)
 
     def end_with_children(process: subprocess.Popen[str]) -> None:
@@ -85,10 +85,10 @@ else:
     import fcntl
 
     def refuse_open(path: Path) -> None:
-        """Nothing: a file that another program has open can be replaced."""
+        """Does nothing: a file that another program has open can be replaced."""
 
     def signal_self(number: int) -> None:
-        """Have this process get a signal, whichever thread asks: it interrupts what the main one waits for."""
+        """Send a signal to this process from any thread; it interrupts waiting in the main thread."""
         os.kill(os.getpid(), number)
 
     def end_with_children(process: subprocess.Popen[str]) -> None:
@@ -100,7 +100,7 @@ else:
         """What tells this machine's users from each other."""
         return str(os.geteuid())
 
-    def _opened(folder: Path) -> int:
+    def _open_lock(folder: Path) -> int:
         return os.open(folder, os.O_RDONLY)
 
     def _lock(handle: int, wait: bool) -> None:

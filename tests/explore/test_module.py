@@ -14,12 +14,13 @@ from stribeck.explore.appendix import CLAIMS, appendix, columns
 from stribeck.explore.variants import subject, under, variants
 from stribeck.laws import builtin, find
 from stribeck.simulation.native import step_share
+from stribeck.simulation.wasm import with_functions
 from tests.explore.module import Module
 
 
 def module_of(scenario):
     """The module of a scenario that is on no page."""
-    made = wasm.module(scenario.system, appendix(scenario))
+    made = with_functions(scenario.system, appendix(scenario))
     law = {
         "wasm": b64encode(compress(made.module)), "shape": wasm.shape(made),
         "parameters": [".".join(x) for x in scenario.system.parameters],

@@ -8,12 +8,12 @@ import pytest
 from stribeck import Scenario
 from stribeck.loops.compensation import CompensationResult, _dithered, with_compensation
 from stribeck.loops.figures import unbeaten
-from stribeck.loops.judge import Judgement, at_rest, judge
+from stribeck.loops.judge import Judgement, judge, rest_bands
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import Tracked, reversal_errors
 from stribeck.loops.said import starts_sentence
 from stribeck.loops.shaken import SHARE, swings
-from stribeck.loops.starts import Start, _together, from_starts, kinds
+from stribeck.loops.starts import Start, _travel_ratios, distinct_judgements, from_starts
 from tests.loops.axis import axis
 from tests.machine.machines import law
 
@@ -37,9 +37,9 @@ def test_what_it_does_depends_on_the_start():
     cycles = [s for s in found if s.judgement.verdict == "hunting"]
     assert [abs(s.off) for s in cycles] == pytest.approx([0.03 * 0.025] * 2)
     assert all(s.judgement.amplitude == pytest.approx(0.816e-3, rel=0.01) for s in cycles)
-    assert {j.verdict for j in kinds(found, own)} == {"quiet", "hunting"}
+    assert {j.verdict for j in distinct_judgements(found, own)} == {"quiet", "hunting"}
     assert f"from 2 of {len(found)} other starts it hunts by " in starts_sentence(found, own, "m")
-    assert len(kinds([s for s in found if s.judgement.quiet], own)) == 1
+    assert len(distinct_judgements([s for s in found if s.judgement.quiet], own)) == 1
 
 
 def test_a_cycle_without_a_period_is_told_without_one():
@@ -54,8 +54,8 @@ def test_rest_is_measured_by_the_move_of_the_file():
     """A start near its target hardly travels, and what its last slip left was more than a millionth of that: called creeping."""
     loop = loop_of(Scenario(axis(K_i=100.0)))
     held = replace(loop, travel={"a": 0.1})
-    assert at_rest(loop, {"a": 1e-4}) == {"a": pytest.approx(1e-10)}
-    assert at_rest(held, {"a": 1e-4}) == {"a": pytest.approx(1e-7)}
+    assert rest_bands(loop, {"a": 1e-4}) == {"a": pytest.approx(1e-10)}
+    assert rest_bands(held, {"a": 1e-4}) == {"a": pytest.approx(1e-7)}
     assert all(s.judgement.quiet for s in from_starts(loop, "hold"))
 
 
@@ -63,8 +63,8 @@ def test_starts_move_what_is_linked_along():
     data = axis()
     data["bodies"] |= {"wheel": {"inertia": 0.01}, "rim": {"inertia": 0.01, "tied_to": "wheel", "ratio": -2.0}}
     data["links"] = {"k": {"from": "a", "to": "rim", "ratio": 50.0, "stiffness": 9.0, "damping": 0.1}}
-    assert _together(Scenario(data), "a") == {"a": 1.0, "wheel": pytest.approx(-25.0)}
-    assert _together(Scenario(data), "rim") == {"wheel": pytest.approx(-0.5), "a": pytest.approx(1 / 50)}
+    assert _travel_ratios(Scenario(data), "a") == {"a": 1.0, "wheel": pytest.approx(-25.0)}
+    assert _travel_ratios(Scenario(data), "rim") == {"wheel": pytest.approx(-0.5), "a": pytest.approx(1 / 50)}
 
 
 def test_a_dither_stops_what_hunts():

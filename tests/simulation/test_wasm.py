@@ -169,7 +169,7 @@ def test_a_damaged_file_of_the_cache_is_made_anew(tmp_path, monkeypatch):
 
 def test_a_module_that_is_none_is_refused():
     with pytest.raises(BuildError, match="Wasmtime"):
-        engine.Compiled.of(b"no module")
+        engine.Compiled.build(b"no module")
     with pytest.raises(BuildError, match="Wasmtime"):
         engine.Compiled.read(b"no machine code")
 
@@ -205,7 +205,7 @@ other = wasmtime.Engine(config)
 engine._engine = lambda: cast(other.ptr(), c_void_p).value
 scenario = Scenario.load(examples.path({name!r}), {{"solve.t_end": 0.2}})
 system = wasm.system_module(scenario.system)
-print(hashlib.sha256(wasm.solve(engine.Compiled.of(system.module), system, scenario).states.tobytes()).hexdigest()[:16])
+print(hashlib.sha256(wasm.solve(engine.Compiled.build(system.module), system, scenario).states.tobytes()).hexdigest()[:16])
 """
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr

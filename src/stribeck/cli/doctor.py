@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypedDict, TypeVar
 
 from stribeck.cli.options import Json, command
 from stribeck.cli.output import tell
-from stribeck.errors import BuildError, one_line, said_by
+from stribeck.errors import BuildError, error_text, one_line
 
 if TYPE_CHECKING:
     from stribeck.mouth.document import Document
@@ -99,7 +99,7 @@ def _tried(what: Callable[[], T], otherwise: T) -> tuple[T, str]:
     try:
         return what(), ""
     except Exception as error:
-        return otherwise, one_line(said_by(error))
+        return otherwise, one_line(error_text(error))
 
 
 def _version(name: str) -> str | None:

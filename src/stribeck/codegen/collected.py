@@ -1,4 +1,4 @@
-"""All expressions that a system's code needs, collected with their derivatives; what is constant in a run apart."""
+"""Collects all expressions of a system's code with their derivatives, and separates those that are constant in a run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,20 @@ from stribeck.machine.equations import Equations
 
 @dataclass
 class Collected:
-    """The expressions of a system, as lists that are rewritten together; ``called``: names of intermediate results."""
+    """The expressions of a system, as lists that are rewritten together.
+
+    Attributes:
+        rates: time derivatives of the states.
+        by_state, by_time: their derivatives by each state (row by row), and by time.
+        watched, watched_by: quantities whose zeros are events, and their derivatives by each state.
+        forces, forces_by: friction forces, and their derivatives by each state.
+        moved: the energy that changes where a signal jumps; empty if energy is not computed.
+        samples: output and stored values of each sampled controller.
+        curved: for each watched quantity, whether it is not linear in states and time.
+        memory: names of the stored values of each sampled controller.
+        called: names of intermediate results.
+        as_written: whether the samples keep the order of operations of their equations.
+    """
 
     rates: list[Expr]
     by_state: list[Expr]
@@ -26,22 +39,22 @@ class Collected:
     curved: list[bool]
     memory: list[tuple[str, ...]]
     called: Names
-    as_written: bool = False  # whether the samples stay as their equations were written
+    as_written: bool = False
 
     @property
     def parts(self) -> list[list[Expr]]:
-        """The lists that are rewritten."""
+        """The lists that are rewritten together."""
         samples = [] if self.as_written else [self.samples]
         forces = (self.forces, self.forces_by)
         return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, *forces, self.moved, *samples]
 
     @property
     def every(self) -> list[Expr]:
-        """All of them."""
+        """The expressions of all lists."""
         return [node for part in self.parts for node in part]
 
     def put(self, flat: Iterable[Expr]) -> None:
-        """Replace all of them, in the same order."""
+        """Replace the expressions of all lists, in the same order."""
         new = iter(flat)
         for part in self.parts:
             part[:] = [next(new) for _ in part]
@@ -54,9 +67,11 @@ def collect(system: Equations, as_written: bool = False) -> Collected:
     states, t = [symbol(name) for name in names], symbol("t")
     known: list[dict[Expr, Expr]] = [{} for _ in (*states, t)]
 
-    def slopes(of: Expr) -> list[Expr]:
-        uses = symbols([of])
-        return [derivative(of, by, known[i]) if str(by.value) in uses else ZERO for i, by in enumerate((*states, t))]
+    def slopes(expression: Expr) -> list[Expr]:
+        uses = symbols([expression])
+        return [
+            derivative(expression, by, known[i]) if str(by.value) in uses else ZERO for i, by in enumerate((*states, t))
+        ]
 
     rows = [slopes(rate) for rate in rates]
     watched = [watch.value for watch in system.watches(called)]
@@ -91,15 +106,23 @@ def _constant(node: Expr, parameters: Collection[str], known: dict[Expr, bool]) 
 
 
 def hoist(
-    outputs: list[Expr], parameters: Collection[str], taken: set[str], called: Names
+    outputs: list[Expr], parameters: Collection[str], reserved: set[str], called: Names
 ) -> tuple[list[Expr], dict[str, Expr]]:
-    """The outputs and, by name, the coefficients in them: subexpressions of ``parameters`` alone, computed once a run,
-    and reciprocals of divisors. ``taken`` are names that a coefficient must not have; ``called`` are handed on."""
+    """Hoist coefficients out of the outputs: subexpressions of ``parameters`` alone, and reciprocals of divisors.
+
+    Returns the new outputs, and the coefficients by name, which are computed once a run.
+
+    Args:
+        outputs: the expressions.
+        parameters: names of the symbols that are constant in a run.
+        reserved: names that a coefficient must not have; the new ones are added.
+        called: names of intermediate results; rewritten nodes keep theirs.
+    """
     known: dict[Expr, bool] = {}
 
     def multiply(node: Expr) -> Expr:
         if node.op == "mul" and node.args[0].op == "div" and node.args[1].op == "symbol":
-            # a state is there from the start: divided first, it does not wait for exp or atan
+            # a state is known from the start: divided first, it does not wait for exp or atan
             (a, b), state = node.args[0].args, node.args[1]
             if not _constant(b, parameters, known) and not _constant(state, parameters, known):
                 return a * (state / b)
@@ -114,7 +137,7 @@ def hoist(
 
     outputs = rewrite(outputs, multiply, called)
     coefficients: dict[str, Expr] = {}
-    found: dict[Expr, Expr] = {}
+    replacements: dict[Expr, Expr] = {}
     stack, seen = list(reversed(outputs)), set()
     while stack:
         node = stack.pop()
@@ -126,14 +149,14 @@ def hoist(
             continue
         if _constant(node, parameters, known) and node.op not in ("lt", "le", "both", "either"):
             name = called.get(node) or _coefficient_name(node, len(coefficients))
-            while name in taken:
+            while name in reserved:
                 name += "_"
-            taken.add(name)
+            reserved.add(name)
             coefficients[name] = node
-            found[node] = symbol(f"coefficient.{name}")
+            replacements[node] = symbol(f"coefficient.{name}")
         else:
             stack.extend(reversed(node.args))
-    return substitute(outputs, found, called), coefficients
+    return substitute(outputs, replacements, called), coefficients
 
 
 def _coefficient_name(node: Expr, count: int) -> str:

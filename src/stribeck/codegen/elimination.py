@@ -10,26 +10,31 @@ Keep = Callable[[str, Expr], Expr]  # keeps a computed entry under a name and re
 
 
 def order_of_elimination(matrix: Sequence[Sequence[Expr]]) -> list[int]:
-    """Diagonal pivots, fewest new entries first (Markowitz); the velocity, tied to all others, comes out
-    last: it is then the first unknown found, and the next stage waits for it."""
+    """Order of the diagonal pivots, fewest new entries first (Markowitz).
+
+    The velocity, coupled to all others, comes last: it is then the first unknown computed, and the next stage needs it.
+    """
     n = len(matrix)
     filled = [[not is_zero(matrix[i][j]) or i == j for j in range(n)] for i in range(n)]
-    left, order = list(range(n)), []
-    while left:
-        cost = {k: (sum(filled[i][k] for i in left) - 1) * (sum(filled[k][j] for j in left) - 1) for k in left}
-        pivot = min(left, key=lambda k: (cost[k], k))
+    remaining, order = list(range(n)), []
+    while remaining:
+        cost = {
+            k: (sum(filled[i][k] for i in remaining) - 1) * (sum(filled[k][j] for j in remaining) - 1)
+            for k in remaining
+        }
+        pivot = min(remaining, key=lambda k: (cost[k], k))
         order.append(pivot)
-        left.remove(pivot)
-        for i in left:
-            for j in left:
+        remaining.remove(pivot)
+        for i in remaining:
+            for j in remaining:
                 filled[i][j] |= filled[i][pivot] and filled[pivot][j]
     return order
 
 
 def eliminate(matrix: Sequence[Sequence[Expr]], names: Sequence[str], right: Sequence[Expr], keep: Keep) -> list[Expr]:
-    """Solve matrix * x = right; entries that belong to the factorisation go through ``keep``.
+    """Solve matrix * x = right; entries of the factorization go through ``keep``.
 
-    ``right`` are symbols; the result holds only them, kept entries and entries of the matrix.
+    ``right`` are symbols; the result consists of these, kept entries and entries of the matrix.
     """
     n, w = len(matrix), [list(row) for row in matrix]
     order = order_of_elimination(matrix)

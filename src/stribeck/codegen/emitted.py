@@ -65,12 +65,12 @@ STAGES = 8
 # states at once: eight copies of the rates are more than Cranelift allots registers to well. Below, pairs cost 1 to 8 %.
 LARGE = 5
 LINE = 64  # bytes: arrays begin on lines of their own
-MOST_WATCHED = 64  # the room of runtime/any.c's struct Shape
+MOST_WATCHED = 64  # length of the arrays in runtime/any.c's struct Shape
 
 
 @cache
 def tables() -> dict[str, list[list[float]]]:
-    """The method's numbers, read from the C that has them (runtime/method.c)."""
+    """The coefficients of the integration method, read from runtime/method.c."""
     text = re.sub(r"/\*.*?\*/", "", runtime_text("method.c"), flags=re.DOTALL)
     numbers: dict[str, list[list[float]]] = {}
     for name in ("GAMMA", "NODE", "TIME", "A", "C", "DENSE"):
@@ -84,11 +84,11 @@ class _Code:
     """Writes expressions into a function: a node that is used more than once gets a local.
 
     Args:
-        function: that they become part of.
+        function: the function.
         where: the code that pushes each symbol.
-        runtime: the numbers of the runtime's functions.
-        calls: gets the names of the functions that are called.
-        strict: a sampled controller's functions, with the same bits on every processor.
+        runtime: the indices of the runtime's functions.
+        calls: the names of called functions are added to this set.
+        strict: compute the same bits on every processor, as sampled controllers need.
     """
 
     def __init__(
@@ -135,9 +135,9 @@ class _Code:
         z, reach, tried, count = self.f.local(), self.f.local(), self.f.local(), self.f.local(I32)
         nodes = ordered([falls])
         within = within_loops(nodes)
-        before = [x for x in nodes if x not in within and x.args and x not in self.local]
+        invariant = [x for x in nodes if x not in within and x.args and x not in self.local]
         outside = b""
-        for each in before:  # what the search does not change is found once
+        for each in invariant:  # computed once, before the search
             outside += self._emit(each, Counter())
             self.local[each] = self.f.local(I32 if each.op in ("lt", "le", "both", "either") else F64)
             outside += put(self.local[each])
@@ -165,47 +165,49 @@ class _Code:
 
 
 class _Single:
-    """A state whose sums over stages are found alone."""
+    """A state whose sums over stages are computed alone."""
 
     add, mul = ADD, MUL
 
     def __init__(self, f: Function, i: int) -> None:
-        self.f, self.i, self.stages = f, i, list[int]()  # locals of what the stages gave
+        self.f, self.i, self.stages = f, i, list[int]()  # locals with the stages' results
 
     def number(self, x: float) -> bytes:
         return f64(x)
 
-    def same(self, x: bytes) -> bytes:
+    def splat(self, x: bytes) -> bytes:
         """A scalar in each lane."""
         return x
 
     def load(self, pointer: int) -> bytes:
         return load(pointer, 8 * self.i)
 
-    def together(self, locals_: Sequence[int]) -> bytes:
-        """What is on the stack: the values of the states."""
+    def pack(self, locals_: Sequence[int]) -> bytes:
+        """Push the value of the state."""
         return get(locals_[self.i])
 
-    def apart(self, locals_: Sequence[int]) -> bytes:
-        """From the stack into the locals of the states."""
+    def unpack(self, locals_: Sequence[int]) -> bytes:
+        """Pop a value into the local of the state."""
         return put(locals_[self.i])
 
     def terms(self, row: Sequence[float], onto: bool) -> bytes:
-        """The sum of row[j] k[j]; ``onto``: added to what is on the stack."""
+        """Push the sum of row[j] k[j]; ``onto``: add it to the top of the stack."""
         return b"".join(
             self.number(a) + get(k) + self.mul + (self.add if onto or j else b"")
             for j, (a, k) in enumerate(zip(row, self.stages, strict=True))
         )
 
     def keep(self, pointer: int | None, offset: int, k: Sequence[int]) -> bytes:
-        """A stage's result into a local for later stages, and into memory for the runtime."""
+        """Store a stage's result in a local for later stages, and in memory for the runtime."""
         self.stages.append(self.f.local())
-        return store(pointer, offset + 8 * self.i, self.together(k) + tee(self.stages[-1]))
+        return store(pointer, offset + 8 * self.i, self.pack(k) + tee(self.stages[-1]))
 
 
 class _Pair(_Single):
-    """Two states whose sums over stages are found in one vector. Each local is a vector: two halves that are stored and
-    loaded as one would wait for each other."""
+    """Two states whose sums over stages are computed as one vector.
+
+    Each local is a vector, since loading two halves that were stored as one vector stalls the processor.
+    """
 
     add, mul = V_ADD, V_MUL
 
@@ -216,22 +218,22 @@ class _Pair(_Single):
     def number(self, x: float) -> bytes:
         return v_number(x)
 
-    def same(self, x: bytes) -> bytes:
+    def splat(self, x: bytes) -> bytes:
         return x + SPLAT
 
     def load(self, pointer: int) -> bytes:
         return v_load(pointer, 8 * self.i)
 
-    def together(self, locals_: Sequence[int]) -> bytes:
+    def pack(self, locals_: Sequence[int]) -> bytes:
         return get(locals_[self.i]) + SPLAT + get(locals_[self.i + 1]) + replace_second()
 
-    def apart(self, locals_: Sequence[int]) -> bytes:
+    def unpack(self, locals_: Sequence[int]) -> bytes:
         first, second = extract(0) + put(locals_[self.i]), extract(1) + put(locals_[self.i + 1])
         return tee(self.both) + first + get(self.both) + second
 
     def keep(self, pointer: int | None, offset: int, k: Sequence[int]) -> bytes:
         self.stages.append(self.f.local(V128))
-        return v_store(pointer, offset + 8 * self.i, self.together(k) + tee(self.stages[-1]))
+        return v_store(pointer, offset + 8 * self.i, self.pack(k) + tee(self.stages[-1]))
 
 
 @dataclass(frozen=True)
@@ -239,10 +241,10 @@ class Added:
     """A further function of a module, which stores its outputs one after the other.
 
     Args:
-        parameters: their names; the last is where the outputs go.
-        kinds: a letter each, ``i`` for a pointer, ``d`` for a number.
+        parameters: names of the parameters; the last is a pointer to the outputs.
+        kinds: a letter for each parameter: ``i`` for a pointer, ``d`` for a number.
         outputs: the expressions.
-        places: for each pointer what lies there, in order.
+        places: for each pointer, the names of the values there, in order.
     """
 
     parameters: str
@@ -252,19 +254,21 @@ class Added:
 
 
 class Emitted:
-    """The functions of a system, and what the runtime must know of it.
+    """The functions of a system, and the sizes that the runtime needs.
 
     Args:
         system: its equations.
-        runtime: the numbers of the runtime's exported functions.
-        rates: the number of the system's function ``rates``.
-        begin: the address from which on memory is free.
+        runtime: the indices of the runtime's exported functions.
+        rates: the index of the system's function ``rates``.
+        begin: the first free address of memory.
 
     Attributes:
-        functions: by the name of their import.
+        functions: the functions by the name of their import.
         calls: the runtime's functions that they call.
-        shape: the runtime's struct Shape: numbers of states, of ...
-        end: the address from which on memory is free for others.
+        addresses: the address of each constant, coefficient, rate and Jacobian entry.
+        k: the address of the stages' results.
+        shape: the runtime's struct Shape (runtime/any.c): numbers of states, signals, outputs, events and forces.
+        end: the first address that is free for others.
     """
 
     def __init__(self, system: Equations, runtime: Mapping[str, int], rates: int, begin: int) -> None:
@@ -288,7 +292,7 @@ class Emitted:
             *(f"jacobian.{name}" for name in s.jacobian),
         ]  # fmt: skip
         begin = -(-begin // LINE) * LINE
-        self.at = {name: begin + 8 * i for i, name in enumerate(fixed)}
+        self.addresses = {name: begin + 8 * i for i, name in enumerate(fixed)}
         self.k = -(-(begin + 8 * len(fixed)) // LINE) * LINE  # the stages
         self.end = self.k + 8 * STAGES * n
         self.functions = {
@@ -311,11 +315,11 @@ class Emitted:
         moved = s.names.index("E_in") if s.moved else -1
         self.shape = [
             n, len(system.piece_fields), len(system.held), len(system.shown), len(s.watched), len(watched),
-            sum(s.curved), moved, len(s.forces), self.k, *_filled(watched), *_filled([int(x) for x in s.curved]),
+            sum(s.curved), moved, len(s.forces), self.k, *_padded(watched), *_padded([int(x) for x in s.curved]),
         ]  # fmt: skip
 
     def added(self, each: Added) -> Function:
-        """A further function, for those who call the module."""
+        """A further function that the module exports."""
         f, where = Function(each.kinds), dict[str, bytes]()
         names = each.parameters.split()
         for place, name in enumerate(names):
@@ -328,8 +332,8 @@ class Emitted:
         return f
 
     def where(self, names: str) -> dict[str, bytes]:
-        """What pushes each input of a function whose parameters have these names."""
-        code = {name: load(None, at) for name, at in self.at.items()}
+        """The code that pushes each input of a function whose parameters have these names."""
+        code = {name: load(None, address) for name, address in self.addresses.items()}
         for place, name in enumerate(names.split()):
             if name in self.offset:
                 code |= {key: load(place, offset) for key, offset in self.offset[name].items()}
@@ -344,7 +348,7 @@ class Emitted:
         return _Code(f, where, self.runtime, self.calls, strict).value(outputs)
 
     def changes(self) -> list[Expr]:
-        """How what is watched changes along the dense output; 0 where it is curved."""
+        """The change of each watched quantity along the dense output; 0 if it is curved."""
         sums = []
         for j, row in enumerate(self.code.watched_by):
             total = ZERO
@@ -363,20 +367,20 @@ class Emitted:
     def _prepare(self) -> Function:
         """Constants and coefficients of a run."""
         f, names = Function("i"), list(self.code.parameter_text)
-        f.code += b"".join(store(None, self.at[name], load(0, 8 * i)) for i, name in enumerate(names))
+        f.code += b"".join(store(None, self.addresses[name], load(0, 8 * i)) for i, name in enumerate(names))
         for name, value in zip(self.code.coefficients, self.values(f, self.where("p"), [*self.code.coefficients.values()]),
                                strict=True):  # fmt: skip
-            f.code += store(None, self.at[f"coefficient.{name}"], value)
+            f.code += store(None, self.addresses[f"coefficient.{name}"], value)
         return f
 
     def _linearise(self, derivatives: Sequence[Expr]) -> Function:
-        f, first = Function("idi"), self.at["rate.0"]
+        f, first = Function("idi"), self.addresses["rate.0"]
         values = self.values(f, self.where("piece t x"), derivatives)
         f.code += b"".join(store(None, first + 8 * i, value) for i, value in enumerate(values))
         return f
 
     def _observe(self, observed: Sequence[tuple[str, Expr]]) -> Function:
-        """The friction forces, their errors, and the sizes of the terms of these: each goes to an array of its own."""
+        """The friction forces, their errors, and the sizes of the errors' terms, in one array each."""
         names = "e force force_error force_terms"
         f = Function("iiii")
         values = self.values(f, self.where(names), [node for _, node in observed])
@@ -417,7 +421,7 @@ class Emitted:
         return f
 
     def _sample(self) -> Function:
-        """The difference equations of each controller: all new values are known before one is written."""
+        """The difference equations of each controller: all new values are computed before one is written."""
         f, begin, m = Function("iididii"), 0, 0
         for which, memory in enumerate(self.code.memory):
             nodes = self.code.samples[begin : begin + 1 + len(memory)]
@@ -436,18 +440,20 @@ class Emitted:
         f, every = Function("i"), self.system.samples()
         for k, what in enumerate(("period", "delay")):
             for i, each in enumerate(every):
-                value = load(None, self.at[f"{each.timing}.{what}"])
+                value = load(None, self.addresses[f"{each.timing}.{what}"])
                 f.code += store(0, 8 * (k * len(every) + i), value)
         return f
 
 
-def _filled(numbers: list[int]) -> list[int]:
+def _padded(numbers: list[int]) -> list[int]:
     return [*numbers, *(MOST_WATCHED * [0])][:MOST_WATCHED]
 
 
 class _Attempt:
-    """All stages of a step as straight-line code (runtime/stages.c), and the squared error against the tolerances. What
-    stages share stays in locals."""
+    """All stages of a step as straight-line code (runtime/stages.c), and the squared error over the tolerances.
+
+    Values shared by stages are locals.
+    """
 
     NAMES = "piece t x h x_new atol rtol"
 
@@ -457,7 +463,7 @@ class _Attempt:
         self.P = {name: i for i, name in enumerate(self.NAMES.split())}
         self.large = self.n >= LARGE
         self.inv_h, self.shift, self.inv_shift, self.time = (f.local() for _ in range(4))
-        self.at, self.new, self.right, self.k = ([f.local() for _ in range(self.n)] for _ in range(4))
+        self.states, self.new, self.right, self.k = ([f.local() for _ in range(self.n)] for _ in range(4))
         self.inputs = emitted.where(self.NAMES) | {"shift": get(self.shift), "inv_shift": get(self.inv_shift)}
         self.solution = solution
 
@@ -467,7 +473,7 @@ class _Attempt:
         self._factors()
         self.inputs |= {f"right.{name}": get(self.right[i]) for i, name in enumerate(self.s.names)}
         in_solve = self.emitted.values(f, self.inputs, self.solution)
-        self.inputs |= {"t": get(self.time)} | {name: get(self.at[i]) for i, name in enumerate(self.s.names)}
+        self.inputs |= {"t": get(self.time)} | {name: get(self.states[i]) for i, name in enumerate(self.s.names)}
         in_rates = [] if self.large else self.emitted.values(f, self.inputs, self.s.rates)
         paired = n - n % 2 if self.large else 0
         sums = [_Pair(f, i) for i in range(0, paired, 2)] + [_Single(f, i) for i in range(paired, n)]
@@ -493,44 +499,49 @@ class _Attempt:
     def _stage(self, stage: int, sums: Sequence[_Single], in_rates: Sequence[bytes]) -> None:
         """The right-hand side of a stage's linear equations. The last two stages begin where the one before ended."""
         f, n, T, P = self.f, self.n, tables(), self.P
-        at, new, k, right = self.at, self.new, self.k, self.right
+        states, new, k, right = self.states, self.new, self.k, self.right
         if stage == 0:
-            f.code += b"".join(load(None, self.emitted.at[f"rate.{i}"]) + put(right[i]) for i in range(n))
+            f.code += b"".join(load(None, self.emitted.addresses[f"rate.{i}"]) + put(right[i]) for i in range(n))
         else:
             if stage > STAGES - 3:
-                f.code += b"".join(get(new[i]) + get(k[i]) + ADD + tee(at[i]) + put(new[i]) for i in range(n))
+                f.code += b"".join(get(new[i]) + get(k[i]) + ADD + tee(states[i]) + put(new[i]) for i in range(n))
             else:
                 f.code += b"".join(
-                    each.load(P["x"]) + each.terms(T["A"][stage][:stage], onto=True) + each.apart(at) for each in sums
+                    each.load(P["x"]) + each.terms(T["A"][stage][:stage], onto=True) + each.unpack(states)
+                    for each in sums
                 )
             if stage == STAGES - 3:
-                f.code += b"".join(get(at[i]) + put(new[i]) for i in range(n))
+                f.code += b"".join(get(states[i]) + put(new[i]) for i in range(n))
             f.code += get(P["t"]) + f64(T["NODE"][0][stage]) + get(P["h"]) + MUL + ADD + put(self.time)
             f.code += self._called_rates(stage) if self.large else b""
             f.code += b"".join(value + put(right[i]) for i, value in enumerate(in_rates))
             for each in sums:
-                f.code += each.together(right) + each.terms(T["C"][stage][:stage], onto=False)
-                f.code += each.same(get(self.inv_h)) + each.mul + each.add + each.apart(right)
+                f.code += each.pack(right) + each.terms(T["C"][stage][:stage], onto=False)
+                f.code += each.splat(get(self.inv_h)) + each.mul + each.add + each.unpack(right)
         for i in range(n):
             if T["TIME"][0][stage] and not is_zero(self.s.by_time[i]):
                 change = (
-                    f64(T["TIME"][0][stage]) + get(P["h"]) + MUL + load(None, self.emitted.at[f"rate.{n + i}"]) + MUL
+                    f64(T["TIME"][0][stage])
+                    + get(P["h"])
+                    + MUL
+                    + load(None, self.emitted.addresses[f"rate.{n + i}"])
+                    + MUL
                 )
                 f.code += get(right[i]) + change + ADD + put(right[i])
 
     def _called_rates(self, stage: int) -> bytes:
-        """The rates by their function: the stage's own place in k and x_new are free until it is solved."""
+        """Call the function of the rates; the stage's place in k, and x_new, are free until the stage is solved."""
         n, P, place = self.n, self.P, self.emitted.k + 8 * stage * self.n
-        states = b"".join(store(None, place + 8 * i, get(self.at[i])) for i in range(n))
+        states = b"".join(store(None, place + 8 * i, get(self.states[i])) for i in range(n))
         arguments = get(P["piece"]) + get(self.time) + integer(place) + get(P["x_new"])
-        taken = b"".join(load(P["x_new"], 8 * i) + put(self.right[i]) for i in range(n))
-        return states + arguments + call(self.emitted.rates) + taken
+        results = b"".join(load(P["x_new"], 8 * i) + put(self.right[i]) for i in range(n))
+        return states + arguments + call(self.emitted.rates) + results
 
     def _error(self) -> None:
         """scaled_square of runtime/method.c."""
         f, P = self.f, self.P
         for i in range(self.n):
-            a, b, ratio = self.at[i], self.right[i], self.right[i]
+            a, b, ratio = self.states[i], self.right[i], self.right[i]
             f.code += load(P["x"], 8 * i) + OPS["abs"] + tee(a) + get(self.new[i]) + OPS["abs"] + tee(b)
             f.code += get(a) + get(b) + OPS["gt"] + OPS["where"] + put(a)
             f.code += get(self.k[i]) + load(P["atol"], 8 * i) + get(P["rtol"]) + get(a) + MUL + ADD + DIV
@@ -539,8 +550,10 @@ class _Attempt:
 
 
 class _MayCross:
-    """Whether something watched may pass its threshold in a step, by the Bernstein coefficients that bound it
-    (runtime/events.c). Where it passes is looked for only then."""
+    """Whether a watched quantity may pass its threshold in a step, by bounding Bernstein coefficients (runtime/events.c).
+
+    Only then is the crossing searched.
+    """
 
     NAMES = "piece t x h x_new thresholds"
     # The coefficients of the quartic through five values at equal distances: bernstein_of_values of runtime/events.c.
@@ -580,7 +593,7 @@ class _MayCross:
         return {**self.before, "t": get(local), **states}
 
     def _dense(self) -> list[dict[str, bytes]]:
-        """The dense output's three coefficients of each state that is watched."""
+        """The dense output's three coefficients of each state that events depend on."""
         used = symbols(self.s.watched)
         change: list[dict[str, bytes]] = [dict(self.before) for _ in range(3)]
         for i, name in enumerate(self.s.names):
@@ -622,7 +635,7 @@ class _MayCross:
         ]
 
     def _compare(self, j: int, v0: bytes, coefficients: Sequence[bytes]) -> None:
-        """On the stack: whether the coefficients leave room for a crossing, or what was there before."""
+        """Combine the top of the stack (or) with whether the coefficients allow a crossing."""
         b, low, high, limit = (self.f.local() for _ in range(4))
         code = v0 + tee(low) + put(high)
         for coefficient in coefficients:

@@ -47,23 +47,22 @@ def source(system: Equations, lanes: bool = False) -> str:
 
 
 def with_columns(system: Equations, columns: Callable[[], dict[str, Expr]]) -> str:
-    """The C file of the system for a program of its own: nothing is visible from outside, and a further function
-    ``columns`` computes what the output shows."""
-    made = SystemCode(system, False)
-    text = made.text()
+    """The C file of the system for a stand-alone program, with a further function ``columns`` for all output columns."""
+    code = SystemCode(system, False)
+    text = code.text()
     outputs = [(f"out[{i}]", node) for i, node in enumerate(columns().values())]
-    memory = ", const Memory *m" if made.memory else ""
+    memory = ", const Memory *m" if code.memory else ""
     arguments = f"const Parameters *p, const Segment *piece, real t, const real *x{memory}, real *out"
-    return f"{text}\n\n{made.function('Every column of the output.', 'columns', arguments, outputs)}\n"
+    return f"{text}\n\n{code.function('Every column of the output.', 'columns', arguments, outputs)}\n"
 
 
 def parameter_names(system: Equations) -> list[str]:
-    """What the run-time constants are called in the generated code, in their order."""
+    """Names of the run-time constants in the generated code, in order."""
     return _unique([system.field(owner, name) for owner, name in system.parameters])
 
 
 class SystemCode:
-    """A system as C: its equations collected, with the names that the code calls them by."""
+    """A system as C: its collected equations, with their names in the code."""
 
     def __init__(self, system: Equations, lanes: bool) -> None:
         self.system, self.lanes = system, lanes
@@ -74,19 +73,19 @@ class SystemCode:
             f"{group}.{name}": f"p->{field}"
             for (group, name), field in zip(system.parameters, self.fields, strict=True)
         }
-        made = collect(system, as_written=not lanes)
-        self.called = made.called
-        taken = {*_RESERVED, *self.fields}
-        flat, self.coefficients = hoist(made.every, self.parameter_text.keys(), taken, self.called)
-        made.put(flat)
+        collected = collect(system, as_written=not lanes)
+        self.called = collected.called
+        reserved = {*_RESERVED, *self.fields}
+        flat, self.coefficients = hoist(collected.every, self.parameter_text.keys(), reserved, self.called)
+        collected.put(flat)
         n = len(self.names)
-        self.rates, self.by_time, self.watched = made.rates, made.by_time, made.watched
-        self.by_state = [made.by_state[i * n : (i + 1) * n] for i in range(n)]
-        self.watched_by = [made.watched_by[i * n : (i + 1) * n] for i in range(len(self.watched))]
-        self.forces = made.forces
-        self.forces_by = [made.forces_by[i * n : (i + 1) * n] for i in range(len(self.forces))]
-        self.curved = made.curved
-        self.moved, self.samples, self.memory = made.moved, made.samples, made.memory
+        self.rates, self.by_time, self.watched = collected.rates, collected.by_time, collected.watched
+        self.by_state = [collected.by_state[i * n : (i + 1) * n] for i in range(n)]
+        self.watched_by = [collected.watched_by[i * n : (i + 1) * n] for i in range(len(self.watched))]
+        self.forces = collected.forces
+        self.forces_by = [collected.forces_by[i * n : (i + 1) * n] for i in range(len(self.forces))]
+        self.curved = collected.curved
+        self.moved, self.samples, self.memory = collected.moved, collected.samples, collected.memory
 
     # -- the file ------------------------------------------------------------------------------------------------
 
@@ -144,7 +143,7 @@ class SystemCode:
         return "\n\n".join(parts)
 
     def _watching(self) -> list[str]:
-        """What events are told by, its change along the dense output, and the energy that a jump of a signal moves."""
+        """Functions of events: watched quantities, their change along the dense output, and the energy of signal jumps."""
         parts = []
         if self.watched:
             changes = []
@@ -178,11 +177,11 @@ class SystemCode:
             return []
         fields = [_c_name(name) for memory in self.memory for name in memory]
         parts = ["/* What sampled controllers remember. */\n" + self._struct("Memory", fields, None)]
-        at, every = 0, self.system.samples()
-        names = [sample.name for sample in every]
+        first, samples = 0, self.system.samples()
+        names = [sample.name for sample in samples]
         for name, memory in zip(names, self.memory, strict=True):
-            nodes = self.samples[at : at + 1 + len(memory)]
-            at += len(nodes)
+            nodes = self.samples[first : first + 1 + len(memory)]
+            first += len(nodes)
             outputs = [
                 ("*u", nodes[0]),
                 *((f"m->{_c_name(n)}", node) for n, node in zip(memory, nodes[1:], strict=True)),
@@ -198,8 +197,8 @@ class SystemCode:
             f"    if (which == {i}) sample_{name}(p, c, piece, t, x, noise, m, u);\n" for i, name in enumerate(names)
         )
         times = "".join(
-            f"    timing[{k * len(every) + i}] = {self.parameter_text[f'{sample.timing}.{what}']};\n"
-            for i, sample in enumerate(every) for k, what in enumerate(("period", "delay"))
+            f"    timing[{k * len(samples) + i}] = {self.parameter_text[f'{sample.timing}.{what}']};\n"
+            for i, sample in enumerate(samples) for k, what in enumerate(("period", "delay"))
         )  # fmt: skip
         return [
             *parts,
@@ -230,7 +229,7 @@ class SystemCode:
 
     def observed(self) -> list[tuple[str, Expr]]:
         """The friction forces, their first-order change and the size of its terms, from entries that the Jacobian's
-        function keeps."""
+        function stores."""
         known = {*self.parameter_text, *(f"coefficient.{name}" for name in self.coefficients)}
 
         def kept(name: str, entry: Expr) -> Expr:
@@ -241,18 +240,18 @@ class SystemCode:
             self.jacobian[name] = entry
             return symbol(f"jacobian.{name}")
 
-        found = [(f"force[{k}]", kept(f"F_{k}", force)) for k, force in enumerate(self.forces)]
+        entries = [(f"force[{k}]", kept(f"F_{k}", force)) for k, force in enumerate(self.forces)]
         for k, row in enumerate(self.forces_by):
             total = size = ZERO
             for i, entry in enumerate(row):
                 if not is_zero(entry):
                     term = kept(f"F_{k}_{self.c_names[i]}", entry) * symbol(f"error.{i}")
                     total, size = total + term, size + abs(term)
-            found += [(f"force_error[{k}]", total), (f"force_terms[{k}]", size)]
-        return found
+            entries += [(f"force_error[{k}]", total), (f"force_terms[{k}]", size)]
+        return entries
 
     def keep_factor(self, name: str, entry: Expr) -> Expr:
-        """What stands for an entry of the factors: itself if it is cheap, else a symbol of its own."""
+        """Store an entry of the factors and return its symbol; a cheap entry is returned unchanged."""
         cheap = entry.op in ("constant", "symbol") or (entry.op == "neg" and entry.args[0].op in ("constant", "symbol"))
         if cheap or is_zero(entry):
             return entry
@@ -321,8 +320,18 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
         self, what: str, name: str, arguments: str, outputs: list[tuple[str, Expr]], end: str = "", result: str = "void",
         late: bool = False, strict: bool = False,
     ) -> str:  # fmt: skip
-        """A function in C that computes the outputs; ``late``: these go to places that inputs come from, so they are
-        written when all is known; ``strict``: to the same bits everywhere."""
+        """A C function that computes the outputs.
+
+        Args:
+            what: its comment.
+            name: its name.
+            arguments: its parameters.
+            outputs: targets and expressions.
+            end: a last statement.
+            result: the type of the result.
+            late: compute all outputs before one is written, since their places are also inputs.
+            strict: compute the same bits on every processor.
+        """
         strict = strict and not self.lanes
         dialect = _STRICT_C if strict else C
         inputs = {

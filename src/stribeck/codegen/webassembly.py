@@ -1,7 +1,7 @@
 """WebAssembly as bytes: functions under construction, and joining them with a module that imports them.
 
 Joining needs no relocations. A module numbers its imports first, then its own functions. If every import k is replaced by
-a function that stands at place k of the code section, every number in the module's code stays right.
+a function at place k of the code section, every index in the module's code stays valid.
 
 The format: https://webassembly.github.io/spec/core/binary/
 """
@@ -80,7 +80,7 @@ def call(index: int) -> bytes:
 
 
 def address(pointer: int | None) -> bytes:
-    """A pointer in a local; None: memory's beginning."""
+    """A pointer in a local; None: address 0."""
     return integer(0) if pointer is None else get(pointer)
 
 
@@ -128,8 +128,10 @@ class Function:
     """A function under construction; its parameters are its first locals.
 
     Args:
-        parameters: kinds, a letter each: ``i`` (i32, also pointers) or ``d`` (f64).
-        result: a letter, or none.
+        parameters: a letter for each parameter: ``i`` (i32, also pointers) or ``d`` (f64).
+        result: a letter, or empty without a result.
+        code: the instructions.
+        locals: the types of the local variables.
     """
 
     parameters: str
@@ -138,12 +140,12 @@ class Function:
     locals: list[int] = field(default_factory=list)
 
     def local(self, kind: int = F64) -> int:
-        """A new local variable: its number."""
+        """Declare a local variable and return its index."""
         self.locals.append(kind)
         return len(self.parameters) + len(self.locals) - 1
 
     def type(self) -> bytes:
-        """Its entry of the type section."""
+        """The function's entry in the type section."""
         return (
             b"\x60"
             + vector([bytes([KIND[k]]) for k in self.parameters])
@@ -151,7 +153,7 @@ class Function:
         )
 
     def body(self) -> bytes:
-        """Its entry of the code section."""
+        """The function's entry in the code section."""
         groups = [(len(list(same)), kind) for kind, same in groupby(self.locals)]
         inside = vector([leb(n) + bytes([kind]) for n, kind in groups]) + bytes(self.code) + END
         return leb(len(inside)) + inside
@@ -180,26 +182,26 @@ class _Reader:
 
 
 _TYPES, _IMPORTS, _FUNCTIONS, _GLOBALS, _EXPORTS, _CODE = 1, 2, 3, 6, 7, 10  # numbers of sections
-_TRAPS = b"\x03\x00\x00\x0b"  # the body of a function that no one calls: unreachable
+_TRAPS = b"\x03\x00\x00\x0b"  # the body of a function that is never called: unreachable
 
 
 @dataclass
 class Module:
-    """A module taken apart as far as joining needs it."""
+    """A module parsed as far as joining needs it."""
 
-    sections: list[tuple[int, bytes]]
-    types: list[bytes]  # of the type section
-    imports: list[str]  # names of imported functions, in their order
-    type_of: list[int]  # of the functions of its own
-    bodies: list[bytes]
-    exported: dict[str, int]  # functions
+    sections: list[tuple[int, bytes]]  # number and content
+    types: list[bytes]  # entries of the type section
+    imports: list[str]  # names of imported functions, in order
+    type_of: list[int]  # type index of each of its own functions
+    bodies: list[bytes]  # entries of the code section
+    exported: dict[str, int]  # index of each exported function
 
     @classmethod
     def parse(cls, data: bytes) -> Module:
-        """Take one apart.
+        """Parse a module.
 
         Raises:
-            ValueError: it is no module, or it imports other things than functions.
+            ValueError: if it is no module, or if it imports anything but functions.
         """
         if data[:8] != b"\0asm\1\0\0\0":
             raise ValueError("no WebAssembly module")
@@ -223,9 +225,11 @@ class Module:
     def joined(
         self, functions: Mapping[str, Function], needed: Iterable[int], added: Mapping[str, Function] | None = None
     ) -> bytes:
-        """This module with its imports replaced by ``functions``, and with further exported functions ``added``. Of its own
-        functions only ``needed`` keep their code: a body that traps stands for the others, so that no number changes and
-        they cost the compiler nothing."""
+        """This module with its imports replaced by ``functions``, and with further exported functions ``added``.
+
+        Of its own functions only ``needed`` keep their code. The others get a body that traps, so that no index changes
+        and they cost the compiler nothing.
+        """
         types, added = list(self.types), added or {}
         place = {t: i for i, t in reversed(list(enumerate(types)))}
         for function in (*functions.values(), *added.values()):
@@ -233,15 +237,17 @@ class Module:
             if t not in place:
                 place[t] = len(types)
                 types.append(t)
-        of = [place[functions[name].type()] for name in self.imports]
-        keep = set(needed)
-        bodies = [b if i + len(self.imports) in keep else _TRAPS for i, b in enumerate(self.bodies)]
-        first = len(self.imports) + len(self.bodies)  # the number of the first that is added
+        type_indices = [place[functions[name].type()] for name in self.imports]
+        kept = set(needed)
+        bodies = [b if i + len(self.imports) in kept else _TRAPS for i, b in enumerate(self.bodies)]
+        first = len(self.imports) + len(self.bodies)  # the index of the first added function
         exports = [leb(len(n.encode())) + n.encode() + b"\0" + leb(first + i) for i, n in enumerate(added)]
         new = {
             _TYPES: vector(types),
-            _FUNCTIONS: vector([leb(t) for t in (*of, *self.type_of, *(place[f.type()] for f in added.values()))]),
-            _EXPORTS: _longer(dict(self.sections)[_EXPORTS], exports),
+            _FUNCTIONS: vector(
+                [leb(t) for t in (*type_indices, *self.type_of, *(place[f.type()] for f in added.values()))]
+            ),
+            _EXPORTS: _extended(dict(self.sections)[_EXPORTS], exports),
             _CODE: vector(
                 [*(functions[name].body() for name in self.imports), *bodies, *(f.body() for f in added.values())]
             ),
@@ -250,17 +256,17 @@ class Module:
         return b"\0asm\1\0\0\0" + b"".join(bytes([kind]) + leb(len(x)) + x for kind, x in parts)
 
     def reached(self, roots: Iterable[int]) -> set[int]:
-        """All functions that the roots call, and those that these call."""
-        first, left, seen = len(self.imports), list(roots), set[int]()
-        while left:
-            f = left.pop()
+        """All functions that the roots call, directly or indirectly, and the roots."""
+        first, pending, seen = len(self.imports), list(roots), set[int]()
+        while pending:
+            f = pending.pop()
             if f not in seen:
                 seen.add(f)
-                left += _calls(self.bodies[f - first]) if f >= first else ()
+                pending += _calls(self.bodies[f - first]) if f >= first else ()
         return seen
 
 
-def _longer(section: bytes, entries: Sequence[bytes]) -> bytes:
+def _extended(section: bytes, entries: Sequence[bytes]) -> bytes:
     """A section's list with further entries."""
     r = _Reader(section)
     return leb(r.leb() + len(entries)) + section[r.place :] + b"".join(entries)
@@ -303,26 +309,26 @@ def _bodies(section: bytes) -> list[bytes]:
 
 
 def _exports(section: bytes, wanted: int = 0) -> dict[str, int]:
-    """What is exported of a kind, functions unless given."""
-    r, found = _Reader(section), dict[str, int]()
+    """Indices of the exports of a kind, functions unless given."""
+    r, exports = _Reader(section), dict[str, int]()
     for _ in range(r.leb()):
         name, kind, index = r.name(), r.take(1)[0], r.leb()
         if kind == wanted:
-            found[name] = index
-    return found
+            exports[name] = index
+    return exports
 
 
 def _constants(section: bytes) -> list[int]:
-    """What the globals, all of them i32, begin with."""
-    r, found = _Reader(section), list[int]()
+    """Initial values of the globals, all of them i32."""
+    r, values = _Reader(section), list[int]()
     for _ in range(r.leb()):
-        r.take(3)  # its type, whether it changes, i32.const
-        found.append(r.leb())  # addresses: never negative
+        r.take(3)  # type, mutability, i32.const
+        values.append(r.leb())  # addresses: never negative
         r.take(1)
-    return found
+    return values
 
 
-# How many numbers follow an instruction's byte; loads and stores have two (alignment, offset).
+# The count of numbers after an instruction's byte; loads and stores have two (alignment, offset).
 _FOLLOWED_BY = (
     dict.fromkeys((0x02, 0x03, 0x04, 0x41, 0x42, 0x0C, 0x0D, 0x3F, 0x40, 0xD2, *range(0x20, 0x27)), 1)
     | dict.fromkeys(range(0x28, 0x3F), 2)

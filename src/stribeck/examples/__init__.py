@@ -1,4 +1,4 @@
-"""Example scenarios: those of the paper, machines, and records to fit."""
+"""The example scenarios: those of the paper, machines, and records to fit."""
 
 from __future__ import annotations
 
@@ -18,6 +18,6 @@ def path(name: str) -> Path:
 
 
 def companions(name: str) -> list[Path]:
-    """The files that belong to an example: its records, and the list of recordings to fit."""
+    """The other files of an example: its records, and the list of recordings to fit."""
     records = (p for p in _FOLDER.glob(f"{name}_*") if p.suffix in (".csv", ".parquet"))
     return sorted([*records, *_FOLDER.glob(f"{name}.*.toml")])

@@ -1,4 +1,4 @@
-"""A page that simulates a scenario in the browser while its numbers are turned: the solver's own C as WebAssembly."""
+"""A page with sliders that simulates a scenario in the browser, with the solver as WebAssembly."""
 
 from stribeck.explore.page import explore, explorer_page
 

@@ -1,6 +1,6 @@
-"""What the page asks of a law and a system beside the solver: columns, tolerances, the steady curve, claims.
+"""Functions of the page's module beside the solver: columns, tolerances, the steady curve, and claims.
 
-All of it is written out from the equations that the simulator, the proofs and the listings use.
+All are generated from the equations that the simulator, the proofs and the listings use.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ _NAN = float("nan")
 
 
 def appendix(scenario: Scenario) -> dict[str, Added]:
-    """The functions of a body under a law: columns of a row, friction at a speed that is held, tolerances, claims."""
+    """The functions of a single body under a law: columns of a row, steady friction at a speed, tolerances, claims."""
     system = scenario.system
     (contact,) = system.contacts
     law, q = contact.friction.kind, contact.friction.p
     p = [f"{group}.{name}" for group, name in system.parameters]
-    whole = system.with_energy()  # the page shows the energy stored, whether the file asks for it or not
+    whole = system.with_energy()  # the page always shows the stored energy
     values = whole.outputs
     outputs = [wrap(values[column.name]) for column in columns(system)]
     now = {
@@ -51,7 +51,7 @@ def appendix(scenario: Scenario) -> dict[str, Added]:
 
 
 def machine_appendix(machine: MachineSystem) -> dict[str, Added]:
-    """The same for a machine: its columns, and the conditions between the constants of each contact's law."""
+    """The functions of a machine: its columns, and the conditions between the constants of each contact's law."""
     p = [f"{owner}.{name}" for owner, name in machine.parameters]
     states = [*(state.name for state in machine.states), *(f"segment.{name}" for name in machine.held)]
     states += [f"memory.{name}" for name in machine.shown]
@@ -65,43 +65,43 @@ def machine_appendix(machine: MachineSystem) -> dict[str, Added]:
 
 
 def machine_relations(machine: MachineSystem) -> list[tuple[Contact, Relation]]:
-    """The conditions between constants that the page tests of each contact, in the order of the C."""
+    """The conditions between constants that the page tests for each contact, in the order of the module's."""
     return [(contact, each) for contact in machine.contacts for each in relations(contact.friction.kind)]
 
 
 def columns(system: MachineSystem) -> tuple[Column, ...]:
-    """The columns that the page takes: those of the output, and the energy stored."""
+    """The columns of the page: those of the output, and the stored energy."""
     return system.columns if system.energy else (*system.columns, E_STORED)
 
 
 def relations(law: type[Law]) -> list[Relation]:
-    """The conditions between constants that the page tests, in the order of the C."""
+    """The conditions between a law's constants that the page tests, in the order of the module's."""
     return [each for each in dict.fromkeys(law.relations) if all(n in law.constants() for n in each.needs)]
 
 
 def _setup(scenario: Scenario) -> list[Expr]:
-    """The absolute tolerance of each state, the step's share of the tolerances, the longest step."""
+    """The absolute tolerance of each state, the share of the tolerances for one step, and the longest step (s)."""
     system, rtol = scenario.system, symbol("rtol")
     rig = scenario.rig.with_values({(path, name): symbol(f"{path}.{name}") for path, name in system.parameters})
     share = share_of(rig.damping())
-    least = 1e-13 / rtol  # simulation/native.py: below it rounding is the larger error
+    least = 1e-13 / rtol  # _RTOL_SMALLEST of simulation/native.py: below, rounding is the larger error
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
     atol: Mapping[str, Expr | float]
     try:
         atol = scenario.atol(rig, rtol)
-    except TypeError:  # a law of the user's whose scales are no equations: they stay those of the file
+    except TypeError:  # a user's law whose scales are no equations: they stay those of the file
         atol = {n: x / scenario.solve.rtol * rtol for n, x in scenario.atol().items()}
     ((use, signal),) = scenario.rig.signals.items()
     longest: Value = signal.longest_step
     if use.kind:
-        own: dict[str, Value] = {name: symbol(f"{use.path}.{name}") for name in use.constants()}
-        longest = use.kind(own).longest_step
+        constants: dict[str, Value] = {name: symbol(f"{use.path}.{name}") for name in use.constants()}
+        longest = use.kind(constants).longest_step
     values = [*(share * atol[state.name] for state in system.states), share, longest]
     return [wrap(x) for x in values]
 
 
 def _claims(law: type[Law], q: Constants) -> list[Expr]:
-    """Each claim at the present numbers: 1, 0, or not a number where the property does not apply."""
+    """Each claim at the present numbers: 1, 0, or nan if the property does not apply."""
     values = []
     for name in CLAIMS:
         claim = getattr(law.claims, name)
@@ -118,6 +118,6 @@ def _relations(law: type[Law], q: Constants) -> list[Expr]:
 
 def _holds(relation: Relation, law: SimpleNamespace) -> Expr:
     holds: Value = True
-    with suppress(TypeError):  # a user's own, which is no equation: the page cannot test it
+    with suppress(TypeError):  # a user's condition that is no equation: the page cannot test it
         holds = relation.holds(law)
     return wrap(where(holds, wrap(1), wrap(0)) if isinstance(holds, Expr) else 1.0)

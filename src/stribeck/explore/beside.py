@@ -1,4 +1,4 @@
-"""What a page shows beside its scenario: what was measured, and the intervals of a fit."""
+"""Measured data and intervals of a fit that a page shows with its scenario."""
 
 from __future__ import annotations
 
@@ -12,14 +12,20 @@ from stribeck.scenario import Scenario
 
 @dataclass(frozen=True)
 class Beside:
-    """What was measured: where it is from, and each column against its times."""
+    """Measured columns.
+
+    Attributes:
+        about: their source, in words.
+        columns: times (s) and values of each column.
+        given: columns that drive the simulation, and are therefore not compared.
+    """
 
     about: str
     columns: dict[str, tuple[Array, Array]]
-    given: tuple[str, ...] = ()  # those that drive the simulation, so that nothing is to be compared
+    given: tuple[str, ...] = ()
 
     def as_data(self) -> dict[str, object]:
-        """For the page: times that are even by their step alone."""
+        """The data for the page; evenly spaced times are given by their step."""
         lists = {
             name: {"t": _even(t) or short(t), "x": short(x, float(abs(x).max(initial=0)))}
             for name, (t, x) in self.columns.items()
@@ -29,7 +35,7 @@ class Beside:
 
 @dataclass(frozen=True)
 class Report:
-    """What a folder holds: the scenario; of a fit, the interval of each number by its path, and what was measured."""
+    """The scenario of a result's folder; of a fit also the interval of each number by its path, and measured columns."""
 
     scenario: Scenario
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -37,7 +43,7 @@ class Report:
 
 
 def short(x: Array, size: float = 0.0) -> list[float]:
-    """Numbers in as few letters as keep nine figures of the largest, ``size``; nine places unless it is given."""
+    """Numbers rounded to nine significant figures of the largest, ``size``; to nine decimals without it."""
     digits = 9 if size == 0 else 9 - int(np.floor(np.log10(size))) - 1
     return [round(float(value), digits) for value in x]
 

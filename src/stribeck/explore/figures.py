@@ -11,7 +11,7 @@ from stribeck.constants import rotary_unit
 from stribeck.errors import needed
 from stribeck.scenario import Scenario
 
-# After Okabe and Ito's colours, which colour-blind readers tell apart; legible on white and on black.
+# After the colors of Okabe and Ito, which color-blind readers can distinguish; legible on white and on black.
 _COLOURS = ("#1b87c9", "#e06a10", "#0a9f78", "#c06aa5", "#b09a00", "#7a68d8", "#8c5a2b")
 _GHOST = "#8c8c8c"
 _MEASURED = "#b09a00"
@@ -36,7 +36,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Chart:
-    """A chart: what stands along x, and its lines; units before the page chooses a prefix."""
+    """A chart: the quantity along x, and its lines; the page chooses prefixes of the units."""
 
     x: str
     x_label: str
@@ -49,7 +49,7 @@ class Chart:
     marks: tuple[str, ...] = ()  # columns on which slip and stick are marked
 
     def as_data(self) -> dict[str, object]:
-        """For the page."""
+        """The chart's data for the page."""
         lines = [{"column": s.column, "name": s.name} for s in self.y]
         return {
             "x": self.x, "xLabel": self.x_label, "xName": self.x_label.split()[0], "xUnit": self.x_unit, "y": lines,
@@ -58,7 +58,7 @@ class Chart:
 
 
 def panels(scenario: Scenario) -> dict[str, Chart]:
-    """The page's charts by name."""
+    """The charts of a single body's page, by name."""
     system = scenario.system
     names = {column.name for column in system.columns}
 
@@ -85,21 +85,21 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
     }
 
 
-def figures(found: dict[str, Chart], measured: Collection[str] = ()) -> dict[str, object]:
-    """The charts as Bokeh's JSON, by the id of the element that shows each; ``measured`` columns have a second line."""
+def figures(charts: dict[str, Chart], measured: Collection[str] = ()) -> dict[str, object]:
+    """The charts as Bokeh's JSON, by the id of their HTML element; ``measured`` columns get a second line."""
     with needed("an explorer"):
         from bokeh.embed import json_item
         from bokeh.layouts import column
         from bokeh.models import DataRange1d
 
     time = DataRange1d()
-    together = [name for name, panel in found.items() if panel.x == "t" and name != "energy"]  # with one time axis
-    made = {
+    together = [name for name, panel in charts.items() if panel.x == "t" and name != "energy"]  # with one time axis
+    figures_of = {
         name: _figure(name, panel, time if name in together else None, name not in together[1:], measured)
-        for name, panel in found.items()
+        for name, panel in charts.items()
     }
-    whole = column(*(made[name] for name in together), sizing_mode="stretch_width")
-    return {"trajectories": json_item(whole), **{n: json_item(x) for n, x in made.items() if n not in together}}
+    whole = column(*(figures_of[name] for name in together), sizing_mode="stretch_width")
+    return {"trajectories": json_item(whole), **{n: json_item(x) for n, x in figures_of.items() if n not in together}}
 
 
 def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool, measured: Collection[str]) -> Any:
@@ -141,7 +141,7 @@ def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool, measured: Coll
         drawn.scatter("x", "y", source=point, size=11, color=_COLOURS[1], line_color="white", **named)
     mode: Any = "vline" if over_time or panel.log else "mouse"
     drawn.add_tools(HoverTool(name=f"{name}-hover", renderers=shown[:1], mode=mode))
-    for side in ("height", "width"):  # cross hairs of who reads by keyboard
+    for side in ("height", "width"):  # cross hairs for reading by keyboard
         hair = Span(
             name=f"{name}-{side}", dimension=side, location=0.1, visible=False, line_color=_GHOST, line_dash="dotted"
         )

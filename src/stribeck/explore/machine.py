@@ -1,4 +1,4 @@
-"""What the page of a machine shows: charts by unit, friction of each contact, the numbers and what they do."""
+"""The page of a machine: charts by unit, friction of each contact, and the data of its numbers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 
-# What stands above each other, in this order: the chart's label by the last word of a column's name, else by its unit.
+# Charts in order, from top to bottom: the label by the last word of a column's name, otherwise by its unit.
 _LABELS = {
     "y": "position", "r": "position", "e": "error", "v": "velocity", "w": "sliding speed", "s": "sliding variable s",
     "F": "friction", "F_hat": "friction", "f": "force", "torque": "force", "z": "deflection", "z_hat": "deflection",
@@ -24,7 +24,7 @@ _ROTARY = {"position": "angle", "force": "torque", "friction": "friction torque"
 
 
 def machine_panels(scenario: Scenario) -> dict[str, Chart]:
-    """The charts by name: everything over time by kind and unit, each contact's friction, and the energies."""
+    """The charts by name: all columns over time by kind and unit, each contact's friction, and the energies."""
     machine = scenario.rig.machine
     order = list(dict.fromkeys([*_LABELS.values(), *_BY_UNIT.values()]))
     contacts = [_contact(machine, contact) for contact in machine.contacts]
@@ -32,32 +32,32 @@ def machine_panels(scenario: Scenario) -> dict[str, Chart]:
     shown = sorted(
         (c for c in machine.columns if not c.name.startswith("E_")), key=lambda c: (order.index(_label(c)), c.unit)
     )
-    found: dict[str, Chart] = {}
+    charts: dict[str, Chart] = {}
     for i, ((label, unit), each) in enumerate(groupby(shown, key=lambda c: (_label(c), c.unit))):
         names = [c.name for c in each]
         words = _ROTARY.get(label, label) if unit.startswith(("rad", "N m")) else label
         marks = tuple(n for n in names if n in sliding)
         lines = tuple(Series(n, n) for n in names)
         words = names[0] if len(names) == 1 else words  # a single line has no legend
-        found[f"time-{i}"] = Chart("t", "t", "s", lines, words, unit, height=190, marks=marks)
+        charts[f"time-{i}"] = Chart("t", "t", "s", lines, words, unit, height=190, marks=marks)
     for i, ((speed, force), contact) in enumerate(zip(contacts, machine.contacts, strict=True)):
         friction = (Series(force.name, force.name),)
         label = f"friction in {contact.name}" if contact.name else "friction"
-        found[f"loop-{i}"] = Chart(speed.name, "sliding speed", speed.unit, friction, label, force.unit, height=280)
+        charts[f"loop-{i}"] = Chart(speed.name, "sliding speed", speed.unit, friction, label, force.unit, height=280)
     if machine.energy:
         energies = tuple(Series(f"E_{n}", words) for n, words in _ENERGIES.items())
-        found["energy"] = Chart("t", "t", "s", energies, "energy", "J", height=280)
-    return found
+        charts["energy"] = Chart("t", "t", "s", energies, "energy", "J", height=280)
+    return charts
 
 
 def machine_sections(scenario: Scenario) -> list[tuple[str, str]]:
-    """The headings over the charts that stand beside each other."""
+    """Name and heading of each chart that is not over time."""
     machine = scenario.rig.machine
-    found = [
+    sections = [
         (f"loop-{i}", f"Friction{f' in {contact.name}' if contact.name else ''} against its sliding speed")
         for i, contact in enumerate(machine.contacts)
     ]
-    return [*found, ("energy", "Energy balance")] if machine.energy else found
+    return [*sections, ("energy", "Energy balance")] if machine.energy else sections
 
 
 def _label(column: Column) -> str:
@@ -66,7 +66,7 @@ def _label(column: Column) -> str:
 
 
 def _contact(machine: MachineSystem, contact: Contact) -> tuple[Column, Column]:
-    """The columns of a contact's sliding speed and friction; of a single body its velocity is the first."""
+    """The columns of a contact's sliding speed (of a single body, its velocity) and friction."""
     dot = f"{contact.name}." if contact.name else ""
     return _column(machine, f"{dot}w" if dot else "v"), _column(machine, f"{dot}F")
 
@@ -76,7 +76,7 @@ def _column(machine: MachineSystem, name: str) -> Column:
 
 
 def machine_law(scenario: Scenario) -> dict[str, object]:
-    """What stands in the place of a law."""
+    """The page's data in the place of a law: parameters, states, columns and conditions."""
     machine = scenario.rig.machine
     conditions = []
     for contact, each in machine_relations(machine):
@@ -95,14 +95,14 @@ def _path(scenario: Scenario, law: str, key: str) -> str:
     return f"{scenario.called.to_file(law)}{inside}.{key}"
 
 
-def machine_data(found: Measured) -> dict[str, object]:
-    """What the solver is given at the file's numbers, the events' names, and the numbers that stay."""
-    machine, arrays = found.scenario.rig.machine, found.arrays
+def machine_data(measured: Measured) -> dict[str, object]:
+    """The solver's input at the file's numbers, and the numbers without a slider."""
+    machine, arrays = measured.scenario.rig.machine, measured.arrays
     return {
         "arrays": {name: array.tolist() for name, array in arrays.items() if name not in ("restart", "queue_room")},
         "restart": [int(x) for x in arrays["restart"]],
         "rooms": _rooms(machine, arrays),
-        "fixed": [{"path": path, "value": value} for path, value in found.fixed.items()],
+        "fixed": [{"path": path, "value": value} for path, value in measured.fixed.items()],
     }
 
 

@@ -1,7 +1,8 @@
-"""What each number of a machine's file does to what the solver is given, measured: no formula is written a second time.
+"""The effect of each number of a machine's file on the solver's input, by finite differences.
 
-The scenario is made anew with the number changed, and the arrays are compared. Where they change in proportion to the
-change of the number it becomes a slider; what does more (another table of pieces, another structure) stays as it is.
+The scenario is built again with the number changed, and the arrays are compared. So no formula is written twice. If the
+arrays change in proportion to the number, it becomes a slider. A number with other effects (another table of pieces, another
+structure) stays fixed.
 """
 
 from __future__ import annotations
@@ -22,16 +23,23 @@ from stribeck.scenario.declared import declared
 from stribeck.simulation.native import solver_input
 
 Arrays = dict[str, Array]
-# How far a slider goes: as far as the file stays valid and the effect in proportion.
+# Reaches of a slider, tried in turn: the first for which the file is valid and the effect proportional.
 _REACHES = (10.0, 3.0, 1.5, 1.1, 1.01)
-_INSIDE = (0.0, 0.37, 0.71)  # shares of the slider at which the effect measured at its upper end is tested
-_ROUNDING = 1e-12
-_COUNTS = ("solve.t_end", "solve.max_steps", "output.step")  # of the run, which the page counts itself
+_INSIDE = (0.0, 0.37, 0.71)  # shares of the slider at which proportionality is tested; no simple fractions
+_ROUNDING = 1e-12  # relative: well above the rounding of a few operations
+_COUNTS = ("solve.t_end", "solve.max_steps", "output.step")  # the page itself computes their effects
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A machine with its parameter sets written out, its numbers that can be turned, the others, and the file's arrays."""
+    """A machine with its numbers.
+
+    Attributes:
+        scenario: the machine, with its parameter sets written out.
+        numbers: the numbers with a slider.
+        fixed: the other numbers, by path.
+        arrays: the solver's input at the file's numbers.
+    """
 
     scenario: Scenario
     numbers: list[Number]
@@ -40,24 +48,24 @@ class Measured:
 
 
 def measured(scenario: Scenario) -> Measured:
-    """Every number of a machine's file with what it does."""
+    """Every number of a machine's file, with its effect on the solver's input."""
     scenario = _written_out(scenario)
     base = arrays_of(scenario)
     numbers: list[Number] = []
     fixed: dict[str, float] = {}
     for path, value in _leaves(scenario.data):
-        found = None if path.startswith(("solve.", "output.")) else _measure(scenario, base, path, value)
-        if found is not None:
-            numbers.append(found)
+        slider = None if path.startswith(("solve.", "output.")) else _measure(scenario, base, path, value)
+        if slider is not None:
+            numbers.append(slider)
         elif not path.startswith(("solve.", "output.")) or path.startswith("solve.atol."):
             fixed[path] = value
     for number in of_run(scenario):
         if number.path == "solve.max_steps":
             numbers.append(number)
             continue
-        same = _measure(scenario, base, number.path, number.value, number)
-        if same is not None:
-            numbers.append(same)
+        slider = _measure(scenario, base, number.path, number.value, number)
+        if slider is not None:
+            numbers.append(slider)
         else:
             fixed[number.path] = number.value
     for number in _coupled(scenario, base, numbers):
@@ -67,24 +75,24 @@ def measured(scenario: Scenario) -> Measured:
 
 
 def arrays_of(scenario: Scenario) -> Arrays:
-    """What the solver is given, as flat arrays; of the longest step its inverse, to which frequencies are in proportion."""
+    """The solver's input as flat arrays; with the inverse of the longest step, which is proportional to frequencies."""
     given = solver_input(scenario)
-    found = {name: array.ravel() for name, array in given.doubles.items()}
-    found |= {"rtol": np.array([given.numbers["rtol"]]), "least_rate": np.array([1 / given.numbers["h_limit"]])}
-    return found | {"restart": given.restart.astype(float), "queue_room": np.array([float(given.queue_room)])}
+    arrays = {name: array.ravel() for name, array in given.doubles.items()}
+    arrays |= {"rtol": np.array([given.numbers["rtol"]]), "least_rate": np.array([1 / given.numbers["h_limit"]])}
+    return arrays | {"restart": given.restart.astype(float), "queue_room": np.array([float(given.queue_room)])}
 
 
 def moved(arrays: Arrays, numbers: list[Number], values: Mapping[str, float]) -> Arrays:
-    """The arrays after the numbers at some paths have been turned, as the page makes them."""
-    found = {name: array.copy() for name, array in arrays.items()}
+    """The arrays for other values at some paths, as the page computes them."""
+    moved_arrays = {name: array.copy() for name, array in arrays.items()}
     for number in numbers:
         for name, i, rate in number.effects:
-            found[name][i] += rate * (values.get(number.path, number.value) - number.value)
-    return found
+            moved_arrays[name][i] += rate * (values.get(number.path, number.value) - number.value)
+    return moved_arrays
 
 
 def _written_out(scenario: Scenario) -> Scenario:
-    """With the constants in the file where it names a set of them."""
+    """The scenario with the constants of its parameter sets written out."""
     rig = scenario.rig
     paths = {scenario.called.to_file(path): law for path, law in rig.laws.items()}
     changes = {f"{path}.parameters.{n}": x for path, law in paths.items() for n, x in law.machine.items()}
@@ -93,15 +101,15 @@ def _written_out(scenario: Scenario) -> Scenario:
 
 
 def _table(data: Mapping[str, object], path: str) -> object:
-    found: object = data
+    entry: object = data
     for word in path.split(".")[:-1]:
-        found = found.get(word) if isinstance(found, Mapping) else None
-    return found
+        entry = entry.get(word) if isinstance(entry, Mapping) else None
+    return entry
 
 
 def _leaves(table: object, path: str = "") -> Iterator[tuple[str, float]]:
     if isinstance(table, list | tuple) and len(table) > MOST_POINTS:
-        return  # a record, not numbers to turn
+        return  # a record, not numbers for sliders
     if isinstance(table, Mapping | list | tuple):
         pairs = table.items() if isinstance(table, Mapping) else enumerate(table)
         for key, value in pairs:
@@ -112,7 +120,7 @@ def _leaves(table: object, path: str = "") -> Iterator[tuple[str, float]]:
 
 
 def _declared(scenario: Scenario, path: str, value: float) -> Number:
-    """The number with its unit and meaning, where a table of the machine declares them."""
+    """The number with its unit and meaning, if a table of the machine declares them."""
     words = path.split(".")
     cut = len(words) - 1
     while words[cut].isdigit():
@@ -123,9 +131,9 @@ def _declared(scenario: Scenario, path: str, value: float) -> Number:
 
 
 def _constant(scenario: Scenario, group: str, name: str) -> tuple[Constant, float]:
-    own = declared(scenario, f"{group}.{name}")
-    if own is not None:
-        return own, 1.0
+    constant = declared(scenario, f"{group}.{name}")
+    if constant is not None:
+        return constant, 1.0
     rig = scenario.rig
     machine = rig.machine
     column, words = f"{group.split('.')[1]}.{name}" if "." in group else "", {"y": "position", "v": "velocity"}
@@ -140,7 +148,7 @@ def _constant(scenario: Scenario, group: str, name: str) -> tuple[Constant, floa
 
 
 def _changed(scenario: Scenario, changes: Mapping[str, float]) -> Arrays | None:
-    """The arrays with other numbers; None where the file would not be valid, or another machine."""
+    """The arrays with other numbers; None if the file is invalid or has another structure."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StribeckNote)
@@ -150,10 +158,10 @@ def _changed(scenario: Scenario, changes: Mapping[str, float]) -> Arrays | None:
     return arrays_of(other) if other.system == scenario.system else None
 
 
-def _same_shape(base: Arrays, found: Arrays | None) -> bool:
-    return found is not None and (
-        all(found[name].shape == array.shape for name, array in base.items())
-        and all(np.array_equal(found[name], base[name]) for name in ("restart", "queue_room"))
+def _same_shape(base: Arrays, other: Arrays | None) -> bool:
+    return other is not None and (
+        all(other[name].shape == array.shape for name, array in base.items())
+        and all(np.array_equal(other[name], base[name]) for name in ("restart", "queue_room"))
     )
 
 
@@ -164,13 +172,13 @@ def _measure(scenario: Scenario, base: Arrays, path: str, value: float, given: N
         effects = _effects(scenario, base, number)
         if effects is not None:
             of_law = scenario.called.to_machine(whole.group.removesuffix(".parameters")) in scenario.rig.laws
-            found = whole if of_law else replace(number, closed=True)  # the page tests a law's own conditions
-            return replace(found, effects=effects) if effects or path in _COUNTS else None
+            slider = whole if of_law else replace(number, closed=True)  # the page tests a law's own conditions
+            return replace(slider, effects=effects) if effects or path in _COUNTS else None
     return None
 
 
 def _narrower(number: Number, reach: float) -> Number:
-    """With a slider that goes less far from the number of the file."""
+    """The number with a slider of smaller reach."""
     value = number.value
     if number.log:
         return replace(number, low=max(number.low, value / reach), high=min(number.high, value * reach))
@@ -179,52 +187,52 @@ def _narrower(number: Number, reach: float) -> Number:
 
 
 def _effects(scenario: Scenario, base: Arrays, number: Number) -> tuple[tuple[str, int, float], ...] | None:
-    """What the arrays change by for each unit of the number, if that is the same all along the slider."""
+    """The change of the arrays per unit of the number; None unless it is the same over the whole slider."""
     upper = _changed(scenario, {number.path: number.high})
     if upper is None or not _same_shape(base, upper):
         return None
-    found = []
+    effects = []
     for name, array in base.items():
         if name == "atol" and number.group != "solve":
             continue  # tolerances follow natural scales: they stay those of the file
         rate = (upper[name] - array) / (number.high - number.value)
-        found += [(name, int(i), float(rate[i])) for i in np.flatnonzero(rate)]
-    made = [replace(number, effects=tuple(found))]
+        effects += [(name, int(i), float(rate[i])) for i in np.flatnonzero(rate)]
+    predicted = [replace(number, effects=tuple(effects))]
     for share in _INSIDE:
         value = number.low + share * (number.high - number.low)
-        if not _as_predicted(scenario, base, made, {number.path: value}):
+        if not _as_predicted(scenario, base, predicted, {number.path: value}):
             return None
-    return tuple(found)
+    return tuple(effects)
 
 
 def _as_predicted(scenario: Scenario, base: Arrays, numbers: list[Number], values: Mapping[str, float]) -> bool:
-    found = _changed(scenario, values)
-    if found is None or not _same_shape(base, found):
+    changed = _changed(scenario, values)
+    if changed is None or not _same_shape(base, changed):
         return False
     expected = moved(base, numbers, values)
     names = [name for name in base if name != "atol" or all(n.group == "solve" for n in numbers)]
-    return all(_close(found[name], expected[name], base[name]) for name in names)
+    return all(_close(changed[name], expected[name], base[name]) for name in names)
 
 
-def _close(found: Array, expected: Array, base: Array) -> bool:
-    size = np.maximum(np.maximum(np.abs(found), np.abs(expected)), np.abs(base))
-    return bool(np.all((found == expected) | (np.abs(found - expected) <= _ROUNDING * size)))
+def _close(changed: Array, expected: Array, base: Array) -> bool:
+    size = np.maximum(np.maximum(np.abs(changed), np.abs(expected)), np.abs(base))
+    return bool(np.all((changed == expected) | (np.abs(changed - expected) <= _ROUNDING * size)))
 
 
 def _coupled(scenario: Scenario, base: Arrays, numbers: list[Number]) -> list[Number]:
-    """Numbers that act on the same entry as another one, and not each by itself: a factor of what another one sets."""
+    """Numbers whose effect depends on another number, such as two factors of the same entry."""
     places = {n.path: {(name, i) for name, i, _ in n.effects} for n in numbers}
     for number in numbers:
-        if number.group.endswith(".sampling"):  # a short period and a long delay: more outputs wait
+        if number.group.endswith(".sampling"):  # a short period with a long delay needs a longer queue
             places[number.path].add(("queue_room", 0))
-    found: list[Number] = []
+    coupled: list[Number] = []
     for first, second in combinations(numbers, 2):
-        if first in found or second in found or not places[first.path] & places[second.path]:
+        if first in coupled or second in coupled or not places[first.path] & places[second.path]:
             continue
         pair = first, second
         tested = [[n.value + 0.13 * (n.high - n.value) for n in pair]]
         if first.group.endswith(".sampling"):
             tested += [[first.low, second.high], [first.high, second.low]]
         if not all(_as_predicted(scenario, base, [*pair], {first.path: a, second.path: b}) for a, b in tested):
-            found.append(second)
-    return found
+            coupled.append(second)
+    return coupled

@@ -1,4 +1,4 @@
-"""Every number of a scenario as the page needs it: where it stands, what it means, between which ends its slider goes."""
+"""The numbers of a scenario for the page: path, meaning, and range of the slider."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ from stribeck.scenario import Scenario
 from stribeck.scenario.tables import Output, Solve
 from stribeck.signals import FileSignal, PointsSignal
 
-MOST_POINTS = 12  # a signal of more points is a curve, not a set of numbers to turn
+MOST_POINTS = 12  # a signal with more points is a curve, and gets no sliders
 
-_REACH, _STEEP = 10.0, 1e3  # how many times more and less a slider reaches; that of a steepness
+_REACH, _STEEP = (
+    10.0,
+    1e3,
+)  # factor from the value to both ends of a slider; the same of a steepness, whose effect is small
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class Number:
     effects: tuple[tuple[str, int, float], ...] = ()
 
     def as_data(self) -> dict[str, object]:
-        """For the page."""
+        """The number's data for the page."""
         return asdict(self)
 
 
@@ -48,19 +51,19 @@ def numbers(scenario: Scenario) -> list[Number]:
 
 
 def of_law(scenario: Scenario) -> list[Number]:
-    """The numbers of its law: the law's own, then the machine's."""
+    """The numbers of the scenario's law: its own constants, then the machine's."""
     law, rotary, (path,) = scenario.law, scenario.rotary, scenario.rig.laws
     values = {**law.values, **law.machine}
     declared = {**law.own_constants(), **PARAMETERS}
-    found = []
+    law_numbers = []
     for name, constant in declared.items():
         value = values.get(name)
         if value is not None and not constant.choices:
             group = "law.parameters" if name in PARAMETERS else "law"
             target = f"{path}.{name}" if name in law.numbers(law.form) else ""
             reach = _STEEP if name == "k_v" else _REACH
-            found.append(number_of(group, name, value, constant.of_motion(rotary), 0.0, target, reach))
-    return found
+            law_numbers.append(number_of(group, name, value, constant.of_motion(rotary), 0.0, target, reach))
+    return law_numbers
 
 
 def _others(scenario: Scenario) -> Iterator[Number]:
@@ -120,7 +123,8 @@ def _of_signal(scenario: Scenario) -> Iterator[Number]:
 def number_of(
     group: str, name: str, value: float, constant: Constant, size: float, target: str, reach: float = _REACH
 ) -> Number:
-    """A number, and a slider over ``reach`` times more and less where it is positive; else as far as ``size`` or twice it."""
+    """A number with its slider: from value/``reach`` to value*``reach`` if positive, otherwise to twice its magnitude, or to
+    ``size`` if it is 0."""
     positive = constant.above is not None or constant.at_least is not None or value > 0
     log = positive and value > 0
     if log:

@@ -1,4 +1,4 @@
-"""The page: a scenario's numbers, laws as WebAssembly, charts and the script, in one file that fetches nothing."""
+"""The page: a scenario's numbers, laws as WebAssembly, charts and script in one file that needs no network."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from stribeck.mouth.page import in_script
 from stribeck.scenario import Scenario
 from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM
-from stribeck.simulation.wasm import System
+from stribeck.simulation.wasm import System, with_functions
 from stribeck.version import __version__
 
 
@@ -46,31 +46,31 @@ def explorer_page(
     progress: Callable[[float], None] | None = None, fitted: Mapping[str, object] | None = None,
     beside: Beside | None = None,
 ) -> str:  # fmt: skip
-    """One HTML file that simulates the scenario in the browser while its numbers are turned.
+    """One HTML file with sliders that simulates the scenario in the browser.
 
     Args:
-        scenario: what to explore.
-        laws: the laws to offer beside its own; all of the package unless given.
+        scenario: the scenario.
+        laws: names of the laws offered beside its own; all of the package unless given.
         command: the command that makes the page, for its foot.
-        progress: called with the share of laws whose module is there, 0 to 1.
-        fitted: of a fit, the 95 % interval of each number by its path.
-        beside: what was measured, drawn beside what is simulated.
+        progress: called with the share of built modules, 0 to 1.
+        fitted: the 95 % interval of each number of a fit, by its path.
+        beside: measured columns, drawn beside the simulated ones.
 
     Raises:
-        MissingExtra: bokeh is not installed.
-        InputError: a law that is not known, or cannot take the scenario's numbers.
+        MissingExtra: if bokeh is not installed.
+        InputError: if a law is unknown, or cannot use the scenario's numbers.
     """
     library = _library()
     if measured_whole(scenario):
         filling = _machine(scenario, laws, command, progress, fitted or {}, beside)
-        return _filled(filling, machine_sections(scenario), library)
-    found = variants(scenario, laws)
+        return _fill(filling, machine_sections(scenario), library)
+    scenarios = variants(scenario, laws)
     modules = []
-    for each in found.values():
-        modules.append(wasm.module(each.system, appendix(each)))
+    for each in scenarios.values():
+        modules.append(with_functions(each.system, appendix(each)))
         if progress is not None:
-            progress(len(modules) / len(found))
-    own = {number.path for number in of_law(scenario)}
+            progress(len(modules) / len(scenarios))
+    law_paths = {number.path for number in of_law(scenario)}
     shown = panels(scenario)
     intervals = fitted or {}
     data = {
@@ -80,9 +80,9 @@ def explorer_page(
         "scenario": _tables(scenario),
         "law": scenario.law.name,
         "laws": {
-            name: _law(each, module, intervals) for (name, each), module in zip(found.items(), modules, strict=True)
+            name: _law(each, module, intervals) for (name, each), module in zip(scenarios.items(), modules, strict=True)
         },
-        "numbers": [_number(n.as_data(), intervals) for n in numbers(scenario) if n.path not in own],
+        "numbers": [_number(n.as_data(), intervals) for n in numbers(scenario) if n.path not in law_paths],
         "claims": CLAIMS,
         "signal": _signal(scenario),
         "machine": None,
@@ -93,7 +93,7 @@ def explorer_page(
         "figures": figures(shown, beside.columns if beside is not None else ()),
         "measured": None if beside is None else beside.as_data(),
     }
-    return _filled(data, _SECTIONS, library)
+    return _fill(data, _SECTIONS, library)
 
 
 def _machine(
@@ -103,19 +103,19 @@ def _machine(
     if laws:
         what = "a machine" if not scenario.elements.unnamed else "a servo, or a drive that follows a curve,"
         raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
-    found, machine, shown = measured(scenario), scenario.rig.machine, machine_panels(scenario)
-    module = wasm.module(machine, machine_appendix(machine))
+    measured_machine, machine, shown = measured(scenario), scenario.rig.machine, machine_panels(scenario)
+    module = with_functions(machine, machine_appendix(machine))
     return {
         "name": scenario.name,
         "version": __version__,
         "command": command,
-        "scenario": _plain(found.scenario.data),
+        "scenario": _plain(measured_machine.scenario.data),
         "law": "machine",
-        "laws": {"machine": {**machine_law(scenario), "wasm": _packed(module.module), "shape": wasm.shape(module)}},
-        "numbers": [_number(n.as_data(), intervals) for n in found.numbers],
+        "laws": {"machine": {**machine_law(scenario), "wasm": _compressed(module.module), "shape": wasm.shape(module)}},
+        "numbers": [_number(n.as_data(), intervals) for n in measured_machine.numbers],
         "claims": [],
         "signal": None,
-        "machine": machine_data(found),
+        "machine": machine_data(measured_machine),
         "watched": machine.watched,
         "layout": wasm.layout(),
         "eventRoom": EVENT_ROOM,
@@ -133,7 +133,7 @@ _SECTIONS = [
 ]
 
 
-def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], library: str) -> str:
+def _fill(data: Mapping[str, object], sections: Iterable[tuple[str, str]], library: str) -> str:
     """The page's text with the data in it."""
     name, command = str(data["name"]), str(data["command"])
     charts = [
@@ -151,8 +151,8 @@ def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], lib
         "foot": escape(command),
         "version": __version__,
     }
-    # one pass: what is filled in is not looked at again, whatever it holds
-    return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], _asset("page.html"))
+    # one pass: filled-in text is not searched for fields again
+    return re.sub(r"\{\{ (\w+) \}\}", lambda field: parts[field[1]], _asset("page.html"))
 
 
 def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) -> dict[str, object]:
@@ -161,9 +161,9 @@ def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) ->
     conditions = {}
     for name in CLAIMS:
         claim = getattr(kind.claims, name)
-        told = condition(claim, kind, form) if callable(claim) else None
-        if isinstance(told, Equation):
-            conditions[name] = told.text
+        stated = condition(claim, kind, form) if callable(claim) else None
+        if isinstance(stated, Equation):
+            conditions[name] = stated.text
     needs = [{"key": each.key, "allowed": each.allowed, "path": _path(scenario, each.key)} for each in relations(kind)]
     return {
         "name": law.name,
@@ -179,7 +179,7 @@ def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) ->
         "conditions": conditions,
         "equations": [each.text for each in equations(kind, form)],
         "speed": float(law.scales(law.p).speed),
-        "wasm": _packed(module.module),
+        "wasm": _compressed(module.module),
         "shape": wasm.shape(module),
     }
 
@@ -194,15 +194,15 @@ def _path(scenario: Scenario, name: str) -> str:
 
 def _signal(scenario: Scenario) -> dict[str, object]:
     signal = scenario.signal
-    found: dict[str, object] = {"kind": signal.kind, "smooth": signal.smooth}
+    data: dict[str, object] = {"kind": signal.kind, "smooth": signal.smooth}
     if isinstance(signal, PointsSignal):
         scale = float(scenario.data["drive"]["signal"].get("scale", 1.0))
-        found |= {"t": signal.t.tolist(), "value": signal.value.tolist(), "scale": scale}
-    return found
+        data |= {"t": signal.t.tolist(), "value": signal.value.tolist(), "scale": scale}
+    return data
 
 
 def _tables(scenario: Scenario) -> object:
-    """The file's tables but the law, whose numbers stand elsewhere, and a long signal, which does too."""
+    """The file's tables without the law and a long signal, which are passed separately."""
     tables = {k: v for k, v in scenario.data.items() if k != "law"}
     signal = scenario.signal
     if isinstance(signal, PointsSignal) and len(signal.t) > MOST_POINTS:
@@ -212,7 +212,7 @@ def _tables(scenario: Scenario) -> object:
 
 
 def _plain(value: object) -> object:
-    """Tables as JSON has them: whatever else a program has put there as text."""
+    """Tables for JSON; values of other types as text."""
     if isinstance(value, Mapping):
         return {str(k): _plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
@@ -221,15 +221,15 @@ def _plain(value: object) -> object:
 
 
 def _library() -> str:
-    """The charts' library as its package ships it."""
+    """The script of the charts' library, from its package."""
     with needed("an explorer"):
         import bokeh
 
     script = Path(str(bokeh.__file__)).parent / "server" / "static" / "js" / "bokeh.min.js"
-    return _packed(script.read_bytes())
+    return _compressed(script.read_bytes())
 
 
-def _packed(content: bytes) -> str:
+def _compressed(content: bytes) -> str:
     return b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii")
 
 

@@ -1,4 +1,4 @@
-"""The scenario behind the folder of a run or a fit, for an explorer beside its report."""
+"""The scenario of a run's or a fit's folder, for the explorer."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from stribeck.scenario.trust import astray, named
 
 
 def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Report:
-    """What was run or fitted.
+    """The scenario of a folder of ``stribeck run`` or ``stribeck fit``, with ``changes``; of a fit with its measured data.
 
     Raises:
-        InputError: the folder is no result of ``stribeck run`` or ``stribeck fit``, or files that it names are gone.
+        InputError: if the folder is no such result, or its files are missing.
     """
     if (folder / "parameters.toml").exists():
         with needed("the page of a fit", "fit"):
             from stribeck.explore import fitted
-        found = fitted.of_folder(folder, trust)
+        report = fitted.of_folder(folder, trust)
     else:
-        found = Report(_run(folder, trust))
-    return replace(found, scenario=found.scenario.with_changes(changes)) if changes else found
+        report = Report(_run(folder, trust))
+    return replace(report, scenario=report.scenario.with_changes(changes)) if changes else report
 
 
 def _run(folder: Path, trust: bool) -> Scenario:
     try:
-        found = json_of(folder / "summary.json")
-        tables, beside = dict(found["tables"]), folder / found["folder"]
+        summary = json_of(folder / "summary.json")
+        tables, beside = dict(summary["tables"]), folder / summary["folder"]
     except (OSError, ValueError, KeyError, TypeError):
         must = "must be a folder that 'stribeck run --out' or 'stribeck fit --out' wrote"
         raise InputError(f"{arg('report')}: {show(str(folder))}: {must}") from None

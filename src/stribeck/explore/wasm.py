@@ -3,16 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
 
-from stribeck.codegen.emitted import Added
-from stribeck.machine.equations import Equations
-from stribeck.simulation.wasm import System, run_struct, with_functions
-
-
-def module(system: Equations, added: Mapping[str, Added]) -> System:
-    """A system with the page's own functions."""
-    return with_functions(system, added)
+from stribeck.simulation.wasm import System, run_struct
 
 
 def shape(made: System) -> dict[str, object]:

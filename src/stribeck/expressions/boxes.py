@@ -1,4 +1,4 @@
-"""Proofs by boxes: a bound is shown on boxes that cover a domain, and boxes where it is not yet shown are halved."""
+"""Proofs by boxes: a bound is proved on boxes that cover a domain, and boxes where it is undecided are halved."""
 
 from __future__ import annotations
 
@@ -12,16 +12,23 @@ from stribeck.expressions.intervals import Interval
 
 Bound = Callable[[Sequence[Interval]], Interval]
 
-_MOST = 400_000  # boxes
-_WIDE = 4.0  # ends of this ratio are halved on a logarithmic scale
-_LEAP = 16.0  # where a side reaches to 0 or to infinity it is cut at this share of its other end, or so many times it
-_NARROW = 1e-13  # relative width below which a box is given up
+_MOST = 400_000  # boxes: the search gives up beyond
+_WIDE = 4.0  # a side whose ends have a larger ratio is halved on a logarithmic scale
+_LEAP = 16.0  # a side from 0 is cut at its end over this; a side to infinity at its end times this
+_NARROW = 1e-13  # relative width below which a box is undecided: some 500 floats, where rounding decides
 
 
 @dataclass(frozen=True)
 class Cover:
-    """What came of a proof: whether the bound holds, with how many boxes; else a box where it was not shown, why, and
-    whether it is known to be negative there."""
+    """The result of a proof.
+
+    Attributes:
+        holds: whether the bound is proved.
+        boxes: the number of boxes examined.
+        where: otherwise a box where it is not proved: the ends of each side.
+        reason: otherwise the reason.
+        negative: whether the bound is known to be negative in that box.
+    """
 
     holds: bool
     boxes: int
@@ -31,9 +38,13 @@ class Cover:
 
 
 def not_negative(bound: Bound, low: Array, high: Array) -> Cover:
-    """Show that ``bound``, given one interval a dimension, is nowhere negative; low and high have a row a dimension.
+    """Prove that ``bound`` is nowhere negative.
 
-    Boxes may reach to infinity. A point where ``bound`` is negative ends the search.
+    A point where ``bound`` is negative ends the search.
+
+    Args:
+        bound: a function of one interval for each dimension.
+        low, high: ends of the first boxes, shape (dimensions, boxes); they may be infinite.
     """
     count = 0
     while low.shape[1]:
@@ -60,7 +71,7 @@ def not_negative(bound: Bound, low: Array, high: Array) -> Cover:
 
 
 def _cuts(low: Array, high: Array) -> tuple[Array, Array]:
-    """The relative width of every side, and where it is to be cut."""
+    """The relative width of every side, and the place to cut it."""
     with np.errstate(all="ignore"):
         size = np.maximum(abs(low), abs(high))
         same = (low > 0) | (high < 0)

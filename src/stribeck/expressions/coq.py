@@ -1,7 +1,7 @@
 """Expressions as terms of the Coq proof assistant, over its real numbers; and inequalities as goals for it.
 
-A term means what the equation means over the real numbers: floats are the dyadic fractions that they are. Constants
-such as pi are what they stand for (:mod:`stribeck.expressions.exact`).
+A term has the equation's meaning over the real numbers: a float is written as the dyadic fraction that it equals, and
+an exact constant such as pi as itself (:mod:`stribeck.expressions.exact`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from stribeck.expressions.exact import Exact
 from stribeck.expressions.graph import Expr, ordered, symbols
 from stribeck.expressions.ops import Value
 
-_PROP, _SUM, _PRODUCT, _APPLIED, _ATOM = range(5)  # how tightly a text binds, loosest first
+_PROP, _SUM, _PRODUCT, _APPLIED, _ATOM = range(5)  # precedence of a text, loosest first
 _FUNCTIONS = {
     "abs": "Rabs", "exp": "exp", "log": "ln", "sqrt": "sqrt", "sin": "sin", "cos": "cos", "atan": "atan",
     "tanh": "tanh", "sign": "sign",
@@ -27,7 +27,7 @@ _NO_INTERVAL = frozenset({"where", "sign", "pow", "tanh", "floor", "lt", "le", "
 
 
 def number(x: Fraction | float) -> str:
-    """A number as a term: a float is the dyadic fraction that it is, an exact constant what it stands for."""
+    """A number as a term: a float as the dyadic fraction that it equals, an exact constant as its definition."""
     if not math.isfinite(x):
         raise InputError(f"{x}: not a real number")
     if isinstance(x, Exact):
@@ -58,11 +58,10 @@ def write(expr: Expr, names: Mapping[str, str] | None = None) -> str:
 
     Args:
         expr: the expression.
-        names: what stands for each symbol: a name, or a function with its arguments. A symbol that is not named stands
-            for itself.
+        names: the term for each symbol: a name, or a function with its arguments. Other symbols are written as they are.
 
     Raises:
-        InputError: a constant is not finite, a symbol's name is none in Coq, or a power is not a whole one.
+        InputError: if a constant is not finite, a symbol's name is invalid in Coq, or a power is not a whole one.
     """
     known = names or {}
     texts: dict[Expr, tuple[str, int]] = {}
@@ -72,9 +71,9 @@ def write(expr: Expr, names: Mapping[str, str] | None = None) -> str:
 
 
 def _text(node: Expr, texts: Mapping[Expr, tuple[str, int]], names: Mapping[str, str]) -> tuple[str, int]:
-    def at(i: int, level: int) -> str:
-        text, binds = texts[node.args[i]]
-        return text if binds >= level else f"({text})"
+    def operand(i: int, level: int) -> str:
+        text, precedence = texts[node.args[i]]
+        return text if precedence >= level else f"({text})"
 
     op = node.op
     if op == "symbol":
@@ -86,34 +85,34 @@ def _text(node: Expr, texts: Mapping[Expr, tuple[str, int]], names: Mapping[str,
         assert isinstance(node.value, float)
         return number(node.value), _ATOM
     if op in ("add", "sub"):
-        return f"{at(0, _SUM)} {'+' if op == 'add' else '-'} {at(1, _PRODUCT)}", _SUM
+        return f"{operand(0, _SUM)} {'+' if op == 'add' else '-'} {operand(1, _PRODUCT)}", _SUM
     if op in ("mul", "div"):
-        return f"{at(0, _PRODUCT)} {'*' if op == 'mul' else '/'} {at(1, _APPLIED)}", _PRODUCT
+        return f"{operand(0, _PRODUCT)} {'*' if op == 'mul' else '/'} {operand(1, _APPLIED)}", _PRODUCT
     if op == "neg":
-        return f"- {at(0, _APPLIED)}", _SUM
+        return f"- {operand(0, _APPLIED)}", _SUM
     if op in _RELATIONS:
-        return f"{at(0, _SUM)} {_RELATIONS[op][0]} {at(1, _SUM)}", _PROP
+        return f"{operand(0, _SUM)} {_RELATIONS[op][0]} {operand(1, _SUM)}", _PROP
     if op in ("both", "either"):
-        return f"({at(0, _PROP)}) {'/' + chr(92) if op == 'both' else chr(92) + '/'} ({at(1, _PROP)})", _PROP
+        return f"({operand(0, _PROP)}) {'/' + chr(92) if op == 'both' else chr(92) + '/'} ({operand(1, _PROP)})", _PROP
     if op == "where":
-        return _choice(node.args[0], at(1, _PROP), at(2, _PROP), texts), _PROP
+        return _if_then_else(node.args[0], operand(1, _PROP), operand(2, _PROP), texts), _PROP
     if op == "pow":
         raise InputError(
             "x^y: Coq's power is another function where x may be 0 or below; write exp(y log(x)) for x > 0"
         )
     if op == "floor":
-        return f"IZR (Int_part {at(0, _ATOM)})", _APPLIED
-    return f"{_FUNCTIONS[op]} {at(0, _ATOM)}", _APPLIED
+        return f"IZR (Int_part {operand(0, _ATOM)})", _APPLIED
+    return f"{_FUNCTIONS[op]} {operand(0, _ATOM)}", _APPLIED
 
 
-def _choice(condition: Expr, yes: str, no: str, texts: Mapping[Expr, tuple[str, int]]) -> str:
+def _if_then_else(condition: Expr, yes: str, no: str, texts: Mapping[Expr, tuple[str, int]]) -> str:
     """A choice between two numbers: Coq decides one comparison at a time."""
     a, b = condition.args
     if condition.op == "both":
-        return _choice(a, _choice(b, yes, no, texts), no, texts)
+        return _if_then_else(a, _if_then_else(b, yes, no, texts), no, texts)
     if condition.op == "either":
-        return _choice(a, yes, f"({_choice(b, yes, no, texts)})", texts)
-    sides = " ".join(text if binds == _ATOM else f"({text})" for text, binds in (texts[a], texts[b]))
+        return _if_then_else(a, yes, f"({_if_then_else(b, yes, no, texts)})", texts)
+    sides = " ".join(text if precedence == _ATOM else f"({text})" for text, precedence in (texts[a], texts[b]))
     return f"if {_RELATIONS[condition.op][1]} {sides} then {yes}\n  else {no}"
 
 
@@ -124,24 +123,24 @@ def coq_goal(
     above: bool = False,
     digits: int = 60,
 ) -> str:
-    """A lemma of Coq: an expression is not negative on a box, which the tactic ``interval`` proves by halving the box.
+    """A lemma of Coq: an expression is not negative on a box, proved by the tactic ``interval``, which halves the box.
 
-    The tactic computes with intervals inside Coq's kernel; the lemma rests on no code of this package but on the
-    text of the expression. Where it fails, the box was too wide for ``digits`` or the inequality does not hold.
+    The tactic computes with intervals inside Coq's kernel, so the lemma relies on the text of the expression alone. If it
+    fails, the box is too wide for ``digits``, or the inequality does not hold.
 
     Args:
-        expression: what is to be shown to be >= 0, in the box's symbols.
-        box: the ends of each symbol's range; both ends equal for a constant, which is written out as the number.
+        expression: the expression that is >= 0, in the box's symbols.
+        box: the ends of each symbol's range; equal ends for a constant, which is written as a number.
         name: the lemma's name.
-        above: show that it is > 0.
+        above: prove > 0 instead.
         digits: the precision in bits.
 
     Returns:
-        The lemma with its proof; :data:`GOAL_HEADER` must stand before the first one.
+        The lemma with its proof; :data:`GOAL_HEADER` must precede the first one.
 
     Raises:
-        InputError: a symbol has no range, a range is not finite or empty, or an operation is one that the tactic does
-            not know (a choice between cases: give each case its own box).
+        InputError: if a symbol has no range, a range is empty or not finite, or the tactic does not support an operation
+            (a choice between cases: give each case its own box).
     """
     free = symbols([expression])
     problems = [f"{n}: has no range" for n in sorted(free - set(box))]

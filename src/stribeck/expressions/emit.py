@@ -1,4 +1,4 @@
-"""Expressions written out as straight-line code: C for the simulator and the exports, Python for evaluation."""
+"""Expressions as straight-line code: C for the simulator and the exports, Python for evaluation."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 
 ATOM, UNARY, MUL, ADD, COMPARE, AND, OR, TERNARY = range(8)
-# Operations in one statement. Counted, not measured as text: names must not change bits. As many as lines of 110 letters
-# held with the names of the built-in laws.
+# Operations in one statement: about a line of 110 letters with the names of the built-in laws. Counted, not measured as
+# text: the length of names must not change bits.
 _MOST_OPERATIONS = 8
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a language writes what differs between them."""
+    """The syntax in which the languages differ."""
 
     declare: str
     functions: Mapping[str, str]
@@ -65,12 +65,12 @@ PYTHON = Dialect(
 
 
 def within_loops(nodes: Sequence[Expr]) -> set[Expr]:
-    """Of nodes in order, those that change while a root is looked for."""
-    found = {BOUND}
+    """Of nodes in order, those that change during the search for a root."""
+    changing = {BOUND}
     for node in nodes:
-        if node.op != "root" and any(arg in found for arg in node.args):
-            found.add(node)
-    return found
+        if node.op != "root" and any(arg in changing for arg in node.args):
+            changing.add(node)
+    return changing
 
 
 def _literal(x: float) -> str:
@@ -80,10 +80,10 @@ def _literal(x: float) -> str:
 
 
 class Writer:
-    """Writes statements that compute some outputs.
+    """Writes statements that compute outputs.
 
-    A node becomes a variable of its own when it is used more than once, has a name in ``names``, or is of many operations;
-    all others are written where they are used.
+    A node becomes a variable if it is used more than once, has a name in ``names``, or consists of many operations. All
+    others are written where they are used.
     """
 
     def __init__(
@@ -197,7 +197,7 @@ class Writer:
 def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[..., tuple[Value, ...]]:
     """A Python function of the named inputs that returns the outputs; works on numbers and arrays.
 
-    The names of the inputs may hold dots; arguments are positional.
+    The names of the inputs may contain dots; arguments are positional.
     """
     arguments = [f"a{i}" for i in range(len(inputs))]
     writer = Writer(PYTHON, dict(zip(inputs, arguments, strict=True)), taken=(*dir(ops), *dir(builtins)))

@@ -1,7 +1,7 @@
-"""Numbers that remember what they stand for: pi, and what is computed from it, exactly.
+"""Exact numbers: floats that carry the expression of the real number they approximate, such as pi or 0.1 + 0.2.
 
-An equation that is run on numbers needs a float; a proof about it needs the number that was meant. ``pi`` is a float that
-knows that it is pi, and so are 2/pi and 0.1 + 0.2, which no float equals. ``math.pi`` is just a float: it means that float.
+The evaluation of an equation needs a float; a proof about it needs the exact number. ``pi``, 2/pi and 0.1 + 0.2, which no
+float equals, are floats with an expression. ``math.pi`` is an ordinary float, and means exactly that float.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ _OPERATIONS: dict[str, Callable[..., float]] = {
 
 
 class Exact(float):
-    """A float with the number that it stands for, as a tree of operations on floats and pi."""
+    """A float with the exact number that it approximates, as a tree of operations on floats and pi."""
 
     tree: Tree
     __slots__ = ("tree",)
 
     def __new__(cls, value: float, tree: Tree) -> Exact:
-        """A float, and what it stands for."""
-        found = super().__new__(cls, value)
-        found.tree = tree
-        return found
+        """A float and its exact number."""
+        number = super().__new__(cls, value)
+        number.tree = tree
+        return number
 
     def __getnewargs__(self) -> tuple[float, Tree]:  # type: ignore[override]
         return float(self), self.tree
@@ -89,12 +89,12 @@ pi = Exact(math.pi, "pi")
 
 
 def tree_of(x: float) -> Tree:
-    """What a number stands for: itself, unless it knows better."""
+    """The exact number that a number represents: itself, unless it is an :class:`Exact`."""
     return x.tree if isinstance(x, Exact) else float(x)
 
 
 def combined(op: str, a: float, b: float) -> float:
-    """A sum, difference, product or quotient of numbers, as a plain float where that is exact."""
+    """A sum, difference, product or quotient of numbers; a plain float if that is exact."""
     x, y = float(a), float(b)
     value = _OPERATIONS[op](x, y)
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(value)):
@@ -105,7 +105,7 @@ def combined(op: str, a: float, b: float) -> float:
 
 
 def function(op: str, x: float, value: float) -> float:
-    """``value`` is the function of x, rounded; the result knows what it is."""
+    """The rounded ``value`` of a function of x, with its exact number."""
     if op in ("abs", "sign") or not (math.isfinite(x) and math.isfinite(value)):
         return abs(x) if op == "abs" else value
     known = (

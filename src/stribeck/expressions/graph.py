@@ -1,7 +1,7 @@
 """Expressions as a graph of shared nodes, with exact derivatives.
 
-The nodes keep the order of operations in which an equation was written, so that generated C and the NumPy evaluation
-of the same function agree to rounding, and equal subexpressions are one node, which makes common terms free.
+The nodes keep the order of operations of an equation, so that generated C and the NumPy evaluation of the same function
+agree to rounding. Equal subexpressions are one node, so that common terms are computed once.
 """
 
 from __future__ import annotations
@@ -114,12 +114,12 @@ def _node(op: str, *args: Expr, value: float | str | None = None) -> Expr:
 
 
 def symbol(name: str) -> Expr:
-    """The input called ``name``."""
+    """The input named ``name``."""
     return _node("symbol", value=name)
 
 
 def constant(x: Number) -> Expr:
-    """A number."""
+    """A number as a node."""
     return _node("constant", value=x if isinstance(x, Exact) else float(x))
 
 
@@ -271,7 +271,7 @@ ops.register("stribeck", _Graph())
 
 
 def _finite(infinite: Expr, slope: Expr) -> Expr:
-    """A slope, taken as 0 where it is infinite: |x|^0.5 then has the slope 0 at 0, as |x| has, and not 0 * inf."""
+    """A slope, or 0 where it is infinite: the slope of |x|^0.5 at 0 is then 0, as that of |x| is, instead of 0 * inf."""
     return _Graph.where(infinite, 0.0, slope)
 
 
@@ -300,31 +300,33 @@ _PARTIALS: dict[str, Callable[..., tuple[Value, ...]]] = {
 
 
 def partials(node: Expr) -> list[Expr]:
-    """The partial derivatives of a node by its arguments; none where it has no derivative."""
+    """The partial derivatives of a node by its arguments; an empty list if it has no derivative."""
     if node.op == "where":
         return [ZERO, _Graph.where(node.args[0], ONE, ZERO), _Graph.where(node.args[0], ZERO, ONE)]
     return [wrap(x) for x in _PARTIALS[node.op](node, *node.args)] if node.op in _PARTIALS else []
 
 
-# The variable that a root is looked for in, and how often its bracket is halved: from a factor of 2^128 between its ends
-# to the spacing of floats, 2^-52.
+# The variable of a root, the number of times that its bracket is halved, and the bracket's reach: from a factor of 2^128
+# between its ends to the spacing of floats, 2^-52.
 BOUND, ROOT_STEPS, ROOT_REACH = symbol("root z"), 60, 2.0**64
 
 
 def root(falls: Expr, start: Expr) -> Expr:
-    """The first z > 0 at which an expression of :data:`BOUND` falls through 0, within a factor 2^64 of ``start``: the
-    bracket is halved in the logarithm, so that the root is exact to rounding whatever its magnitude."""
+    """The first z > 0 at which an expression of :data:`BOUND` falls through 0, within a factor 2^64 of ``start``.
+
+    The bracket is halved on a logarithmic scale, so that the root is exact to rounding at any magnitude.
+    """
     return _node("root", falls, start)
 
 
 def slope_at(node: Expr) -> Expr:
-    """The slope, at a root, of what passes through 0 there."""
+    """The slope, at a root, of the expression that is 0 there."""
     (slope,) = substitute([derivative(node.args[0], BOUND)], {BOUND: node})
     return slope
 
 
 def _root_derivative(node: Expr, falls: Expr) -> Expr:
-    """The derivative of a root, by that of what passes through 0 (implicit function theorem); 0 where that is flat."""
+    """The derivative of a root, by the implicit function theorem; 0 where the expression is flat."""
     if is_zero(falls):
         return ZERO
     (change,) = substitute([falls], {BOUND: node})
@@ -363,7 +365,7 @@ def total_derivative(of: Expr, rates: Mapping[Expr, Expr]) -> Expr:
 
 
 def ordered(outputs: Iterable[Expr]) -> list[Expr]:
-    """Every node that the outputs need, each after its arguments."""
+    """All nodes of the outputs, each after its arguments."""
     order: dict[Expr, None] = {}
     stack = list(outputs)[::-1]
     while stack:
@@ -381,7 +383,7 @@ def ordered(outputs: Iterable[Expr]) -> list[Expr]:
 
 
 def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
-    """The same operation on other arguments, simplified anew."""
+    """The same operation on other arguments, simplified again."""
     if args == node.args:
         return node
     build: dict[str, Callable[..., Expr]] = {
@@ -399,7 +401,7 @@ def _unnamed(old: Expr, new: Expr) -> Expr:
 
 
 def rewrite(outputs: Iterable[Expr], rule: Callable[[Expr], Expr], names: Names | None = None) -> list[Expr]:
-    """The outputs with ``rule`` applied to every node, arguments first; ``names`` are handed on."""
+    """The outputs with ``rule`` applied to every node, arguments first; new nodes keep their ``names``."""
     outputs, hand_on = list(outputs), _unnamed if names is None else names.hand_on
     new: dict[Expr, Expr] = {}
     for node in ordered(outputs):
@@ -408,7 +410,7 @@ def rewrite(outputs: Iterable[Expr], rule: Callable[[Expr], Expr], names: Names 
 
 
 def substitute(outputs: Iterable[Expr], values: Mapping[Expr, Expr], names: Names | None = None) -> list[Expr]:
-    """The outputs with the nodes that are keys of ``values`` replaced; ``names`` are handed on."""
+    """The outputs with the nodes that are keys of ``values`` replaced; new nodes keep their ``names``."""
     outputs, hand_on = list(outputs), _unnamed if names is None else names.hand_on
     new: dict[Expr, Expr] = dict(values)
     for node in ordered(outputs):

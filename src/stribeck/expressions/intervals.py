@@ -1,7 +1,7 @@
 """Interval arithmetic with outward rounding, for one box (floats) and for many at once (arrays).
 
-Ends are floats, exact where results are; functions come from python-flint's arb. An interval may be unbounded; 0 times
-unbounded is 0, as for sets of real numbers. A :class:`Range` is a pair of floats, quick for a single box; an
+Ends are floats, exact if results are; functions come from python-flint's arb. An interval may be unbounded; 0 times an
+unbounded interval is 0, as for sets of real numbers. A :class:`Range` is a pair of floats, fast for a single box. An
 :class:`Interval` holds arrays, and rounds sums, products and quotients by their exact rounding error.
 """
 
@@ -169,10 +169,10 @@ def power(a: Range, b: Range) -> Range:
         return 1.0, 1.0
     if b == (1.0, 1.0):
         return a
-    found = rising("exp", mul(b, rising("log", a)))
+    result = rising("exp", mul(b, rising("log", a)))
     if a[0] == 0:
         return (0.0, rising("exp", mul(b, rising("log", (a[1], a[1]))))[1]) if a[1] > 0 else (0.0, 0.0)
-    return found
+    return result
 
 
 PI: Range = (down(math.pi), up(math.pi))
@@ -186,10 +186,10 @@ def _tree(tree: Value) -> Range:
     op, *args = tree
     values = [_tree(a) for a in args]
     if op == "mul" and len(values) > 2:
-        found = values[0]
+        product = values[0]
         for each in values[1:]:
-            found = mul(found, each)
-        return found
+            product = mul(product, each)
+        return product
     value: Range = _apply(op, values)
     return value
 
@@ -229,7 +229,7 @@ def _apply(op: str, args: list[Value]) -> Value:
 
 
 def number(x: float) -> Range:
-    """A constant of an equation: the number that it stands for."""
+    """The range of a constant: of the exact number that it represents."""
     return _tree(tree_of(x))
 
 
@@ -253,7 +253,7 @@ def _sums(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def _product_error(a: Array, b: Array, p: Array) -> Array:
-    """a b - p exactly, or nan where it cannot be told; for zero and one it is 0."""
+    """a b - p exactly; nan if it cannot be computed without overflow or underflow; 0 for factors 0 and +-1."""
     c, d = _SPLIT * a, _SPLIT * b
     a1, b1 = c - (c - a), d - (d - b)
     a2, b2 = a - a1, b - b1
@@ -276,7 +276,7 @@ def _products(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def _quotients(a: Array, b: Array) -> tuple[Array, Array]:
-    """a/b for b that is not 0; where both are infinite 0, the smallest of what it can be."""
+    """a/b for b other than 0; 0 if both are infinite, the smallest possible value."""
     q = np.where(np.isinf(a) & np.isinf(b), 0.0, a / b)
     p = q * b
     rest = (a - p) - _product_error(q, b, p)  # a - q b, exact where a - p is, which is so for a rounded quotient
@@ -316,13 +316,13 @@ class Interval:
             return Interval(low, high)
         # the divisor reaches 0 from one side: the quotient is unbounded on one side, and bounded by the far end
         for far, touches in ((other.high, other.low == 0), (other.low, other.high == 0)):
-            one = touches & (far != 0)
+            one_sided = touches & (far != 0)
             positive = np.where(far > 0, self.low >= 0, self.high <= 0)
             negative = np.where(far > 0, self.high <= 0, self.low >= 0)
             near = np.where(abs(self.low) < abs(self.high), self.low, self.high)
             down, up = _quotients(near, far)
-            low = np.where(one, np.where(positive, down, -np.inf), low)
-            high = np.where(one, np.where(negative, up, np.inf), high)
+            low = np.where(one_sided, np.where(positive, down, -np.inf), low)
+            high = np.where(one_sided, np.where(negative, up, np.inf), high)
         inside = ((other.low < 0) & (other.high > 0)) | ((other.low == 0) & (other.high == 0))
         return Interval(np.where(inside, -np.inf, low), np.where(inside, np.inf, high))
 
@@ -331,7 +331,7 @@ class Interval:
         return Interval(low, np.maximum(abs(self.low), abs(self.high)))
 
     def within(self, other: Interval) -> Interval:
-        """The intersection with an interval that is known to hold the same values."""
+        """The intersection with an interval that is known to contain the same values."""
         return Interval(np.maximum(self.low, other.low), np.minimum(self.high, other.high))
 
     def hull(self, other: Interval) -> Interval:
@@ -341,7 +341,7 @@ class Interval:
 
 @dataclass(frozen=True)
 class Truth:
-    """A condition on each box: it must hold, or at least may."""
+    """A condition on each box: whether it must hold, and whether it may."""
 
     must: NDArray[np.bool_]
     may: NDArray[np.bool_]
@@ -358,13 +358,13 @@ def interval(low: ArrayLike, high: ArrayLike) -> Interval:
     return Interval(np.asarray(low, float), np.asarray(high, float))
 
 
-def _each(of: Callable[..., Range], *args: Interval) -> Interval:
+def _each(function: Callable[..., Range], *args: Interval) -> Interval:
     """A function of single ranges, box by box; equal boxes once."""
     ends = np.broadcast_arrays(*(end for x in args for end in (x.low, x.high)))
     rows = np.stack([end.ravel() for end in ends], axis=-1)
     unique, back = np.unique(rows, axis=0, return_inverse=True)
-    found = np.array([of(*zip(row[::2], row[1::2], strict=True)) for row in unique.tolist()])
-    table = found[back.ravel()].reshape(*ends[0].shape, 2)
+    results = np.array([function(*zip(row[::2], row[1::2], strict=True)) for row in unique.tolist()])
+    table = results[back.ravel()].reshape(*ends[0].shape, 2)
     return Interval(table[..., 0], table[..., 1])
 
 
@@ -373,13 +373,13 @@ def _rising(name: str) -> Callable[[Interval], Interval]:
 
     def ends(x: Array, side: int) -> Array:
         unique, back = np.unique(x, return_inverse=True)
-        found = np.array([rising(name, (end, end))[side] for end in unique.tolist()])
-        return found[back.ravel()].reshape(x.shape)
+        results = np.array([rising(name, (end, end))[side] for end in unique.tolist()])
+        return results[back.ravel()].reshape(x.shape)
 
-    def of(x: Interval) -> Interval:
+    def apply(x: Interval) -> Interval:
         return Interval(ends(x.low, 0), np.where((x.low < 0) & (name == "log"), np.inf, ends(x.high, 1)))
 
-    return of
+    return apply
 
 
 def _root(x: Interval) -> Interval:
@@ -417,10 +417,10 @@ def polynomials(outputs: Iterable[Expr]) -> dict[Expr, Polynomial]:
             known[node] = Fraction(x)
         else:
             known[node] = _combined(node, args) or (node, (Fraction(0), Fraction(1)))
-    found = {n: p for n, p in known.items() if isinstance(p, tuple) and len(p[1]) > 2}
-    # those within a larger one are not wanted for themselves, and powers are ranged as such
-    inner = {a for n in found for a in n.args if a in found and found[a][0] is found[n][0]}
-    return {n: p for n, p in found.items() if n not in inner and sum(c != 0 for c in p[1]) > 1}
+    candidates = {n: p for n, p in known.items() if isinstance(p, tuple) and len(p[1]) > 2}
+    # polynomials inside a larger one are not needed, and single powers have exact ranges already
+    inner = {a for n in candidates for a in n.args if a in candidates and candidates[a][0] is candidates[n][0]}
+    return {n: p for n, p in candidates.items() if n not in inner and sum(c != 0 for c in p[1]) > 1}
 
 
 def _combined(node: Expr, args: list[Value]) -> Polynomial | None:
@@ -456,7 +456,7 @@ def _fraction(x: Fraction) -> Interval:
 
 
 def bernstein(coefficients: tuple[Fraction, ...], x: Interval) -> Interval:
-    """The range of a polynomial by its Bernstein coefficients on bounded intervals; all reals on others."""
+    """The range of a polynomial on bounded intervals, by its Bernstein coefficients; all reals on unbounded ones."""
     n = len(coefficients) - 1
     start, width = point(x.low), interval(x.high, x.high) - point(x.low)
     width = Interval(np.maximum(width.low, 0.0), width.high)
@@ -467,15 +467,15 @@ def bernstein(coefficients: tuple[Fraction, ...], x: Interval) -> Interval:
             value = value * start + _fraction(coefficients[k] * comb(k, j))
         scaled.append(value * power)
         power = power * width
-    found: Interval | None = None
+    range_: Interval | None = None
     for i in range(n + 1):
         b = point(np.zeros_like(x.low))
         for j in range(i + 1):
             b = b + scaled[j] * point(float(comb(i, j))) / point(float(comb(n, j)))  # whole numbers: often exact
-        found = b if found is None else found.hull(b)
-    assert found is not None
+        range_ = b if range_ is None else range_.hull(b)
+    assert range_ is not None
     bounded = np.isfinite(x.low) & np.isfinite(x.high)
-    return Interval(np.where(bounded, found.low, -np.inf), np.where(bounded, found.high, np.inf))
+    return Interval(np.where(bounded, range_.low, -np.inf), np.where(bounded, range_.high, np.inf))
 
 
 # -- expressions over boxes ---------------------------------------------------------------------------------------------
@@ -483,21 +483,21 @@ def bernstein(coefficients: tuple[Fraction, ...], x: Interval) -> Interval:
 
 @dataclass(frozen=True)
 class _Carrier:
-    """What an expression is evaluated on: single ranges, or arrays of them.
+    """The kind of value on which an expression is evaluated: single ranges, or arrays of them.
 
     Attributes:
-        free: an end that says nothing.
-        number, apply: a constant, an operation.
-        ends, of: an interval from its ends, the ends of an interval.
-        meet: what two intervals that hold the same value have in common.
-        choose: the value of a condition's cases, which are evaluated when called.
+        free: an infinite end.
+        number, apply: the value of a constant, and of an operation.
+        ends, bounds: an interval from its ends, and the ends of an interval.
+        meet: the intersection of two intervals that contain the same value.
+        choose: the value of a condition's cases, which are evaluated when needed.
     """
 
     free: Value
     number: Callable[[float], Value]
     apply: Callable[[str, list[Value]], Value]
     ends: Callable[[Value, Value], Value]
-    of: Callable[[Value], tuple[Value, Value]]
+    bounds: Callable[[Value], tuple[Value, Value]]
     meet: Callable[[Value, Value], Value]
     choose: Callable[[Value, Callable[[], Value], Callable[[], Value]], Value]
 
@@ -529,7 +529,7 @@ _MANY = _Carrier(
 
 
 def _value(on: _Carrier, node: Expr, known: Mapping[Expr, Value], inputs: Mapping[str, Value]) -> Value:
-    """The range of a node whose arguments' are known."""
+    """The range of a node, from the ranges of its arguments."""
     if node.op == "symbol":
         return inputs[str(node.value)]
     if node.op == "constant":
@@ -544,7 +544,7 @@ def _value(on: _Carrier, node: Expr, known: Mapping[Expr, Value], inputs: Mappin
 
 
 def _where(on: _Carrier, node: Expr, known: Mapping[Expr, Value], limits: Mapping[Expr, Value]) -> Value:
-    """The range of a node, with what the conditions around it say of some nodes."""
+    """The range of a node, narrowed by the limits that enclosing conditions set on some nodes."""
     if node in limits:
         return on.meet(known[node], limits[node])
     if node.op != "where":
@@ -553,10 +553,10 @@ def _where(on: _Carrier, node: Expr, known: Mapping[Expr, Value], limits: Mappin
     yes: dict[Expr, Value] = {}
     no: dict[Expr, Value] = {}
     if condition.op in ("lt", "le"):
-        less, more = condition.args
-        (l_low, l_high), (m_low, m_high) = on.of(known[less]), on.of(known[more])
-        yes = {less: on.ends(-on.free, m_high), more: on.ends(l_low, on.free)}
-        no = {less: on.ends(m_low, on.free), more: on.ends(-on.free, l_high)}
+        smaller, larger = condition.args
+        (s_low, s_high), (l_low, l_high) = on.bounds(known[smaller]), on.bounds(known[larger])
+        yes = {smaller: on.ends(-on.free, l_high), larger: on.ends(s_low, on.free)}
+        no = {smaller: on.ends(l_low, on.free), larger: on.ends(-on.free, s_high)}
 
     def side(x: Expr, says: Mapping[Expr, Value]) -> Value:
         joined = {n: on.meet(limits[n], y) if n in limits else y for n, y in says.items()}
@@ -566,14 +566,14 @@ def _where(on: _Carrier, node: Expr, known: Mapping[Expr, Value], limits: Mappin
 
 
 class Box:
-    """One box: the ranges of symbols, and of what is computed from them."""
+    """One box: the ranges of symbols, and of expressions of them."""
 
     def __init__(self, inputs: Mapping[str, Range]) -> None:
         self.inputs = inputs
         self.known: dict[Expr, Value] = {}
 
     def __call__(self, node: Expr) -> Value:
-        """The range of an expression; True, False or None (not settled) for a condition."""
+        """The range of an expression; True, False or None (undecided) for a condition."""
         if node not in self.known:
             for each in ordered([node]):
                 if each not in self.known:
@@ -590,7 +590,7 @@ class Evaluator:
         self.polynomials = polynomials(self.outputs)
 
     def __call__(self, inputs: Mapping[str, Interval]) -> list[Interval]:
-        """The range of each output, given that of each symbol."""
+        """The range of each output, from that of each symbol."""
         known: dict[Expr, Value] = {}
         with np.errstate(all="ignore"):
             for node in self.nodes:

@@ -1,4 +1,4 @@
-"""What intermediate results are called."""
+"""Names of intermediate results in generated code."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from stribeck.expressions.ops import Value
 
 
 class Names(dict[Expr, str]):
-    """What intermediate results are called in the code of one build; a node keeps the first name that it is given."""
+    """Names of intermediate results in the code of one build; a node keeps its first name."""
 
     def give(self, node: Value, name: str) -> None:
-        """Call a result so; symbols and numbers have no names of their own."""
+        """Name a result; symbols and numbers get no name."""
         if isinstance(node, Expr) and node.args:
             self.setdefault(node, name)
 
     def hand_on(self, old: Expr, new: Expr) -> Expr:
-        """Call what stands in the place of a node as it was called; the new node."""
+        """Give a node's name to its replacement, and return that."""
         if old is not new and old in self:
             self.give(new, self[old])
         return new
 
     def term(self, name: str, latex: str, args: tuple[Value, ...], value: Value) -> Value:
-        """Call a term of an equation by its name; see :class:`stribeck.laws.values.Constants`."""
+        """Name a term of an equation and return its value; see :class:`stribeck.laws.values.Constants`."""
         self.give(value, name)
         return value

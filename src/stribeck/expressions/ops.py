@@ -3,7 +3,7 @@
 An equation of Stribeck is a plain Python function over these operations, the arithmetic operators, ``abs`` and
 comparisons. The same function then runs on NumPy arrays (step through it in a debugger), on the nodes of
 :mod:`stribeck.expressions.graph` (Jacobian, C) and on SymPy symbols (LaTeX, proofs). Which one is decided here, by
-the type of the arguments; a further kind of value joins with :func:`register`.
+the type of the arguments; :func:`register` adds a further kind of value.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ _numeric: Any = SimpleNamespace(
 
 
 class _Exact:
-    """Numbers that know what they stand for."""
+    """Exact numbers: results carry their exact number too."""
 
     def __getattr__(self, name: str) -> Callable[..., Value]:
-        of = getattr(_numeric, name)
+        operation = getattr(_numeric, name)
         if name in ("where", "both", "either"):
-            return of  # type: ignore[no-any-return]
-        return lambda x: function(name, x, float(of(float(x))))
+            return operation  # type: ignore[no-any-return]
+        return lambda x: function(name, x, float(operation(float(x))))
 
 
 _by_package: dict[str, Any] = {"sympy": _Sympy()}
@@ -62,7 +62,7 @@ _by_type: dict[type, Any] = {Exact: _Exact()}
 
 
 def register(package: str, backend: Any) -> None:
-    """Let values whose type lives in ``package`` be handled by ``backend``, which has the operations."""
+    """Handle values whose type is defined in ``package`` with the operations of ``backend``."""
     _by_package[package] = backend
     _by_type.clear()
     _by_type[Exact] = _Exact()

@@ -1,4 +1,4 @@
-"""Expressions for people: LaTeX and plain text, in the order in which they were written."""
+"""Expressions for people: LaTeX and plain text, in the order of operations in which they were written."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def name(text: str, latex: bool) -> str:
 
 
 def write(expr: Expr, names: Mapping[str, str], latex: bool) -> str:
-    """The expression as LaTeX or as text; ``names`` maps symbols to what stands for them."""
+    """The expression as LaTeX or as text; ``names`` maps symbols to their text."""
     return _Writer(names, latex).text(expr)[0]
 
 
 def multiple_of_pi(x: float) -> tuple[Fraction, bool] | None:
-    """q and True where x is the float nearest to q pi, q and False where it is that of q/pi; None where neither."""
+    """q and True if x is the float nearest to q pi, q and False if it is nearest to q/pi; otherwise None."""
     for factor, above in ((pi, True), (1 / pi, False)):
         if x and isfinite(x):
             ratio = Fraction(x / factor).limit_denominator(64)
@@ -48,7 +48,7 @@ class _Writer:
         self.names, self.latex = names, latex
 
     def text(self, e: Expr) -> tuple[str, int]:
-        """An expression and how tightly it binds."""
+        """The text of an expression, and its precedence."""
         if e.op == "symbol":
             return self.names[str(e.value)], _ATOM
         if e.op == "constant":
@@ -80,8 +80,8 @@ class _Writer:
         return self._function(e), _FACTOR
 
     def _at(self, e: Expr, level: int) -> str:
-        text, binds = self.text(e)
-        return text if binds >= level else self._parentheses(text)
+        text, precedence = self.text(e)
+        return text if precedence >= level else self._parentheses(text)
 
     def _parentheses(self, text: str) -> str:
         return rf"\left({text}\right)" if self.latex else f"({text})"

@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck import kinds, parameter_sets
 from stribeck.constants import Constant, kind_of, show
-from stribeck.errors import InputError, arg, nearest, said_by
+from stribeck.errors import InputError, arg, error_text, nearest
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import IN_MEMORY, PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
 
@@ -93,7 +93,7 @@ def trouble(law: Law) -> str | None:
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        return f"its equations cannot be evaluated: {said_by(error)}"
+        return f"its equations cannot be evaluated: {error_text(error)}"
     return f"its equations give nan as {wrong[0]} at v = {at[0]:g} m/s, z = {at[1]:g} m and 0" if wrong else None
 
 

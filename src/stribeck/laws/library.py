@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from stribeck import laws, parameter_sets
 from stribeck.constants import kind_of, show
-from stribeck.errors import InputError, nearest, note, said_by
+from stribeck.errors import InputError, error_text, nearest, note
 from stribeck.kinds import of_a_file
 from stribeck.laws.base import Claims, Law
 from stribeck.laws.form import USUAL, Form
@@ -116,7 +116,7 @@ def described(law: type[Law], name: str) -> dict[str, object]:
     except BaseException as error:
         if not own_file:
             raise
-        raise InputError(f"{name!r}: its equations cannot be evaluated: {said_by(error)}") from error
+        raise InputError(f"{name!r}: its equations cannot be evaluated: {error_text(error)}") from error
     if problem:
         raise InputError(f"{name!r}: {problem}")
     return result

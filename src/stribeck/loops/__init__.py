@@ -1,4 +1,7 @@
-"""Will this axis hunt, how well does it track, and what may be done against its friction: docs/explanation/design.md."""
+"""The command `design`: verdict, tracking errors and friction compensation of a machine's control loop.
+
+The methods are explained in docs/explanation/design.md.
+"""
 
 from __future__ import annotations
 
@@ -33,17 +36,17 @@ Tell = Callable[[float, str], None]
 
 @dataclass(frozen=True)
 class Design:
-    """What was found of a machine's loop.
+    """The result of :func:`design` for a machine with a controller.
 
     Attributes:
-        loop: the machine with its signals brought to rest, and its slowest time constant.
-        controller: the name of the controller that is judged.
+        loop: the machine with signals that come to rest, and its slowest time constant.
+        controller: name of the controller that is judged.
         judgement: the verdict: "quiet", "creeping", "hunting", "unstable" or "failed", with amplitude and period.
-        tracked: by move ("file", "sine", "slow_ramp", "step") how it is followed.
-        lines: the verdict along each path that was varied, with its boundaries.
-        compensations: what may be done against friction, with the largest quiet share and the error left.
-        why_not: why compensations were not compared; empty where they were.
-        excess: from which share on a compensation at the measured speed pushes.
+        tracked: signal, position and tracking errors of each move ("file", "sine", "slow_ramp", "step").
+        lines: the verdict along each varied path, with its boundaries.
+        compensations: each remedy against friction, with its largest quiet share and the error that remains.
+        why_not: why compensations were not compared; empty if they were.
+        excess: the share above which compensation at the measured speed exceeds the friction.
         starts: the judgement from each of many starts.
         moves: amplitude (m or rad) and greatest speed of the standard moves.
     """
@@ -71,11 +74,11 @@ class Design:
 
     @property
     def errors(self) -> dict[str, dict[str, float | None]]:
-        """By move: peak, rms, reversal, standstill (m or rad), settling (s)."""
+        """Tracking errors of each move: peak, rms, reversal, standstill (m or rad) and settling time (s)."""
         return {name: each.errors for name, each in self.tracked.items()}
 
     def document(self) -> Document:
-        """What the design says to people, for the terminal and for a page."""
+        """The design as a document, for the terminal and for a page."""
         from stribeck.loops import said
 
         return said.design(self)
@@ -125,7 +128,7 @@ def design(
         controller: name of the controller; the first unless given.
         v_max: largest speed of a servo's proof, m/s; twice the peak of its motion unless given.
         seed: seed of the random friction samples.
-        tell: called with the share of the present part that is done, and its name.
+        tell: called with the completed share of the present part, and the part's name.
 
     Raises:
         InputError: if the machine has no controller, or lacks a path or name; one line for each problem.
@@ -145,32 +148,34 @@ def design(
     file = Path(uncertainty) if uncertainty is not None else None
     samples = friction_samples(friction_intervals(loop.scenario, file), seed)
 
-    part = partial(_part, tell)
-    found = judge(loop, tell=part("the verdict"))[0]
+    part = partial(_share_callback, tell)
+    judgement = judge(loop, tell=part("the verdict"))[0]
     starts = from_starts(loop, name, part("the starts"))
-    measured = errors(loop, name)
+    tracked = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
-    compared, too_much, why_not = _compared(loop, name, samples, compensate, tell)
-    return Design(loop, name, found, measured, lines, compared, why_not, too_much, starts, moves_of(loop, name))
+    compensations, excess_share, why_not = _compensations(loop, name, samples, compensate, tell)
+    return Design(
+        loop, name, judgement, tracked, lines, compensations, why_not, excess_share, starts, moves_of(loop, name)
+    )
 
 
 def _refuse_for_a_servo(**given: object) -> None:
-    """Refuse what is no question about a servo."""
+    """Raise `InputError` for arguments that a servo does not have."""
     if wrong := [name for name, value in given.items() if value]:
         raise InputError(
             [f"{arg(name)}: must be left out: a servo is judged by its Lyapunov function" for name in wrong]
         )
 
 
-def _compared(
+def _compensations(
     loop: Loop,
     name: str,
     samples: dict[str, Array],
-    wanted: bool,
+    compensate: bool,
     tell: Tell | None,
 ) -> tuple[list[compensation.CompensationResult], Excess | None, str]:
-    """What may be done against friction, from which share on it pushes, and why there is nothing of this."""
-    if not wanted:
+    """The compared remedies, the share of over-compensation, and, if there are none, the reason."""
+    if not compensate:
         return [], None, ""
     try:
         return (
@@ -182,8 +187,8 @@ def _compared(
         return [], None, str(error)
 
 
-def _part(tell: Tell | None, text: str) -> Callable[[float], None] | None:
-    """What is told the share done of one part."""
+def _share_callback(tell: Tell | None, text: str) -> Callable[[float], None] | None:
+    """A progress callback for one part."""
     return None if tell is None else lambda share: tell(share, text)
 
 
@@ -196,14 +201,14 @@ def _controller(loop: Loop, name: str | None) -> str:
 
 def _ranges(loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:
     problems: list[str] = []
-    found = []
+    ranges = []
     for text in vary:
         try:
-            found.append(boundary.Turned.parse(text))
-            boundary.known_path(loop, found[-1].path)
+            ranges.append(boundary.Turned.parse(text))
+            boundary.known_path(loop, ranges[-1].path)
         except InputError as error:
             problems += error.problems
     if problems:
         raise InputError(problems)
-    refuse_twice([each.path for each in found], arg("vary"))
-    return found
+    refuse_twice([each.path for each in ranges], arg("vary"))
+    return ranges

@@ -1,4 +1,7 @@
-"""Where the verdict changes as one number of the machine is turned: a scan in lanes that is finest where it has to be."""
+"""Where the verdict changes as one number of the machine is varied.
+
+The number is scanned in lanes (a lane is one simulation of a batch), most finely where the verdict changes.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +17,18 @@ from stribeck.errors import InputError, arg, nearest
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, time_constant
 
-POINTS = 25  # of the first scan
-RESOLUTION = 0.03  # of a value: the scan is made so fine, where MOST_STEPS allow it
+POINTS = 25  # of the first scan: over a decade, steps of 10 %
+RESOLUTION = 0.03  # of a value: the finest step of the scan, if MOST_STEPS allow it
 MOST_STEPS = 40_000_000  # of all lanes of one path: 10 to 30 s of processor time
 _PARTS = 5  # into which a step of the scan is divided where the verdict changes
 _PRECISE = 0.002  # of its value: how closely a boundary is enclosed
-_ROUNDS = 6  # of dividing: enough from a first step that is a tenth of the range, and some for what is found on the way
-_TURNS = 0.7  # of a logarithm, from point to point: where amplitude or settling time change by more, what is between is looked at
-_SURE = 0.05  # on either side of a boundary the verdict holds that far, at _CHECKS points
+_ROUNDS = 6  # of dividing: a first step of a tenth of the range needs 3; the others are for changes found on the way
+_TURNS = (
+    0.7  # of a natural logarithm, a factor of two: a step over which amplitude or settling time change more is divided
+)
+_SURE = 0.05  # of its value: the verdict must hold so far on either side of a boundary, at _CHECKS points
 _CHECKS = 4
-_NARROW = 0.04  # of its value: a change that takes more is no boundary but a mixture
+_NARROW = 0.04  # of its value: a wider change is a mixture, no boundary
 _MOST = 6  # changes of one path: more are a mixture
 _CONSTANTS = 9  # points at which the slowest time constant is found; between them it is interpolated
 _DECADE = 10.0  # high/low from which a range is divided by ratios
@@ -31,7 +36,7 @@ _DECADE = 10.0  # high/low from which a range is divided by ratios
 
 @dataclass(frozen=True)
 class Turned:
-    """A path of the machine and the range in which it is turned."""
+    """A path of the machine and the range in which its value is varied."""
 
     path: str
     low: float
@@ -39,10 +44,10 @@ class Turned:
 
     @classmethod
     def parse(cls, text: str, given: str = "vary") -> Turned:
-        """``PATH=LOW:HIGH``.
+        """Read ``PATH=LOW:HIGH``; ``given`` is the argument that an error names.
 
         Raises:
-            InputError: it is something else.
+            InputError: if the text is not of this form, or LOW is not below HIGH.
         """
         path, _, ends = text.partition("=")
         try:
@@ -57,24 +62,26 @@ class Turned:
 
     @property
     def by_ratios(self) -> bool:
-        """Whether it spans a decade: it is then divided by ratios, else evenly."""
+        """Whether the range spans a decade; it is then divided by ratios, otherwise evenly."""
         return self.low > 0 and self.high / self.low >= _DECADE
 
     def points(self, count: int) -> Array:
-        """Values over the range."""
+        """``count`` values over the range, both ends included."""
         return (np.geomspace if self.by_ratios else np.linspace)(self.low, self.high, count)
 
     def between(self, low: float, high: float, parts: int) -> Array:
-        """Values inside an interval, that divide it."""
-        found = np.geomspace if self.by_ratios else np.linspace
-        return np.asarray(found(low, high, parts + 1)[1:-1])
+        """The ``parts - 1`` values that divide an interval."""
+        spaced = np.geomspace if self.by_ratios else np.linspace
+        return np.asarray(spaced(low, high, parts + 1)[1:-1])
 
 
 @dataclass(frozen=True)
 class Boundary:
-    """A value of ``path`` at which the verdict changes from ``below`` to ``above``; the change lies within
-    ``[low, high]``, and the verdicts hold up to 5 % away on both sides, as simulated at four points each: always ``sure``,
-    for where they do not it is :class:`Mixed`."""
+    """A value of ``path`` at which the verdict changes from ``below`` to ``above``.
+
+    The change lies within ``[low, high]``. The verdicts hold up to 5 % away on both sides, as simulated at four points
+    each; ``sure`` is always true, since any other change is :class:`Mixed`.
+    """
 
     path: str
     value: float
@@ -87,8 +94,10 @@ class Boundary:
 
 @dataclass(frozen=True)
 class Mixed:
-    """A stretch of ``path``, from ``low`` to ``high``, in which the verdict changes more often than boundaries can be told:
-    ``verdicts`` are those met in it, ``below`` and ``above`` those beside it."""
+    """An interval of ``path`` in which the verdict changes too often to report boundaries.
+
+    ``verdicts`` are those simulated inside ``[low, high]``; ``below`` and ``above`` are the verdicts beside it.
+    """
 
     path: str
     low: float
@@ -100,8 +109,16 @@ class Mixed:
 
 @dataclass(frozen=True)
 class PathVerdicts:
-    """The verdict along one path: the values simulated, in order, the judgement at each, the boundaries, and where it is
-    mixed. Stretches narrower than ``resolution``, a share of the value, may be missed."""
+    """The verdict along one path.
+
+    Attributes:
+        turned: the path and its range.
+        values: the simulated values, in order.
+        found: the judgement at each value.
+        boundaries: where the verdict changes once.
+        mixed: intervals in which it changes more often.
+        resolution: the widest step between equal verdicts, as a share of the value; narrower intervals may be missed.
+    """
 
     turned: Turned
     values: Array
@@ -112,10 +129,10 @@ class PathVerdicts:
 
 
 def known_path(loop: Loop, path: str, given: str = "vary") -> None:
-    """Refuse a path that is no number of the machine; ``given`` is the argument that names it.
+    """Check that a path is a number of the machine; ``given`` is the argument that contains the path.
 
     Raises:
-        InputError: with what is like it.
+        InputError: if it is none; the message contains the nearest path.
     """
     from stribeck.simulation.variations import machine_places
 
@@ -128,18 +145,18 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
     """The verdict over a range of one number.
 
     Raises:
-        InputError: the path is no number of the machine.
+        InputError: if the path is no number of the machine.
     """
     known_path(loop, turned.path)
     scan = _Scan(loop, turned)
-    scan.look(turned.points(POINTS))
+    scan.judge_at(turned.points(POINTS))
     scan.divide(tell)
     scan.fill()
     scan.divide(tell)
     scan.beside()
     values = np.array(sorted(scan.seen))
-    found = [scan.seen[x] for x in values.tolist()]
-    return PathVerdicts(turned, values, found, *_named(turned, scan.seen), scan.resolution())
+    judgements = [scan.seen[x] for x in values.tolist()]
+    return PathVerdicts(turned, values, judgements, *_classify(turned, scan.seen), scan.resolution())
 
 
 class _Scan:
@@ -154,54 +171,56 @@ class _Scan:
 
     @property
     def steps_left(self) -> int:
-        """Of the solver."""
+        """Steps of the solver that the scan may still take."""
         return MOST_STEPS - sum(j.steps for j in self.seen.values())
 
-    def look(self, values: Array) -> None:
-        """Judge the loop at these values, but those that are known."""
+    def judge_at(self, values: Array) -> None:
+        """Judge the loop at those of these values that are not yet judged."""
         new = np.array([x for x in np.unique(values) if x not in self.seen])
         if len(new):
             slowest = np.exp(np.interp(new, self.known, np.log(self.constants)))
-            found = judge(self.loop, {self.turned.path: new}, slowest=slowest)
-            self.seen.update(zip(new.tolist(), found, strict=True))
+            judgements = judge(self.loop, {self.turned.path: new}, slowest=slowest)
+            self.seen.update(zip(new.tolist(), judgements, strict=True))
 
     def divide(self, tell: Callable[[float], None] | None) -> None:
-        """Divide the steps in which the verdict changes, or something that tells of a change to come."""
+        """Divide the steps in which the verdict changes, or in which amplitude or settling time change quickly."""
         for i in range(_ROUNDS):
             if tell is not None:
                 tell(0.1 + 0.15 * i)
             changes = _changes(self.seen)
-            wide = (
+            unresolved = (
                 [(a, b) for a, b in changes if b - a > _PRECISE * max(abs(a), abs(b))] if len(changes) <= _MOST else []
             )
-            turns = [(a, b) for a, b in self._steps() if self._share(a, b) > RESOLUTION / 2 and self._turns(a, b)]
-            if not (wide or turns) or self.steps_left < 0:
+            quick = [(a, b) for a, b in self._steps() if self._share(a, b) > RESOLUTION / 2 and self._turns(a, b)]
+            if not (unresolved or quick) or self.steps_left < 0:
                 return
-            new = [self.turned.between(a, b, _PARTS) for a, b in wide]
-            self.look(np.concatenate(new + [self.turned.between(a, b, 2) for a, b in turns if (a, b) not in wide]))
+            new = [self.turned.between(a, b, _PARTS) for a, b in unresolved]
+            self.judge_at(
+                np.concatenate(new + [self.turned.between(a, b, 2) for a, b in quick if (a, b) not in unresolved])
+            )
 
     def fill(self) -> None:
-        """Divide the widest steps, until all are as fine as :data:`RESOLUTION` or as the solver's steps that are left allow."""
-        a_point = max(float(np.mean([j.steps for j in self.seen.values()])), 1.0)
-        room = max(int(0.6 * self.steps_left / a_point), 0)  # the rest is for what this finds
-        fine = RESOLUTION
+        """Divide the widest steps until all are as fine as :data:`RESOLUTION`, or as the remaining solver steps allow."""
+        steps_a_point = max(float(np.mean([j.steps for j in self.seen.values()])), 1.0)
+        points_left = max(int(0.6 * self.steps_left / steps_a_point), 0)  # the rest is for changes found here
+        resolution = RESOLUTION
         while True:
             new = [
-                self.turned.between(a, b, int(np.ceil(self._share(a, b) / fine)))
-                for a, b in self._steps() if self._share(a, b) > fine
+                self.turned.between(a, b, int(np.ceil(self._share(a, b) / resolution)))
+                for a, b in self._steps() if self._share(a, b) > resolution
             ]  # fmt: skip
-            if sum(map(len, new)) <= room or fine > 1:
+            if sum(map(len, new)) <= points_left or resolution > 1:
                 break
-            fine *= 1.25
-        if new and fine <= 1:
-            self.look(np.concatenate(new))
+            resolution *= 1.25
+        if new and resolution <= 1:
+            self.judge_at(np.concatenate(new))
 
     def beside(self) -> None:
-        """Look at both sides of each change, as far as a boundary's verdicts must hold; again for what that finds."""
+        """Judge both sides of each change, as far as a boundary's verdicts must hold; again if that finds changes."""
         for _ in range(_CHECKS):
             groups, known = _groups(_changes(self.seen)), len(self.seen)
             if 0 < len(groups) <= _MOST:
-                self.look(np.concatenate([_around(self.turned, *group) for group in groups]))
+                self.judge_at(np.concatenate([_check_points(self.turned, *group) for group in groups]))
             if len(self.seen) == known:
                 return
 
@@ -214,19 +233,19 @@ class _Scan:
         return list(pairwise(sorted(self.seen)))
 
     def _share(self, a: float, b: float) -> float:
-        """How wide a step is: of its value; of the larger end of a range that is divided evenly."""
+        """The width of a step as a share of its value; of the larger end of the range if that is divided evenly."""
         if self.turned.by_ratios:
             return (b - a) / abs(b)
         return (b - a) / max(abs(self.turned.low), abs(self.turned.high))
 
     def _turns(self, a: float, b: float) -> bool:
-        """Whether the amplitude of what moves, or the time after which it rests, changes quickly within a step."""
-        one, other = self.seen[a], self.seen[b]
-        if one.verdict != other.verdict:
+        """Whether the amplitude, or the settling time of a quiet loop, changes quickly within a step."""
+        first, second = self.seen[a], self.seen[b]
+        if first.verdict != second.verdict:
             return False
-        if one.quiet:
-            return bool(abs(np.log((1 + one.rested) / (1 + other.rested))) > _TURNS)
-        change = np.log((one.amplitude or 1e-300) / (other.amplitude or 1e-300))
+        if first.quiet:
+            return bool(abs(np.log((1 + first.rested) / (1 + second.rested))) > _TURNS)
+        change = np.log((first.amplitude or 1e-300) / (second.amplitude or 1e-300))
         return bool(abs(change) > _TURNS)
 
 
@@ -236,25 +255,25 @@ def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:
 
 
 def _groups(changes: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Changes nearer to one another than a boundary's verdicts must hold are one: its first and last value."""
-    found: list[tuple[float, float]] = []
+    """Merge changes that are nearer to one another than a boundary's verdicts must hold; first and last value of each."""
+    groups: list[tuple[float, float]] = []
     for low, high in changes:
-        if found and low - found[-1][1] < _SURE * max(abs(low), abs(found[-1][1])):
-            found[-1] = (found[-1][0], high)
+        if groups and low - groups[-1][1] < _SURE * max(abs(low), abs(groups[-1][1])):
+            groups[-1] = (groups[-1][0], high)
         else:
-            found.append((low, high))
-    return found
+            groups.append((low, high))
+    return groups
 
 
-def _named(turned: Turned, seen: dict[float, Judgement]) -> tuple[list[Boundary], list[Mixed]]:
-    """The boundaries, beside which the verdicts hold; and the stretches in which it is mixed."""
+def _classify(turned: Turned, seen: dict[float, Judgement]) -> tuple[list[Boundary], list[Mixed]]:
+    """The boundaries, beside which the verdicts hold, and the mixed intervals."""
     boundaries, mixed = [], []
     groups = _groups(_changes(seen))
     if len(groups) > _MOST:
         groups = [(groups[0][0], groups[-1][1])]
     for low, high in groups:
         below, above = seen[low].verdict, seen[high].verdict
-        if below != above and _narrow(low, high) and _sure(seen, turned, low, high):
+        if below != above and _is_narrow(low, high) and _verdicts_hold(seen, turned, low, high):
             boundaries.append(Boundary(turned.path, (low + high) / 2, below, above, low, high))
         else:
             met = dict.fromkeys(seen[x].verdict for x in sorted(seen) if low < x < high)
@@ -262,11 +281,11 @@ def _named(turned: Turned, seen: dict[float, Judgement]) -> tuple[list[Boundary]
     return boundaries, mixed
 
 
-def _narrow(low: float, high: float) -> bool:
+def _is_narrow(low: float, high: float) -> bool:
     return high - low <= _NARROW * max(abs(low), abs(high))
 
 
-def _around(turned: Turned, low: float, high: float) -> Array:
+def _check_points(turned: Turned, low: float, high: float) -> Array:
     """Values up to 5 % away on both sides, inside the range."""
     reach = _SURE * max(abs(low), abs(high))
     steps = np.arange(1, _CHECKS + 1) / _CHECKS * reach
@@ -274,6 +293,6 @@ def _around(turned: Turned, low: float, high: float) -> Array:
     return values[(values >= turned.low) & (values <= turned.high)]
 
 
-def _sure(seen: dict[float, Judgement], turned: Turned, low: float, high: float) -> bool:
-    near = _around(turned, low, high)
+def _verdicts_hold(seen: dict[float, Judgement], turned: Turned, low: float, high: float) -> bool:
+    near = _check_points(turned, low, high)
     return all(x in seen and seen[x].verdict == seen[low if x <= low else high].verdict for x in near.tolist())

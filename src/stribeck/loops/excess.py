@@ -1,4 +1,4 @@
-"""Over-compensation: from which share on a compensation at the measured speed makes up for more friction than there is."""
+"""Over-compensation: the share above which a compensation at the measured speed exceeds the friction."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ _OFF = {Pid: ("K_p", "K_i", "K_d"), Cascade: ("K_p", "K_v")}
 
 @dataclass(frozen=True)
 class Excess:
-    """From which share on friction and compensation together push.
+    """The share above which friction and compensation together accelerate the body.
 
     Attributes:
-        share: the smallest at which the steady net friction is negative at some speed, with the friction of the file.
+        share: the smallest share at which the steady net friction is negative at some speed, with the friction of the file.
         worst_share: the same with the worst sample of the friction.
-        speed: where, with the worst sample, m/s or rad/s.
+        speed: the speed at which this happens with the worst sample, m/s or rad/s.
         sample: the friction parameters of that sample, by path.
-        counterexample: the machine at a share 5 % above, its controller off but for the compensation, let go at that
-            speed: it runs faster by itself; None where it could not be made or does not.
-        starts, ends: its speed at first and at the end of that run.
+        counterexample: the machine released at ``speed`` with a share 5 % above ``worst_share`` and no other control; it
+            accelerates by itself. None if such a machine cannot be made or does not accelerate.
+        starts, ends: the speed at the start and at the end of that run, m/s or rad/s.
     """
 
     share: float
@@ -43,7 +43,7 @@ class Excess:
     ends: float
 
     def row(self) -> dict[str, object]:
-        """What is told of it."""
+        """The result as plain data, for JSON."""
         run = None if self.counterexample is None else {"speed_at_first": self.starts, "speed_at_the_end": self.ends}
         return {
             "share": self.share, "worst_share": self.worst_share, "speed": self.speed, "sample": self.sample,
@@ -54,48 +54,48 @@ class Excess:
 def excess(scenario: Scenario, controller: str, samples: dict[str, Array]) -> Excess:
     """The share above which the law as an observer at the measured speed supplies more than the contact takes.
 
-    At a speed that is held the controller adds share times its own law's steady force, and the contact takes its own. Where
-    the first is larger the body is pushed: friction is negative there, and the two together are not passive. A feedforward
-    at the reference's speed knows nothing of the motion and takes no part in this.
+    At constant speed the controller adds ``share`` times its own law's steady force, and the contact takes its steady
+    friction. If the first is larger, net friction is negative, and the two together are not passive. A feedforward at the
+    reference's speed does not depend on the motion and is not concerned.
 
     Raises:
-        InputError: the measured body has no contact with the ground.
+        InputError: if the measured body has no contact with the ground.
     """
     contact = contact_of(scenario, controller)
-    made = with_compensation(scenario, controller, contact, "measured", 1.0)
-    each = controller_of(made, controller)
+    compensated = with_compensation(scenario, controller, contact, "measured", 1.0)
+    each = controller_of(compensated, controller)
     assert each.compensation is not None
-    law = made.rig.laws[f"contacts.{contact}.law"]
-    own = made.rig.laws[each.friction_path]
+    law = compensated.rig.laws[f"contacts.{contact}.law"]
+    observer = compensated.rig.laws[each.friction_path]
     scale = law.scales(law.p).speed
     v = scale * np.geomspace(*_DECADES, _SPEEDS)
-    added = np.asarray(own.steady_force(v))
+    added = np.asarray(observer.steady_force(v))
     count = len(next(iter(samples.values())))
     rows = [{path: float(x[i]) for path, x in samples.items()} for i in range(count)]
-    shares = np.array([_ratios(made, contact, row, v, added) for row in rows])
+    shares = np.array([_ratios(compensated, contact, row, v, added) for row in rows])
     i, k = (int(n) for n in np.unravel_index(int(np.argmin(shares)), shares.shape))
     worst, speed = float(shares[i, k]), float(v[k])
-    file_share = float(_ratios(made, contact, {}, v, added).min())
-    shown = _counterexample(made, controller, contact, rows[i], worst * (1 + BEYOND), speed)
-    return Excess(file_share, worst, speed, rows[i], *shown)
+    file_share = float(_ratios(compensated, contact, {}, v, added).min())
+    demonstration = _counterexample(compensated, controller, contact, rows[i], worst * (1 + BEYOND), speed)
+    return Excess(file_share, worst, speed, rows[i], *demonstration)
 
 
 def _ratios(scenario: Scenario, contact: str, sample: dict[str, float], v: Array, added: Array) -> Array:
-    """What the contact takes over what is added, at each speed."""
+    """Steady friction of the contact over the added force, at each speed; inf where no force is added."""
     changed = scenario.with_changes(sample) if sample else scenario
     taken = np.asarray(changed.rig.laws[f"contacts.{contact}.law"].steady_force(v))
     return np.asarray(np.where(added > 0, taken / np.where(added > 0, added, 1.0), np.inf))
 
 
 def _counterexample(
-    made: Scenario, controller: str, contact: str, sample: dict[str, float], share: float, speed: float
+    compensated: Scenario, controller: str, contact: str, sample: dict[str, float], share: float, speed: float
 ) -> tuple[Scenario | None, float, float]:
-    """The machine let go at a speed, with nothing but its friction and the compensation; its speed at first and at last."""
-    each = controller_of(made, controller)
-    gains, rig = _OFF.get(type(each)), made.rig
+    """The body released at a speed with only friction and compensation; its first and last speed."""
+    each = controller_of(compensated, controller)
+    gains, rig = _OFF.get(type(each)), compensated.rig
     if gains is None:
         return None, speed, speed
-    data = deepcopy(made.with_changes(sample).data)
+    data = deepcopy(compensated.with_changes(sample).data)
     body = data["bodies"][each.measures]
     if "tied_to" in body or "velocity" in body:
         return None, speed, speed
@@ -114,9 +114,9 @@ def _counterexample(
     inertia = body.get("mass", body.get("inertia", 1.0))
     law = rig.laws[f"contacts.{contact}.law"]
     end = 20 * inertia * speed / max(BEYOND * float(law.steady_force(speed)), 1e-300)
-    data["name"] = f"{made.name}_overcompensated"
+    data["name"] = f"{compensated.name}_overcompensated"
     data["solve"], data["output"] = {"t_end": end}, {"step": end / 400, "energy": True}
-    shown = Scenario(data, folder=made.folder, trust=True)
-    run = simulate_once(shown)
+    counterexample = Scenario(data, folder=compensated.folder, trust=True)
+    run = simulate_once(counterexample)
     last = float(run[f"{each.measures}.v"][-1])
-    return (shown if last > 1.5 * speed else None), speed, last
+    return (counterexample if last > 1.5 * speed else None), speed, last

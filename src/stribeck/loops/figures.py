@@ -1,4 +1,4 @@
-"""The figures of ``stribeck design``: the verdict along one number, and what each compensation leaves."""
+"""The figures of ``stribeck design``: the verdict along one number, tracking, and the error with each remedy."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def line(along: PathVerdicts, i: int) -> Figure:
     """The verdict along one number."""
 
     def draw() -> Drawn:
-        made, axes = plots.figure([["verdict"]], 2.2)
+        figure, axes = plots.figure([["verdict"]], 2.2)
         axis = axes["verdict"]
         level = np.array([VERDICTS.index(j.verdict) for j in along.found])
         axis.plot(along.values, level, ".", color=plots.COLOURS[2])
@@ -37,20 +37,20 @@ def line(along: PathVerdicts, i: int) -> Figure:
         axis.set(xlabel=along.turned.path, title="verdict", ylim=(-0.4, len(shown) - 0.6))
         if along.turned.low > 0 and along.turned.high / along.turned.low >= 10:
             plots.logarithmic(axis, y=False)
-        return made
+        return figure
 
     caption = f"Each point is a simulated loop; dashed: boundaries of {along.turned.path}; shaded: mixed."
     return Figure(f"boundaries_{i}", caption, draw)
 
 
-def tracking(found: Mapping[str, Tracked], unit: str) -> Figure:
-    """How the file's own signal and the standard sine are followed: signal and position, and the error."""
+def tracking(tracked: Mapping[str, Tracked], unit: str) -> Figure:
+    """Signal, position and error of the file's own signal and of the standard sine; ``unit`` is the position's."""
 
     def draw() -> Drawn:
-        names = [name for name in ("file", "sine") if len(found[name].t)]
-        made, axes = plots.figure([names, [f"{name} error" for name in names]], 3.6)
+        names = [name for name in ("file", "sine") if len(tracked[name].t)]
+        figure, axes = plots.figure([names, [f"{name} error" for name in names]], 3.6)
         for name in names:
-            move, error = found[name], found[name].r - found[name].y
+            move, error = tracked[name], tracked[name].r - tracked[name].y
             factor, of_position = prefixed(unit, float(np.abs(move.r).max()))
             for i, (x, label) in enumerate(((move.r, "signal"), (move.y, "position"))):
                 plots.line(axes[name], i, *plots.thin(move.t, x / factor), label)
@@ -61,19 +61,19 @@ def tracking(found: Mapping[str, Tracked], unit: str) -> Figure:
             factor, of_error = prefixed(unit, float(np.abs(error).max()))
             plots.line(axes[f"{name} error"], 1, *plots.thin(move.t, error / factor), "")
             axes[f"{name} error"].set(xlabel="time (s)", ylabel=f"error ({of_error})")
-        return made
+        return figure
 
     return Figure("tracking", "Signal, position and error with the file's own controller.", draw)
 
 
-def motions(found: Sequence[CompensationResult], period: float, unit: str) -> Figure:
-    """The motion with and without each compensation: the error over the last wave of the sine, and after its reversal."""
+def motions(results: Sequence[CompensationResult], period: float, unit: str) -> Figure:
+    """The error with each remedy over the last wave of the sine, and after its reversal; ``period`` of the sine, s."""
 
     def draw() -> Drawn:
-        largest = max(float(np.abs(c.sine.r - c.sine.y)[c.sine.t >= period].max(initial=0.0)) for c in found)
+        largest = max(float(np.abs(c.sine.r - c.sine.y)[c.sine.t >= period].max(initial=0.0)) for c in results)
         factor, shown = prefixed(unit, largest)
-        made, axes = plots.figure([["wave", "wave", "after"]], 3.0)
-        for i, c in enumerate(found):
+        figure, axes = plots.figure([["wave", "wave", "after"]], 3.0)
+        for i, c in enumerate(results):
             t, e = c.sine.t, (c.sine.r - c.sine.y) / factor
             last = t >= t[-1] - period
             plots.line(axes["wave"], i, *plots.thin(t[last], e[last]), c.kind)
@@ -83,28 +83,28 @@ def motions(found: Sequence[CompensationResult], period: float, unit: str) -> Fi
         axes["wave"].set(xlabel="time (s)", ylabel=f"error ({shown})", title="the last wave of the sine")
         axes["wave"].legend(fontsize=8, ncols=2)
         axes["after"].set(xlabel="time after the reversal (s)", title="after a reversal")
-        return made
+        return figure
 
     return Figure("motions", "Tracking error with the file's friction, without and with each compensation.", draw)
 
 
-def shares(found: Sequence[CompensationResult], unit: str) -> Figure:
-    """Error against margin: what each compensation leaves, how far it may be turned up, and which none beats in both."""
+def shares(results: Sequence[CompensationResult], unit: str) -> Figure:
+    """The worst error of each remedy over its largest quiet share, with the Pareto front."""
 
     def draw() -> Drawn:
-        made, axes = plots.figure([["error"]], 2.6)
+        figure, axes = plots.figure([["error"]], 2.6)
         axis = axes["error"]
-        for i, c in enumerate(found):
+        for i, c in enumerate(results):
             quiet = c.largest_quiet_share is not None
             margin = c.largest_quiet_share if c.largest_quiet_share is not None else 0.0
             mark = axis.plot([margin], [c.worst_error], "os^Dv"[i % 5], color=plots.COLOURS[i])[0]
             mark.set(fillstyle="full" if quiet else "none", label=c.kind if quiet else f"{c.kind}, not quiet")
-        front = unbeaten(found)
+        front = unbeaten(results)
         axis.plot(*zip(*front, strict=True), "-", color="0.6", zorder=0) if front else None
         axis.set(xlabel="quiet up to this share of the friction", ylabel=f"worst error ({unit})", ylim=(0, None))
         axis.set_xlim(-0.1, max(1.6, *axis.get_xlim()))
         axis.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.25))
-        return made
+        return figure
 
     return Figure(
         "compensations",
@@ -113,11 +113,11 @@ def shares(found: Sequence[CompensationResult], unit: str) -> Figure:
     )
 
 
-def unbeaten(found: Sequence[CompensationResult]) -> list[tuple[float, float]]:
-    """Margin and worst error of those that are quiet and that no other one beats in both, by margin; a dither aside."""
+def unbeaten(results: Sequence[CompensationResult]) -> list[tuple[float, float]]:
+    """The Pareto front of largest quiet share and worst error, sorted by share; dithers are left out."""
     quiet = [
         (c.largest_quiet_share, c.worst_error)
-        for c in found if c.largest_quiet_share is not None and c.kind != "dither"
+        for c in results if c.largest_quiet_share is not None and c.kind != "dither"
     ]  # fmt: skip
     kept = [p for p in quiet if not any(q[0] >= p[0] and q[1] <= p[1] and q != p for q in quiet)]
     return sorted(set(kept))

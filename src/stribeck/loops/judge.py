@@ -1,4 +1,4 @@
-"""What a loop does in the long run: quiet, creeping, hunting or unstable, by simulations that are long enough to tell."""
+"""The verdict of a loop: quiet, creeping, hunting or unstable, by simulations that are lengthened until it is clear."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.loops.loop import MOST_STEPS, Loop, a_number, resolution_of
+from stribeck.loops.loop import MOST_STEPS, Loop, resolution_of, some_parameter
 from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.loops.shaken import swings
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
@@ -44,16 +44,17 @@ Tell = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Judgement:
-    """What a loop does once its signals rest.
+    """The behavior of a loop after its signals have come to rest.
 
     Attributes:
         verdict: "quiet", "creeping", "hunting", "unstable"; "failed" where the simulation ended early.
-        body: the body that moves most beyond what counts as rest.
-        amplitude: half of peak to peak of its motion in the time judged, m or rad.
-        period: of its oscillation, s; nan where there is none.
-        note: why, in a few words.
-        steps: of the solver, in all runs.
-        rested: time constants from the rest of the signals until the last motion beyond rest; inf where it moves on.
+        body: the body whose motion exceeds its rest band most.
+        amplitude: half of peak to peak of its motion in the judged time, m or rad.
+        period: period of its oscillation, s; nan if it does not oscillate.
+        note: the reason, in a few words.
+        steps: steps of the solver, in all runs.
+        rested: slowest time constants from the rest of the signals until the last motion beyond the rest band; inf if it
+            does not rest.
     """
 
     verdict: str
@@ -66,7 +67,7 @@ class Judgement:
 
     @property
     def quiet(self) -> bool:
-        """Whether every body rests."""
+        """Whether every body comes to rest."""
         return self.verdict == "quiet"
 
 
@@ -77,36 +78,37 @@ def judge(
     slowest: Array | None = None,
     most_steps: int = MOST_STEPS,
 ) -> list[Judgement]:
-    """The judgement of each lane of ``values``, as for :func:`stribeck.simulate_ensemble`; of the file without them.
+    """The judgement of each lane of ``values`` (as for :func:`stribeck.simulate_ensemble`); of the file if there are none.
 
     A lane is simulated until its signals rest and then for :data:`SHORTEST` of the slowest time constants; the second half
-    of these is judged. Unless that shows what it will go on doing (rest with constant friction, a cycle that keeps its
-    size), it is simulated twice as long, and so on; while an integral winds up, until it may have broken away.
+    of these is judged. Unless it shows a steady state (rest with constant friction, a cycle of constant size), the lane is
+    simulated twice as long, and so on. While an integral winds up, it is simulated until friction may have broken away.
 
     Args:
+        tell: called with the completed share.
         slowest: the slowest time constant of each lane, s; the loop's unless given.
-        most_steps: of the solver for one lane; one that would need more is judged by the end of what it may take.
+        most_steps: steps of the solver for one lane; a lane that needs more is judged by the end of a shorter run.
     """
     given = {path: np.atleast_1d(np.asarray(x, float)) for path, x in (values or {}).items()}
     count = max((len(x) for x in given.values()), default=1)
     tau = np.full(count, loop.slowest) if slowest is None else np.asarray(slowest, float)
-    look = _Look(loop, given, tau, swings(loop, given, count), most_steps)
+    judging = _Judging(loop, given, tau, swings(loop, given, count), most_steps)
     left = np.arange(count)
     while len(left):
-        left = look.further(left)
+        left = judging.further(left)
         if tell is not None:
-            tell(look.share_done())
-    return [each for each in look.found if each is not None]
+            tell(judging.share_done())
+    return [each for each in judging.judgements if each is not None]
 
 
-class _Look:
-    """Lanes that are simulated until each has shown what it does."""
+class _Judging:
+    """Lanes that are simulated until each is judged."""
 
     def __init__(
         self, loop: Loop, values: dict[str, Array], tau: Array, swing: list[dict[str, float]], most_steps: int
     ) -> None:
         self.loop, self.values, self.tau, self.swing, self.most_steps = loop, values, tau, swing, most_steps
-        self.found: list[Judgement | None] = [None] * len(tau)
+        self.judgements: list[Judgement | None] = [None] * len(tau)
         self.length = np.maximum(
             SHORTEST * tau, loop.rest / 4
         )  # no shorter, lest the rows of what comes before are many
@@ -114,7 +116,7 @@ class _Look:
         self.steps = np.zeros(len(tau), np.int64)
 
     def share_done(self) -> float:
-        """Of the lanes; those that are open count by how far they have come."""
+        """The completed share; an open lane counts by the number of its doublings."""
         doublings = np.log2(np.maximum(self.length / (SHORTEST * self.tau), 1.0)) / np.log2(LONGEST / SHORTEST)
         return float(np.where(self.open, np.minimum(doublings, 0.95), 1.0).mean())
 
@@ -123,7 +125,7 @@ class _Look:
         octave = np.ceil(2 * np.log2(self.length[left])).astype(int)  # lanes of about one length go together
         for each in np.unique(octave):
             some, length = left[octave == each], float(2.0 ** (each / 2))  # the same, whichever other lanes there are
-            lanes = _simulated(
+            lanes = _simulate_lanes(
                 self.loop, {p: x if len(x) == 1 else x[some] for p, x in self.values.items()}, length, len(some)
             )
             for lane, place in enumerate(some):
@@ -135,28 +137,28 @@ class _Look:
         gave_up = lanes.reason[lane] is not None and steps >= MOST_STEPS
         longer = min(length * self.most_steps / max(steps, 1), LONGEST * tau)  # as far as it may go
         last = gave_up or longer < 1.5 * length
-        shown = _Shown(self.loop, lanes, lane, tau, self.swing[place], last)
+        record = _LaneRecord(self.loop, lanes, lane, tau, self.swing[place], last)
         self.steps[place] += steps
-        found, wanted = shown.judged()
-        self.found[place] = replace(found, steps=int(self.steps[place]))
-        if shown.waits and wanted > longer:  # it would break away later than can be simulated
+        judgement, wanted = record.judge()
+        self.judgements[place] = replace(judgement, steps=int(self.steps[place]))
+        if record.waits and wanted > longer:  # it would break away later than can be simulated
             wanted = 2 * length if 2 * steps < _WAITS else 0.0
         self.open[place] = wanted > length and not last
         self.length[place] = min(max(wanted, 2 * length), longer)
 
 
-def _simulated(loop: Loop, values: Mapping[str, ArrayLike], length: float, count: int) -> Ensemble:
+def _simulate_lanes(loop: Loop, values: Mapping[str, ArrayLike], length: float, count: int) -> Ensemble:
     """The lanes until ``length`` after the signals rest, with :data:`_ROWS` rows in the second half of that."""
     step = length / 2 / _ROWS
     end = float(np.ceil((loop.rest + length) / step) * step)
     if not values:  # one lane: any number that is there stands for it
-        path, x = next(iter(a_number(loop.lean).items()))
+        path, x = next(iter(some_parameter(loop.lean).items()))
         values = {path: np.full(count, x)}
     return simulate_ensemble(loop.lean, values, t_end=end, step=step)
 
 
-class _Shown:
-    """What one lane shows in the last rows of its run; ``last``: nothing longer will be asked."""
+class _LaneRecord:
+    """One lane's run and what its last rows show; ``last``: it will not be simulated longer."""
 
     def __init__(
         self, loop: Loop, lanes: Ensemble, lane: int, tau: float, swing: dict[str, float], last: bool = False
@@ -176,39 +178,39 @@ class _Shown:
         """A column of the lane."""
         return np.asarray(self.lanes[name][self.lane])
 
-    def judged(self) -> tuple[Judgement, float]:
-        """The judgement, and how long after the signals' rest to simulate to be surer, s; 0: it is decided."""
+    def judge(self) -> tuple[Judgement, float]:
+        """The judgement, and the length to simulate next after the signals' rest, s; 0 if it is decided."""
         length = float(self.t[self.rows][-1]) - self.loop.rest if self.reached.stop else 0.0
-        if self._has_gone_far() or (self.lanes.not_finite[self.lane] and self._grew()):
+        if self._diverged() or (self.lanes.not_finite[self.lane] and self._grew()):
             return Judgement("unstable", self.main, np.nan, np.nan, "it grows without end"), 0.0
         if (reason := self.lanes.reason[self.lane]) is not None and not self.last:
             return Judgement("unstable" if self._grew() else "failed", self.main, np.nan, np.nan, reason), 0.0
-        rest = self._rest()
+        rest = self._rest_bands()
         excess = {name: self._spread(name) / rest[name] if rest[name] else 0.0 for name in self.moving}
         body = self.main if excess.get(self.main, 0.0) > 1 else max(excess, key=excess.__getitem__)
         breaks = self._breaks_away()
         if max(excess.values()) <= 1:
-            return self._at_rest(rest, breaks, length)
+            return self._judge_rest(rest, breaks, length)
         y = self.column(f"{body}.y")[self.rows]
         if abs(y[-1] - y[0]) > _ONE_WAY * np.abs(np.diff(y)).sum():
             amplitude = float(np.ptp(y)) / 2
             first, second = abs(y[len(y) // 2] - y[0]), abs(y[-1] - y[len(y) // 2])
             steady = second > _STEADY * first and breaks is None and length > 4 * SHORTEST * self.tau
-            return Judgement("creeping", body, amplitude, np.nan), 0.0 if steady else self._longer(breaks, length)
-        return self._oscillates(body, y, rest[body], length)
+            return Judgement("creeping", body, amplitude, np.nan), 0.0 if steady else self._next_length(breaks, length)
+        return self._judge_oscillation(body, y, rest[body], length)
 
-    def _at_rest(self, rest: dict[str, float], breaks: float | None, length: float) -> tuple[Judgement, float]:
+    def _judge_rest(self, rest: dict[str, float], breaks: float | None, length: float) -> tuple[Judgement, float]:
         """Quiet; longer where what moves within rest grows, or friction that is charged may break away."""
         main = f"{self.main}.y"
         note = WINDS if breaks is not None else SHAKEN if self.swing else ""
-        found = Judgement("quiet", self.main, self._spread(self.main) / 2, np.nan, note, self._rested(rest))
+        judgement = Judgement("quiet", self.main, self._spread(self.main) / 2, np.nan, note, self._rest_time(rest))
         y = self.column(main)[self.rows]
         before, after = (float(np.ptp(part)) for part in np.array_split(y, 2))
         grows = after > 2 * before and after > 0.1 * rest[self.main]
         self.waits = breaks is not None and not grows
-        return found, self._longer(breaks, length) if breaks is not None or grows else 0.0
+        return judgement, self._next_length(breaks, length) if breaks is not None or grows else 0.0
 
-    def _oscillates(self, body: str, y: Array, rest: float, length: float) -> tuple[Judgement, float]:
+    def _judge_oscillation(self, body: str, y: Array, rest: float, length: float) -> tuple[Judgement, float]:
         """Hunting or unstable; longer until it keeps its size."""
         amplitude, period = (float(x) for x in amplitude_and_period(self.t[self.rows], y))
         quarters = [float(np.ptp(part)) for part in np.array_split(y, 4)]
@@ -218,28 +220,27 @@ class _Shown:
         keeps = cycles >= _ENOUGH_CYCLES and length > 2 * SHORTEST * self.tau and min(quarters) > rest  # else it drifts
         keeps &= spread <= _ALIKE * max(quarters) + _COUNTS * rest and change <= _KEEPS * quarters[0] + _COUNTS * rest
         wanted = 0.0 if keeps else 2 * length
-        if self._limited():
+        if self._saturates():
             return Judgement("unstable", body, amplitude, period, "the oscillation is held by a limit"), wanted
         thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)]
         if self.last and thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]:
             return Judgement("unstable", body, amplitude, period, "the oscillation grows"), wanted
         return Judgement("hunting", body, amplitude, period), wanted
 
-    def _longer(self, breaks: float | None, length: float) -> float:
+    def _next_length(self, breaks: float | None, length: float) -> float:
         """Twice as long, or until a cycle after friction may have broken away."""
         return max(2 * length, 0.0 if breaks is None else 1.5 * (breaks + length))
 
     def _spread(self, name: str) -> float:
         return float(np.ptp(self.column(f"{name}.y")[self.rows]))
 
-    def _rest(self) -> dict[str, float]:
-        """How far each body may move and still be at rest: its encoder's step, what that step makes of the others, or a
-        millionth of its travel; and what a dither alone moves it."""
+    def _rest_bands(self) -> dict[str, float]:
+        """Peak to peak motion at rest of each body: as :func:`rest_bands`, and the swing that a dither causes."""
         travel = {name: float(np.ptp(self.column(f"{name}.y")[self.reached])) for name in self.moving}
-        rest = at_rest(self.loop, travel)
+        rest = rest_bands(self.loop, travel)
         return {name: x + self.swing.get(name, 0.0) for name, x in rest.items()}
 
-    def _rested(self, rest: dict[str, float]) -> float:
+    def _rest_time(self, rest: dict[str, float]) -> float:
         """Slowest time constants from the rest of the signals until no body leaves the place where it rests."""
         last = 0.0
         for name in self.moving:
@@ -249,9 +250,9 @@ class _Shown:
         return max(last - self.loop.rest, 0.0) / self.tau
 
     def _breaks_away(self) -> float | None:
-        """In how many seconds a contact that is being charged may break away, by its force's mean course; None where the
-        force of none changes, or settles below F_s."""
-        rig, found = self.loop.scenario.rig, list[float]()
+        """Time until a contact under growing force may break away, s, extrapolated from its mean force; None if no
+        contact's force changes, or if it settles below F_s."""
+        rig, times = self.loop.scenario.rig, list[float]()
         for contact in rig.machine.contacts:
             law = rig.laws[contact.law_path]
             most = float(law.scales(law.p).force)
@@ -267,13 +268,13 @@ class _Shown:
                 settled = means[3] + second * np.sqrt(falls) / (1 - np.sqrt(falls))
                 if abs(settled) < _NEAR * most:
                     continue
-            room = (most - abs(means[3])) if second * means[3] > 0 else most + abs(means[3])
+            force_left = (most - abs(means[3])) if second * means[3] > 0 else most + abs(means[3])
             quarter = float(self.t[self.rows][-1] - self.t[self.rows][0]) / 4
-            found.append(max(room, 0.1 * most) / max(abs(second), 1e-300) * quarter)
-        return min(found, default=None)
+            times.append(max(force_left, 0.1 * most) / max(abs(second), 1e-300) * quarter)
+        return min(times, default=None)
 
-    def _has_gone_far(self) -> bool:
-        """Whether the measured body went many times as far as its signal and its start ask."""
+    def _diverged(self) -> bool:
+        """Whether the error exceeds :data:`_FAR` times the move of signal and start."""
         each = self.loop.scenario.rig.machine.controllers[0]
         y, r = (self.column(name)[self.reached] for name in (f"{each.measures}.y", f"{each.name}.r"))
         if not len(y):
@@ -282,27 +283,30 @@ class _Shown:
         return bool(size > 0 and np.abs(y - r).max() > _FAR * size)
 
     def _grew(self) -> bool:
-        """Whether a motion that could not be followed to its end had grown all the time."""
+        """Whether a motion whose simulation ended early was growing."""
         y = self.column(f"{self.main}.y")[self.reached]
         thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)] if len(y) > _FEW else [0.0, 1.0]
         return thirds[-1] > _GREW * thirds[0]
 
-    def _limited(self) -> bool:
-        """Whether an output stands at its limit for part of the time, on both sides."""
+    def _saturates(self) -> bool:
+        """Whether an output saturates on both sides for part of the time."""
         rig = self.loop.scenario.rig
-        found = [
+        outputs = [
             (self.column(f"{each.name}.u"), rig.values[each.path, "limit"])
             for each in rig.machine.controllers if each.limit is not None
         ]  # fmt: skip
-        found += [
+        outputs += [
             (self.column(f"{motor.name}.V"), rig.values[motor.path, "voltage"])
             for motor in rig.machine.motors if motor.voltage is not None
         ]  # fmt: skip
-        return any(_both_sides(x[self.rows], limit) for x, limit in found)
+        return any(_saturates_both_ways(x[self.rows], limit) for x, limit in outputs)
 
 
-def at_rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
-    """How far each body may move and still be at rest, by how far it travelled."""
+def rest_bands(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
+    """Peak to peak motion within which each body counts as at rest, by its ``travel``, m or rad.
+
+    It is a millionth of the travel, or the encoder's step, carried over to the other bodies by the ratio of their travels.
+    """
     rig = loop.scenario.rig
     rest = {name: TRAVEL * max(x, loop.travel.get(name, 0.0)) for name, x in travel.items()}
     for each in rig.machine.controllers:
@@ -314,6 +318,6 @@ def at_rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
     return rest
 
 
-def _both_sides(x: Array, limit: float) -> bool:
+def _saturates_both_ways(x: Array, limit: float) -> bool:
     high, low = np.mean(x > _AT_LIMIT * limit), np.mean(x < -_AT_LIMIT * limit)
     return bool(min(high, low) > _OFTEN)

@@ -216,7 +216,7 @@ def resolution_of(scenario: Scenario, controller: Controller) -> float:
     return scenario.rig.values.get((f"{controller.path}.sampling", "resolution"), 0.0)
 
 
-def a_number(scenario: Scenario) -> dict[str, float]:
+def some_parameter(scenario: Scenario) -> dict[str, float]:
     """A number of the machine by its path, as it is: a lane needs one to be given."""
     from stribeck.simulation.variations import machine_places
 

@@ -21,18 +21,23 @@ from stribeck.machine.pneumatic.cascade import energy
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
 
-_RISE = 1e-9  # of V(0): what is less is the solver's
-_TOLERANCE = 1e-6  # of the largest |dV/dt|
+_RISE = 1e-9  # of V(0): smaller rises are the solver's errors
+_TOLERANCE = 1e-6  # of the largest |dV/dt|: rounding of dV/dt and of its bound
 
 Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Along:
-    """V along a run. ``bound`` is eq. 19 evaluated for the errors met (None where it has no meaning).
+    """V along a run.
 
     Attributes:
-        noise: J: the V of states that are off by the solver's relative tolerance. A run that begins on its path has no other.
+        t: times of the rows, s.
+        V: the Lyapunov function, J.
+        dV_dt: its derivative by the states' rates, W; None if the proof does not apply to the controller.
+        bound: eq. 19 evaluated for the simulated errors, W; None as before.
+        saturated: rows in which the valve saturates.
+        noise: V of state errors as large as the solver's relative tolerance, J.
     """
 
     t: Array
@@ -56,26 +61,26 @@ class Along:
 
     @property
     def largest_rise(self) -> float:
-        """By how much V rises at most from row to row, J."""
+        """The largest rise of V from row to row, J."""
         return float(max(np.max(np.diff(self.V), initial=0.0), 0.0))
 
     @property
     def rise_times(self) -> list[Span]:
-        """When V rises, first and last times."""
+        """Intervals in which V rises, as (first, last) times."""
         return spans(self.t, self.rises)
 
     @property
     def excess_times(self) -> list[Span]:
-        """When dV/dt is above its bound."""
+        """Intervals in which dV/dt is above its bound."""
         return spans(self.t, self.excess)
 
     @property
     def saturated_times(self) -> list[Span]:
-        """When the valve saturates."""
+        """Intervals in which the valve saturates."""
         return spans(self.t, self.saturated)
 
     def summary(self) -> dict[str, object]:
-        """For programs."""
+        """The result as plain data, for JSON."""
         return {
             "V_0": float(self.V[0]), "V_end": float(self.V[-1]), "rises": int(self.rises.sum()),
             "largest_rise": self.largest_rise, "rise_times": self.rise_times, "excess_times": self.excess_times,
@@ -105,7 +110,7 @@ def along(solution: Solution) -> Along:
     """V, dV/dt from the states, and the proof's bound, on the rows of a servo's solution.
 
     Raises:
-        StribeckError: the solution is no servo's, or has no rows.
+        StribeckError: if the solution is no servo's, or has no rows.
     """
     scenario = solution.scenario
     system = scenario.system
@@ -137,7 +142,7 @@ def _noise(solution: Solution) -> float:
 
 
 def _bound(solution: Solution, observer: Law, gains: Mapping[str, float]) -> Array:
-    """Eq. 19 with the errors and speeds of the rows."""
+    """Eq. 19 with the errors and speeds of the rows, W."""
     with needed("the proof of a servo's gains"):
         import sympy
 
@@ -152,6 +157,6 @@ def _bound(solution: Solution, observer: Law, gains: Mapping[str, float]) -> Arr
 
 
 def spans(t: Array, marked: NDArray[np.bool_]) -> list[Span]:
-    """The stretches of rows that are marked, as (first, last) times."""
+    """Intervals of consecutive marked rows, as (first, last) times."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], marked.astype(int), [0]])))
     return [(float(t[a]), float(t[b - 1])) for a, b in edges.reshape(-1, 2)]

@@ -1,4 +1,4 @@
-"""How well a loop tracks: errors at the file's signal and at standard moves of its size."""
+"""Tracking errors of a loop: with the file's signal and with standard moves of its size."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.loops.loop import Loop, a_number, controller_of, replaced, resolution_of, rests_at
+from stribeck.loops.loop import Loop, controller_of, replaced, resolution_of, rests_at, some_parameter
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 
 _WAVES = 4  # of the sine; the first lets transients die out
-_ROWS = 4000
-_AFTER = 0.125  # of a period, after a reversal: where friction's error shows
-SETTLES = 50  # slowest time constants after the signals rest: until when the file's own error is shown
-_SETTLED = 0.01  # of the move, where no encoder says less
+_ROWS = 4000  # of a move: a thousand in each wave of the sine
+_AFTER = 0.125  # of a period: the time after a reversal in which friction's error occurs
+SETTLES = 50  # slowest time constants after the signals rest, until when the file's own error is simulated
+_SETTLED = 0.01  # of the move: settling tolerance, unless two steps of the encoder are more
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,16 @@ class Moves:
 
     @property
     def period(self) -> float:
-        """Of a sine with both, s."""
+        """Period of the sine with this amplitude and greatest speed, s."""
         return 2 * np.pi * self.amplitude / self.speed
 
 
 def moves_of(loop: Loop, controller: str) -> Moves:
-    """The moves of the file's signal's size: half of its range (of the way there
-    where it does not move), and its speed, or what the loop does in ten of its
-    slowest time constants where the signal jumps or stands."""
+    """The size of the standard moves, from the file's signal.
+
+    The amplitude is half of the signal's range, or of the way to it if the signal is constant. The speed is the signal's
+    greatest; if the signal jumps or is constant, it is the amplitude over ten slowest time constants.
+    """
     rig = loop.scenario.rig
     each = controller_of(loop.scenario, controller)
     signal = given_signal(loop, each)
@@ -59,14 +61,17 @@ def moves_of(loop: Loop, controller: str) -> Moves:
 
 
 def given_signal(loop: Loop, each: Controller) -> Signal:
-    """A controller's signal as it was given, not as it is held: the spline that comes to rest also begins at rest."""
+    """A controller's signal as in the file, not as it is held: the spline that comes to rest also begins at rest."""
     rig = (loop.given or loop.scenario).rig
     return next(signal for use, signal in rig.signals.items() if use.path == each.use.path)
 
 
 def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:
-    """The standard moves: signal and duration. The sine's reversals are those of a circle's quadrants, for each of its
-    two axes; the ramp goes through a reversal at a tenth of the speed; the step is half a move."""
+    """Signal and duration (s) of each standard move.
+
+    The reversals of the sine are those of a circle's quadrants on each axis. The ramp passes a reversal at a tenth of the
+    speed. The step is as large as the amplitude.
+    """
     T, A = moves.period, moves.amplitude
     slow = 2 * A / (0.1 * moves.speed)
     return {
@@ -77,18 +82,19 @@ def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:
 
 
 def reversal_errors(loop: Loop, controller: str, values: Mapping[str, ArrayLike] | None = None) -> Array:
-    """The largest error within an eighth of a period after the reversals of the standard sine, for each lane."""
+    """The largest error within an eighth of a period after the reversals of the standard sine, for each lane (m or rad);
+    nan if the lane's simulation failed."""
     moves = moves_of(loop, controller)
     signal, end = signals_of(moves)["sine"]
-    lanes = _lanes(loop, replaced(loop.lean, controller, signal), end, values)
+    lanes = _simulate_lanes(loop, replaced(loop.lean, controller, signal), end, values)
     near = _after_reversals(lanes.t, moves.period)
-    found = np.abs(_error(lanes.scenario, controller, lanes)[:, near]).max(axis=1)
-    return np.where([reason is None for reason in lanes.reason], found, np.nan)
+    errors = np.abs(_error(lanes.scenario, controller, lanes)[:, near]).max(axis=1)
+    return np.where([reason is None for reason in lanes.reason], errors, np.nan)
 
 
 @dataclass(frozen=True)
 class Tracked:
-    """How a move is followed: signal and position of the measured body at times, and its errors."""
+    """Signal ``r`` and position ``y`` of the measured body (m or rad) at times ``t`` (s), and the errors."""
 
     t: Array
     r: Array
@@ -97,22 +103,26 @@ class Tracked:
 
 
 def on_a_sine(loop: Loop, controller: str, values: Mapping[str, ArrayLike] | None = None) -> Tracked:
-    """How the standard sine is followed, with the error after its reversals."""
+    """Tracking of the standard sine, with the error after its reversals."""
     moves = moves_of(loop, controller)
     signal, end = signals_of(moves)["sine"]
-    return _tracked(_lanes(loop, replaced(loop.lean, controller, signal), end, values), controller, moves.period)
+    return _track_first_lane(
+        _simulate_lanes(loop, replaced(loop.lean, controller, signal), end, values), controller, moves.period
+    )
 
 
 def errors(loop: Loop, controller: str) -> dict[str, Tracked]:
-    """Peak, root mean square, error after reversals and at rest, and settling time: of the file's signal ("file") and
-    of the standard moves."""
-    found = {"file": _of_file(loop, controller)}
+    """Tracking of the file's signal ("file") and of the standard moves: peak, root mean square, error after reversals and
+    at rest (m or rad), and settling time (s)."""
+    tracked = {"file": _track_file_signal(loop, controller)}
     moves = moves_of(loop, controller)
-    found["sine"] = on_a_sine(loop, controller)
+    tracked["sine"] = on_a_sine(loop, controller)
     for name, (signal, end) in signals_of(moves).items():
         if name == "sine":
             continue
-        found[name] = move = _tracked(_lanes(loop, replaced(loop.lean, controller, signal), end), controller)
+        tracked[name] = move = _track_first_lane(
+            _simulate_lanes(loop, replaced(loop.lean, controller, signal), end), controller
+        )
         t, e = move.t, move.r - move.y
         if name == "slow_ramp":
             turn = end / 3
@@ -120,13 +130,13 @@ def errors(loop: Loop, controller: str) -> dict[str, Tracked]:
         else:
             move.errors["settling"] = _settling(t, e, _tolerance(loop, controller, moves.amplitude))
             move.errors["standstill"] = float(np.abs(e[-len(e) // 20 :]).max(initial=0.0))
-    return found
+    return tracked
 
 
-def _tracked(lanes: Ensemble, controller: str, period: float | None = None) -> Tracked:
-    """The first lane's course and the sizes of its error; after the reversals of a sine too."""
-    t, r, y = _courses(lanes, controller)
-    row: dict[str, float | None] = _sizes(r - y)
+def _track_first_lane(lanes: Ensemble, controller: str, period: float | None = None) -> Tracked:
+    """Tracking of the first lane; with the error after reversals if ``period`` is that of a sine."""
+    t, r, y = _reached_rows(lanes, controller)
+    row: dict[str, float | None] = _error_norms(r - y)
     if period is not None:
         row["reversal"] = float(np.abs((r - y)[_after_reversals(t, period)]).max(initial=0.0))
     if lanes.reason[0] is not None:
@@ -134,16 +144,16 @@ def _tracked(lanes: Ensemble, controller: str, period: float | None = None) -> T
     return Tracked(t, r, y, row)
 
 
-def _of_file(loop: Loop, controller: str) -> Tracked:
-    lanes = _lanes(loop, loop.lean, loop.rest + SETTLES * loop.slowest)
-    t, r, y = _courses(lanes, controller)
+def _track_file_signal(loop: Loop, controller: str) -> Tracked:
+    lanes = _simulate_lanes(loop, loop.lean, loop.rest + SETTLES * loop.slowest)
+    t, r, y = _reached_rows(lanes, controller)
     e, rest = r - y, t >= loop.rest
     tolerance = _tolerance(loop, controller, moves_of(loop, controller).amplitude)
     moving = t, r, y
-    if loop.held and loop.given is not None:  # held, it would be asked for what the file does not ask
-        moving = _courses(_lanes(loop, loop.given, loop.given.solve.t_end), controller)
+    if loop.held and loop.given is not None:  # a held signal stops, which the file's does not
+        moving = _reached_rows(_simulate_lanes(loop, loop.given, loop.given.solve.t_end), controller)
     row = {
-        **_sizes(moving[1] - moving[2]),
+        **_error_norms(moving[1] - moving[2]),
         "standstill": float(np.abs(e[t >= t[-1] - (t[-1] - loop.rest) / 4]).max(initial=0.0)),
         "settling": _settling(t[rest] - loop.rest, e[rest], tolerance),
         "tolerance": tolerance,
@@ -151,28 +161,30 @@ def _of_file(loop: Loop, controller: str) -> Tracked:
     return Tracked(*moving, row)
 
 
-def _lanes(loop: Loop, scenario: Scenario, end: float, values: Mapping[str, ArrayLike] | None = None) -> Ensemble:
-    """The motion in lanes, of which the first are shared: what is simulated here is compiled once for all remedies."""
+def _simulate_lanes(
+    loop: Loop, scenario: Scenario, end: float, values: Mapping[str, ArrayLike] | None = None
+) -> Ensemble:
+    """Simulate a move in lanes; also a single one, so that all remedies share compiled code."""
     scenario = scenario.with_changes({"solve.max_steps": loop.scenario.solve.max_steps})
     return simulate_ensemble(
-        scenario, values or {p: [x] for p, x in a_number(scenario).items()}, t_end=end, step=end / _ROWS
+        scenario, values or {p: [x] for p, x in some_parameter(scenario).items()}, t_end=end, step=end / _ROWS
     )
 
 
-def _courses(lanes: Ensemble, controller: str) -> tuple[Array, Array, Array]:
-    """Times, signal and measured position of the first lane, as far as it came."""
+def _reached_rows(lanes: Ensemble, controller: str) -> tuple[Array, Array, Array]:
+    """Times, signal and measured position of the first lane, as far as it was simulated."""
     each = controller_of(lanes.scenario, controller)
     r, y = (np.asarray(lanes[name][0], float) for name in (f"{controller}.r", f"{each.measures}.y"))
     reached = np.isfinite(y)
     return lanes.t[reached], r[reached], y[reached]
 
 
-def _sizes(e: Array) -> dict[str, float | None]:
+def _error_norms(e: Array) -> dict[str, float | None]:
     return {"peak": float(np.abs(e).max(initial=0.0)), "rms": float(np.sqrt(np.mean(e**2))) if len(e) else None}
 
 
 def _settling(t: Array, e: Array, tolerance: float) -> float | None:
-    """From when on the error stays within the tolerance, s; None where it does not."""
+    """The time from which on the error stays within the tolerance, s; None if it does not."""
     outside = np.flatnonzero(np.abs(e) > tolerance)
     if not len(outside):
         return 0.0

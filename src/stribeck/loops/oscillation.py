@@ -9,10 +9,10 @@ from stribeck.arrays import Array
 
 
 def amplitude_and_period(t: Array, y: Array) -> tuple[Array, Array]:
-    """Half of peak to peak, and the mean time between crossings of the middle upwards, interpolated between rows.
+    """Half of peak to peak, and the mean time between upward crossings of the middle, interpolated between rows.
 
-    ``y`` may have several trajectories, times along the last axis. The period is nan where the middle is crossed
-    upwards less than twice.
+    Times are along the last axis of ``y``, which may contain several trajectories. The period is nan if there are fewer
+    than two upward crossings.
     """
     highest, lowest = y.max(axis=-1), y.min(axis=-1)
     if len(t) < 2:
@@ -32,6 +32,6 @@ def amplitude_and_period(t: Array, y: Array) -> tuple[Array, Array]:
 
 
 def first_maximum(y: Array) -> int:
-    """The index of the first local maximum, of the last value where there is none."""
+    """The index of the first local maximum; of the last value if there is none."""
     falls = np.flatnonzero(np.diff(y) < 0)
     return int(falls[0]) if len(falls) else len(y) - 1

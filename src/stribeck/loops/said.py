@@ -1,4 +1,4 @@
-"""How a design is told: the document of a loop's verdict."""
+"""The document of a design: verdict, tracking errors, boundaries, remedies and starts, for the terminal and the page."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from stribeck.loops import figures
 from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.judge import Judgement
-from stribeck.loops.starts import Start, kinds
+from stribeck.loops.starts import Start, distinct_judgements
 from stribeck.mouth.cells import human
 from stribeck.mouth.document import PAGE, Amount, Cell, Chapter, Document, Head, Table
 from stribeck.scenario import said as of_scenario
@@ -32,38 +32,39 @@ _REMEDIES = {
 }  # fmt: skip
 
 
-def design(found: Design) -> Document:
-    """Will it hunt, how well does it track, where does the verdict change, and what may be done against friction."""
-    own, unit = found.judgement, position_unit(found)
+def design(result: Design) -> Document:
+    """The document of a :class:`~stribeck.loops.Design`."""
+    judgement, unit = result.judgement, position_unit(result)
     facts = []
-    if found.loop.held:
-        facts.append(f"held at their value at t = {found.loop.rest:g} s, to judge rest: {', '.join(found.loop.held)}")
-    if own.note:
-        facts.append(f"note: {own.note}")
-    figure = figures.tracking(found.tracked, unit)
-    chapters = [_errors(found, unit), *([_boundaries(found)] if found.lines else [])]
-    if found.compensations:
-        chapters.append(_compensations(found, unit))
-    elif found.why_not:
-        facts.append(f"compensations were not compared: {found.why_not}")
+    if result.loop.held:
+        facts.append(f"held at their value at t = {result.loop.rest:g} s, to judge rest: {', '.join(result.loop.held)}")
+    if judgement.note:
+        facts.append(f"note: {judgement.note}")
+    figure = figures.tracking(result.tracked, unit)
+    chapters = [_errors(result, unit), *([_boundaries(result)] if result.lines else [])]
+    if result.compensations:
+        chapters.append(_compensations(result, unit))
+    elif result.why_not:
+        facts.append(f"compensations were not compared: {result.why_not}")
     chapters += [
-        _starts(found),
+        _starts(result),
         Chapter("plots", "Plots", figures=[figure], on=PAGE),
-        of_scenario.file(found.loop.scenario),
+        of_scenario.file(result.loop.scenario),
     ]
-    lead = f"{_headline(own, _unit(found, own.body))}  ({starts_sentence(found.starts, own, _unit(found, own.body))})"
-    return Document(found.loop.scenario.name, lead, facts, chapters)
+    body_unit = _unit(result, judgement.body)
+    lead = f"{_headline(judgement, body_unit)}  ({starts_sentence(result.starts, judgement, body_unit)})"
+    return Document(result.loop.scenario.name, lead, facts, chapters)
 
 
-def _errors(found: Design, unit: str) -> Chapter:
-    """How each move is followed."""
+def _errors(result: Design, unit: str) -> Chapter:
+    """A table of the tracking errors, one row for each move."""
     rows: list[list[Cell]] = []
-    for move, row in found.errors.items():
+    for move, row in result.errors.items():
         settled = row.get("settling", -1.0)
         last: Cell = "never" if settled is None else "-" if settled < 0 else Amount(settled, "s")
         errors = [Amount(row.get(key), unit) for key in ("peak", "rms", "reversal", "standstill")]
         rows.append([move.replace("_", " "), *errors, last])
-    m = found.moves
+    m = result.moves
     size = f"{human(m.amplitude, unit)} to each side, at most {human(m.speed, unit + '/s')}"
     text = [
         "Errors of the body that is measured. 'file' is the file's own signal; the sine's reversals are those of a circle's "
@@ -75,38 +76,38 @@ def _errors(found: Design, unit: str) -> Chapter:
     return Chapter("errors", "How well it tracks", text, [Table(head, rows)], facts=facts)
 
 
-def _boundaries(found: Design) -> Chapter:
+def _boundaries(result: Design) -> Chapter:
     """Where the verdict changes along the numbers that were varied."""
     rows: list[list[Cell]] = [
-        [b.path, b.value, b.below, b.above, b.low, b.high] for line in found.lines for b in line.boundaries
+        [b.path, b.value, b.below, b.above, b.low, b.high] for line in result.lines for b in line.boundaries
     ]
     tables = [Table(["path", "boundary", "below", "above", "lies from", "to"], rows, on=PAGE)] if rows else []
-    facts = [text for line in found.lines for text in along_sentences(line)]
-    drawn = [figures.line(line, i) for i, line in enumerate(found.lines)]
+    facts = [text for line in result.lines for text in along_sentences(line)]
+    drawn = [figures.line(line, i) for i, line in enumerate(result.lines)]
     return Chapter("boundaries", "Where the verdict changes", (), tables, drawn, facts=facts)
 
 
 def along_sentences(line: PathVerdicts) -> list[str]:
-    """What the verdict does along one number, a sentence each."""
+    """Boundaries and mixed intervals along one varied path, one sentence each, in order."""
     whole, missed = line.turned, f"stretches narrower than {100 * line.resolution:.1g} % may be missed"
     if not line.boundaries and not line.mixed:
         return [f"{line.found[0].verdict} from {whole.path} = {whole.low:g} to {whole.high:g}; {missed}"]
-    told = [
+    sentences = [
         (b.low, f"{b.below} below {b.path} = {b.value:.4g}, {b.above} above (between {b.low:.4g} and {b.high:.4g})")
         for b in line.boundaries
     ]
-    told += [(m.low, f"{m.path} = {mixed_sentence(m)}") for m in line.mixed]
-    return [*(text for _, text in sorted(told)), missed]
+    sentences += [(m.low, f"{m.path} = {mixed_sentence(m)}") for m in line.mixed]
+    return [*(text for _, text in sorted(sentences)), missed]
 
 
 def mixed_sentence(m: Mixed) -> str:
-    """A stretch in which no boundary is named."""
+    """An interval in which no single boundary is reported."""
     met = f" ({', '.join(m.verdicts)})" if m.verdicts else ""
     return f"{m.low:.4g} to {m.high:.4g}: mixed{met}; {m.below} below, {m.above} above"
 
 
-def _compensations(found: Design, unit: str) -> Chapter:
-    """What each remedy leaves, and how far it may be turned up."""
+def _compensations(result: Design, unit: str) -> Chapter:
+    """A table of the remedies: the shares that stay quiet, and the error after a reversal."""
     rows: list[list[Cell]] = [
         [
             _REMEDIES[c.kind],
@@ -115,7 +116,7 @@ def _compensations(found: Design, unit: str) -> Chapter:
             Amount(c.reversal_error, unit),
             Amount(c.worst_error, unit),
         ]
-        for c in found.compensations
+        for c in result.compensations
     ]
     text = [
         "Simulated, not proved: the largest share of the law that stays quiet with every sample of the friction (all low, "
@@ -124,15 +125,15 @@ def _compensations(found: Design, unit: str) -> Chapter:
     ]
     facts = [
         f"dither: {d['kind']}, {d['frequency']:.4g} Hz; its share is amplitude over friction"
-        for d in (c.dither for c in found.compensations)
+        for d in (c.dither for c in result.compensations)
         if d
     ]
-    if found.excess is not None:
-        facts.append(_excess(found, unit))
+    if result.excess is not None:
+        facts.append(_excess(result, unit))
     head = ["remedy", "quiet", "share", "after a reversal", "worst friction"]
     drawn = [
-        figures.motions(found.compensations, found.moves.period, unit),
-        figures.shares(found.compensations, unit),
+        figures.motions(result.compensations, result.moves.period, unit),
+        figures.shares(result.compensations, unit),
     ]
     return Chapter("compensations", "What may be done against friction", text, [Table(head, rows)], drawn, facts=facts)
 
@@ -148,9 +149,9 @@ def _quiet_range(c: CompensationResult) -> str:
     return f"up to {c.largest_quiet_share:.2f}"
 
 
-def _excess(found: Design, unit: str) -> str:
-    """From which share on compensation at the measured speed pushes."""
-    e = found.excess
+def _excess(result: Design, unit: str) -> str:
+    """The share above which compensation at the measured speed adds energy, in words."""
+    e = result.excess
     assert e is not None
     text = (
         f"over-compensation: at the measured speed friction and compensation together push from share {e.worst_share:.3g} on "
@@ -161,18 +162,18 @@ def _excess(found: Design, unit: str) -> str:
     return f"{text}; let go there at 5 % more, the body runs up to {human(e.ends, unit + '/s')} by itself (overcompensated.toml)"
 
 
-def _starts(found: Design) -> Chapter:
+def _starts(result: Design) -> Chapter:
     """The verdict from each of many starts."""
-    unit, rows = _unit(found, found.judgement.body), list[list[Cell]]()
-    for s in found.starts:
+    unit, rows = _unit(result, result.judgement.body), list[list[Cell]]()
+    for s in result.starts:
         j = s.judgement
         hunting = j.verdict == "hunting"
         cycle: list[Cell] = [Amount(j.amplitude, unit), Amount(j.period, "s")] if hunting else ["", ""]
         rows.append([s.body, Amount(s.off, unit), Amount(s.speed, unit + "/s"), j.verdict, *cycle])
     text = [
-        f"From its own start it {_MEANING[found.verdict]}.",
+        f"From its own start it {_MEANING[result.verdict]}.",
         "The loop of the file is simulated until its signals are constant, and on over at least two hundred of its slowest "
-        f"time constants ({found.loop.slowest:.3g} s while all contacts slide). The end is judged.",
+        f"time constants ({result.loop.slowest:.3g} s while all contacts slide). The end is judged.",
         "From other starts: the signals rest at their last values; the body begins so far off its target, or there at that "
         "speed. Integrals begin empty.",
     ]
@@ -180,14 +181,14 @@ def _starts(found: Design) -> Chapter:
     return Chapter("starts", "From many starts", text, [Table(head, rows)], on=PAGE)
 
 
-def starts_sentence(starts: Sequence[Start], own: Judgement, unit: str) -> str:
-    """What the loop does from the starts that were tried, where that differs from the file's own run."""
-    told = []
-    for kind in kinds(list(starts), own)[1:]:
-        alike = [s for s in starts if len(kinds([s], kind)) == 1]
+def starts_sentence(starts: Sequence[Start], judgement: Judgement, unit: str) -> str:
+    """How many starts end differently from the file's own run, and in what."""
+    sentences = []
+    for kind in distinct_judgements(list(starts), judgement)[1:]:
+        alike = [s for s in starts if len(distinct_judgements([s], kind)) == 1]
         what = f"hunts by {_cycle(kind, unit)}" if kind.verdict == "hunting" else _DOES[kind.verdict]
-        told.append(f"from {len(alike)} of {len(starts)} other starts it {what}")
-    return "; ".join(told) or f"the same from {len(starts)} other starts"
+        sentences.append(f"from {len(alike)} of {len(starts)} other starts it {what}")
+    return "; ".join(sentences) or f"the same from {len(starts)} other starts"
 
 
 def _headline(j: Judgement, unit: str) -> str:
@@ -197,14 +198,16 @@ def _headline(j: Judgement, unit: str) -> str:
 
 
 def _cycle(j: Judgement, unit: str) -> str:
-    """How large a cycle is and, where that is regular, how long it takes."""
+    """The amplitude of a limit cycle and, if it is regular, its period."""
     return human(j.amplitude, unit) + (f" every {human(j.period, 's')}" if j.period == j.period else "")
 
 
-def position_unit(found: Design) -> str:
+def position_unit(result: Design) -> str:
     """The unit of the measured body's position."""
-    return _unit(found, next(c.body for c in found.loop.scenario.rig.machine.controllers if c.name == found.controller))
+    return _unit(
+        result, next(c.body for c in result.loop.scenario.rig.machine.controllers if c.name == result.controller)
+    )
 
 
-def _unit(found: Design, body: str) -> str:
-    return "rad" if found.loop.scenario.rig.machine.elements.bodies[body].turns else "m"
+def _unit(result: Design, body: str) -> str:
+    return "rad" if result.loop.scenario.rig.machine.elements.bodies[body].turns else "m"

@@ -1,4 +1,4 @@
-"""How the design of a servo is told: conditions, proof, and V along the simulation."""
+"""The document of a servo's design: conditions, proof, and V along the simulation."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _SPANS = 4  # of time that are shown
 _WORD = {True: "proved", False: "refuted", None: "not decided"}
 
 
-def servo(found: ServoDesign) -> Document:
-    """Whether V decreases, by which conditions, and what it does along the simulation."""
-    scenario, v, proof = found.solution.scenario, found.gains, found.proof
+def servo(result: ServoDesign) -> Document:
+    """The document of a :class:`~stribeck.loops.ServoDesign`."""
+    scenario, v, proof = result.solution.scenario, result.gains, result.proof
     given = gains_of(scenario)
     facts = [f"by intervals, for all errors, in {proof.boxes} boxes{f': {proof.reason}' if proof.reason else ''}"]
     if not v.exact.holds:
         facts.append(
             f"gains that hold with a factor of two to spare: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}"
         )
-    facts.append("not covered: " + "; ".join(found.not_covered))
+    facts.append("not covered: " + "; ".join(result.not_covered))
     rows = [_row("exact condition", v.exact), _row("corrected (21)", v.sufficient)]
     numbers = [Head(text, 4) for text in ("needs K_D at least (N s/m)", "margin", "up to (m/s)")]
     head: list[str | Head] = ["condition", "holds", *numbers]
@@ -47,9 +47,9 @@ def servo(found: ServoDesign) -> Document:
         ],
         code=f"dV/dt = {derive().derivative}",
     )  # fmt: skip
-    drawn = [] if found.along is None else [_drawn(found.along)]
-    figures = [*drawn, overview({scenario.name: found.solution})]
-    chapters = [conditions, *([_along(found)] if found.along is not None else [])]
+    drawn = [] if result.along is None else [_lyapunov_figure(result.along)]
+    figures = [*drawn, overview({scenario.name: result.solution})]
+    chapters = [conditions, *([_along(result)] if result.along is not None else [])]
     return Document(
         scenario.name,
         f"V decreases for |v| <= {v.v_max:.4g} m/s: {_WORD[proof.proven]}",
@@ -62,9 +62,9 @@ def _row(name: str, c: Condition) -> list[Cell]:
     return [name, DECIDED[c.holds], c.least_K_D, c.margin, "any" if c.largest_speed is None else c.largest_speed]
 
 
-def _along(found: ServoDesign) -> Chapter:
-    """What V does along the simulation."""
-    along = found.along
+def _along(result: ServoDesign) -> Chapter:
+    """V along the simulation: its ends, rises, and the intervals above the bound."""
+    along = result.along
     assert along is not None
     facts = [
         f"V goes from {along.V[0]:.4g} to {along.V[-1]:.4g} J, rises by more than 1e-9 V(0) after {int(along.rises.sum())} "
@@ -78,34 +78,34 @@ def _along(found: ServoDesign) -> Chapter:
         if spans:
             more = f" and {len(spans) - _SPANS} more" if len(spans) > _SPANS else ""
             facts.append(f"{what}: t = " + ", ".join(f"{a:g} to {b:g}" for a, b in spans[:_SPANS]) + f" s{more}")
-    if (stays := found.staying) is not None:
+    if (stays := result.staying) is not None:
         word = "stays" if stays.holds else "is not shown to stay"
         facts.append(
-            f"from this start |v| {word} below {found.gains.v_max:.4g} m/s (V falls, so |v| <= {stays.bound:.4g} m/s); so it "
+            f"from this start |v| {word} below {result.gains.v_max:.4g} m/s (V falls, so |v| <= {stays.bound:.4g} m/s); so it "
             f"does from every start with V(0) < {stays.largest_V:.4g} J and lambda |e(0)| <= sqrt(2 V(0)/M)"
         )
     return Chapter("along", "Along the simulation", facts=facts)
 
 
-def _drawn(found: Along) -> Figure:
-    """V, and dV/dt with its bound where it has one."""
+def _lyapunov_figure(along: Along) -> Figure:
+    """A figure of V, and of dV/dt with its bound if there is one."""
 
     def draw() -> Drawn:
-        rows = [["V"]] if found.dV_dt is None else [["V"], ["rate"]]
-        made, axes = plots.figure(rows, 2.2 * len(rows) + 0.4)
-        axes["V"].plot(*plots.thin(found.t, found.V), color=plots.COLOURS[2])
+        rows = [["V"]] if along.dV_dt is None else [["V"], ["rate"]]
+        figure, axes = plots.figure(rows, 2.2 * len(rows) + 0.4)
+        axes["V"].plot(*plots.thin(along.t, along.V), color=plots.COLOURS[2])
         axes["V"].set(xlabel="t (s)", ylabel="V (J)", title="Lyapunov function along the simulation")
         plots.logarithmic(axes["V"], x=False)
-        if found.dV_dt is not None:
+        if along.dV_dt is not None:
             axis = axes["rate"]
-            for i, (values, label) in enumerate(((found.bound, "bound (19)"), (found.dV_dt, "dV/dt"))):
+            for i, (values, label) in enumerate(((along.bound, "bound (19)"), (along.dV_dt, "dV/dt"))):
                 if values is not None:
                     falling = np.where(values < 0, -values, np.nan)
-                    plots.line(axis, i + 1, *plots.thin(found.t, falling), label)
+                    plots.line(axis, i + 1, *plots.thin(along.t, falling), label)
             axis.set(xlabel="t (s)", ylabel="-dV/dt (W)", title="how fast it falls, and the proof's bound")
             plots.logarithmic(axis, x=False)
             axis.legend(fontsize=8)
-        return made
+        return figure
 
     caption = "Where a line is missing V does not fall: rounding, at the level of the solver's tolerance, or a rise."
     return Figure("gains", caption, draw)

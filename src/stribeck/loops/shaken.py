@@ -1,4 +1,4 @@
-"""What a dither moves: how far the bodies of a loop swing at its frequency, and the frequency that a dither should have."""
+"""The motion that a dither causes, and a frequency for a dither."""
 
 from __future__ import annotations
 
@@ -10,22 +10,20 @@ from stribeck.arrays import Array
 from stribeck.loops.loop import Loop, SlidingLoop, controller_of
 from stribeck.scenario import Scenario
 
-SHARE = 1.5  # of the swing of the linear loop that slides: what sampling and friction may add to it
-_SQUARE = 4 / np.pi  # the first harmonic of a square wave
-_SMALL = (
-    0.01  # of the largest answer: above where the loop answers so little, a dither shakes the contact and not the axis
-)
+SHARE = 1.5  # over the swing of the sliding linear loop: a margin for the effects of sampling and friction
+_SQUARE = 4 / np.pi  # amplitude of the first harmonic of a square wave
+_SMALL = 0.01  # of the largest response: at frequencies above, a dither moves the contact and not the axis
 _OF_SAMPLING = 8  # samples of a wave at least
 _GRID = np.geomspace(1e-2, 1e5, 281)  # of 1/(2 pi the slowest time constant), Hz
 
 
 def swings(loop: Loop, values: Mapping[str, Array], count: int) -> list[dict[str, float]]:
-    """Peak to peak, by body and lane, of what the dithers of the loop may move; empty where there is none.
+    """Peak to peak motion that the dithers of a loop may cause, by lane and body (m or rad); empty without a dither.
 
     It is that of the linear loop while all contacts slide (:class:`SlidingLoop`), times :data:`SHARE`.
     """
     rig = loop.scenario.rig
-    found: list[dict[str, float]] = [{} for _ in range(count)]
+    swing: list[dict[str, float]] = [{} for _ in range(count)]
     for each in rig.machine.controllers:
         if each.dither is None:
             continue
@@ -40,13 +38,13 @@ def swings(loop: Loop, values: Mapping[str, Array], count: int) -> list[dict[str
             if f not in known:
                 known[f] = sliding.response(f)
             for body, x in known[f].items():
-                found[lane][body] = found[lane].get(body, 0.0) + 2 * SHARE * first * float(amplitude[lane]) * x
-    return found
+                swing[lane][body] = swing[lane].get(body, 0.0) + 2 * SHARE * first * float(amplitude[lane]) * x
+    return swing
 
 
 def frequency_for(scenario: Scenario, controller: str, slowest: float) -> float:
-    """A frequency for a dither, Hz: where the sliding loop answers with a hundredth of its largest answer; at most an eighth of
-    the sampling's."""
+    """A frequency for a dither, Hz: where the response of the sliding loop falls to a hundredth of its largest; at most an
+    eighth of the sampling rate."""
     rig = scenario.rig
     each = controller_of(scenario, controller)
     sliding, name = SlidingLoop(scenario, controller), rig.machine.leader(each.body).name
@@ -54,7 +52,7 @@ def frequency_for(scenario: Scenario, controller: str, slowest: float) -> float:
     answer = np.array([sliding.response(float(f)).get(name, 0.0) for f in grid])
     after = int(np.argmax(answer))
     small = np.flatnonzero(answer[after:] <= _SMALL * answer[after])
-    found = float(grid[after + int(small[0])]) if len(small) else float(grid[-1])
+    frequency = float(grid[after + int(small[0])]) if len(small) else float(grid[-1])
     if each.sampling is not None:
-        found = min(found, 1 / (_OF_SAMPLING * rig.values[f"{each.path}.sampling", "period"]))
-    return float(f"{found:.3g}")
+        frequency = min(frequency, 1 / (_OF_SAMPLING * rig.values[f"{each.path}.sampling", "period"]))
+    return float(f"{frequency:.3g}")

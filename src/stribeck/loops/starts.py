@@ -1,4 +1,4 @@
-"""Limit cycles from many starts: what the loop does when it begins off its target, in motion or with a link stretched."""
+"""The verdict from many starts: off the target, in motion, or with a stretched link."""
 
 from __future__ import annotations
 
@@ -13,7 +13,14 @@ from stribeck.loops.loop import Loop, controller_of, rests_at
 from stribeck.loops.moves import Moves, moves_of
 from stribeck.scenario import Scenario
 
-_OFF = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)  # of the file's move, both ways
+_OFF = (
+    0.003,
+    0.01,
+    0.03,
+    0.1,
+    0.3,
+    1.0,
+)  # of the file's move, both ways: basins of cycles differ by orders of magnitude
 _FAST = (0.1, 0.3, 1.0)  # of its greatest speed, both ways
 _STRETCHED = 0.1  # of the file's move: one body that is not measured, alone
 _ALIKE = 0.1  # amplitudes of cycles that differ by less are one cycle
@@ -21,7 +28,14 @@ _ALIKE = 0.1  # amplitudes of cycles that differ by less are one cycle
 
 @dataclass(frozen=True)
 class Start:
-    """A start, the signals resting where they end: a body's place from there and its speed; and what comes of it."""
+    """A start with constant signals, and its judgement.
+
+    Attributes:
+        body: the body that is moved.
+        off: its distance from the final value of the signals, m or rad.
+        speed: its initial speed, m/s or rad/s.
+        judgement: the verdict from this start.
+    """
 
     body: str
     off: float
@@ -29,7 +43,7 @@ class Start:
     judgement: Judgement
 
     def row(self) -> dict[str, object]:
-        """What is told of it."""
+        """The result as plain data, for JSON."""
         j = self.judgement
         cycle = {"amplitude": j.amplitude, "period": j.period} if j.verdict == "hunting" else None
         return {"body": self.body, "off": self.off, "speed": self.speed, "verdict": j.verdict, "limit_cycle": cycle}
@@ -38,83 +52,89 @@ class Start:
 def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | None = None) -> list[Start]:
     """The judgement from each of many starts, in lanes.
 
-    The controllers' signals rest at their last values from t = 0 on, with empty integrals. The measured body begins there,
-    0.003 to 1 of the file's move off, both ways, what is linked to it moved with it; or there with 0.1 to 1 of its speed, both
-    ways; or another body alone a tenth of the move off, its links stretched.
+    The controllers' signals are constant at their final values from t = 0 on; integrals are empty. One body starts
+    differently, both ways each:
+
+    - the measured body, 0.003 to 1 of the file's move off the target, its linked bodies moved with it;
+    - the measured body on the target, with 0.1 to 1 of the file's speed;
+    - another body alone, a tenth of the move off, its links stretched.
     """
     moves = moves_of(loop, controller)
-    held = _held(loop)
+    held = _with_resting_signals(loop)
     rig = held.scenario.rig
     each = controller_of(held.scenario, controller)
     main = rig.machine.leader(each.body).name
-    last = _last(loop, controller)
-    at = _together(held.scenario, each.body)
-    held = replace(held, travel={name: 2 * abs(share) * moves.amplitude for name, share in at.items()})
-    wanted = _wanted(moves, main, [name for name in at if name != main])
-    lanes: dict[str, list[float]] = {f"bodies.{name}.initial.y": [] for name in at}
-    lanes |= {f"bodies.{name}.initial.v": [] for name in at}
-    for body, off, speed in wanted:
-        for name, share in at.items():
+    last = _final_value(loop, controller)
+    travel_ratios = _travel_ratios(held.scenario, each.body)
+    held = replace(held, travel={name: 2 * abs(share) * moves.amplitude for name, share in travel_ratios.items()})
+    start_points = _start_points(moves, main, [name for name in travel_ratios if name != main])
+    lanes: dict[str, list[float]] = {f"bodies.{name}.initial.y": [] for name in travel_ratios}
+    lanes |= {f"bodies.{name}.initial.v": [] for name in travel_ratios}
+    for body, off, speed in start_points:
+        for name, share in travel_ratios.items():
             y = share * last + (share * off if body == main else off * share if body == name else 0.0)
             lanes[f"bodies.{name}.initial.y"].append(y)
             lanes[f"bodies.{name}.initial.v"].append(share * speed)
-    found = judge(held, {path: np.array(x) for path, x in lanes.items()}, tell)
-    return [Start(body, off, speed, j) for (body, off, speed), j in zip(wanted, found, strict=True)]
+    judgements = judge(held, {path: np.array(x) for path, x in lanes.items()}, tell)
+    return [Start(body, off, speed, j) for (body, off, speed), j in zip(start_points, judgements, strict=True)]
 
 
-def kinds(found: list[Start], own: Judgement) -> list[Judgement]:
-    """What the loop can do, by the file's own run and from all starts: one of each verdict, and of each cycle's size."""
+def distinct_judgements(starts: list[Start], judgement: Judgement) -> list[Judgement]:
+    """The different outcomes of the file's own run and of all starts: one of each verdict and of each cycle's size."""
     different: list[Judgement] = []
-    for j in (own, *(start.judgement for start in found)):
-        if not any(_alike(j, other) for other in different):
+    for j in (judgement, *(start.judgement for start in starts)):
+        if not any(_same_outcome(j, other) for other in different):
             different.append(j)
     return different
 
 
-def _alike(a: Judgement, b: Judgement) -> bool:
+def _same_outcome(a: Judgement, b: Judgement) -> bool:
     if a.verdict != b.verdict or a.verdict != "hunting":
         return a.verdict == b.verdict
     return abs(a.amplitude - b.amplitude) <= _ALIKE * max(a.amplitude, b.amplitude)
 
 
-def _wanted(moves: Moves, main: str, others: list[str]) -> list[tuple[str, float, float]]:
-    found = [(main, sign * share * moves.amplitude, 0.0) for share in _OFF for sign in (1, -1)]
-    found += [(main, 0.0, sign * share * moves.speed) for share in _FAST for sign in (1, -1)]
-    return found + [(name, sign * _STRETCHED * moves.amplitude, 0.0) for name in others for sign in (1, -1)]
+def _start_points(moves: Moves, main: str, others: list[str]) -> list[tuple[str, float, float]]:
+    start_points = [(main, sign * share * moves.amplitude, 0.0) for share in _OFF for sign in (1, -1)]
+    start_points += [(main, 0.0, sign * share * moves.speed) for share in _FAST for sign in (1, -1)]
+    return start_points + [(name, sign * _STRETCHED * moves.amplitude, 0.0) for name in others for sign in (1, -1)]
 
 
-def _held(loop: Loop) -> Loop:
+def _with_resting_signals(loop: Loop) -> Loop:
     """The loop with its controllers' signals at rest from t = 0 on."""
     rig, data = loop.scenario.rig, deepcopy(loop.scenario.data)
     for each in rig.machine.controllers:
         table = data["controllers"][each.name]
-        table["signal"] = _constant(str(table["signal"]["kind"]), _last(loop, each.name))
+        table["signal"] = _constant_signal(str(table["signal"]["kind"]), _final_value(loop, each.name))
     scenario = Scenario(data, folder=loop.scenario.folder, trust=True)
     rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
     return replace(loop, scenario=scenario, rest=rest)
 
 
-def _constant(kind: str, value: float) -> dict[str, object]:
-    """A signal that has a value from t = 0 on, of a kind: what is compiled for that kind serves."""
+def _constant_signal(kind: str, value: float) -> dict[str, object]:
+    """The table of a signal that is constant from t = 0 on, of the given kind if possible, whose compiled code is reused."""
     if kind == "step":
         return {"kind": kind, "time": 0.0, "value": value}
     kind = kind if kind in ("point_to_point", "spline") else "points"
     return {"kind": kind, "t": [0.0, 1.0, 2.0], "value": [value] * 3}
 
 
-def _last(loop: Loop, controller: str) -> float:
-    """Where a controller's signal rests in the end."""
+def _final_value(loop: Loop, controller: str) -> float:
+    """The final value of a controller's signal, m or rad."""
     rig = loop.scenario.rig
     signal = rig.signals[controller_of(loop.scenario, controller).use]
     return float(signal.at(np.array([max(rests_at(signal), 0.0) + 1.0]))[0])
 
 
-def _together(scenario: Scenario, measured: str) -> dict[str, float]:
-    """How far each body that obeys forces goes by the measured one while no link is stretched; the leader's first."""
+def _travel_ratios(scenario: Scenario, measured: str) -> dict[str, float]:
+    """Travel of each force-driven body over that of the measured one, with no link stretched; the leader's first."""
     bodies = scenario.rig.machine.elements.bodies
     return {name: x for name, x in scenario.rig.carried(measured).items() if bodies[name].velocity is None}
 
 
-def starts_row(found: list[Start], own: Judgement) -> dict[str, object]:
-    """What is told of the starts: each, and whether what the loop does in the end depends on them."""
-    return {"starts": [start.row() for start in found], "depends_on_the_start": len(kinds(found, own)) > 1}
+def starts_row(starts: list[Start], judgement: Judgement) -> dict[str, object]:
+    """All starts as plain data, and whether the outcome depends on them."""
+    return {
+        "starts": [start.row() for start in starts],
+        "depends_on_the_start": len(distinct_judgements(starts, judgement)) > 1,
+    }

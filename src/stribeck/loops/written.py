@@ -15,7 +15,7 @@ from stribeck.mouth import page
 from stribeck.scenario import Scenario
 from stribeck.scenario.moved import moved
 
-MACHINES = ("machine.toml", "overcompensated.toml")  # among what is written
+MACHINES = ("machine.toml", "overcompensated.toml")  # the machine files among those written
 _HEADS = (
     "# Written by 'stribeck design': the machine with the compensation that was best.\n",
     "# Written by 'stribeck design': nothing but friction and its compensation, 5 % beyond what friction can take. Run it:\n"
@@ -24,35 +24,38 @@ _HEADS = (
 
 
 def write_design(
-    found: Design | ServoDesign, summary: Mapping[str, object], folder: Path, command: str = ""
+    result: Design | ServoDesign, summary: Mapping[str, object], folder: Path, command: str = ""
 ) -> list[str]:
-    """Write machine.toml (with the best compensation, ready to run), the run in which a compensation pushes, the figures
-    and the page, and, last, summary.json; the paths."""
+    """Write the files of a design and return their paths.
+
+    They are machine.toml (with the best compensation), overcompensated.toml (if over-compensation was found), the figures,
+    the page and, last, summary.json.
+    """
     paths: list[Path] = []
     with together(folder) as place:
-        if isinstance(found, Design):
-            machines = [compensated(found)]
-            if found.excess is not None and found.excess.counterexample is not None:
-                machines.append(found.excess.counterexample)
+        if isinstance(result, Design):
+            machines = [compensated(result)]
+            if result.excess is not None and result.excess.counterexample is not None:
+                machines.append(result.excess.counterexample)
             for name, head, machine in zip(MACHINES, _HEADS, machines, strict=False):
                 paths.append(place / name)
                 write_text(paths[-1], head + tomli_w.dumps(moved(machine.data, machine.folder, folder)))
         with left_out("the plots and the page"):
-            paths += page.write(found.document(), place, command)
+            paths += page.write(result.document(), place, command)
         return write_summary(paths, place, folder, summary)
 
 
-def best(found: Design) -> CompensationResult | None:
-    """The compensation with the least worst error of those that stay quiet."""
-    quiet = [c for c in found.compensations if c.largest_quiet_share is not None]
+def best(design: Design) -> CompensationResult | None:
+    """The compensation with the least worst error among those that stay quiet; None if none does."""
+    quiet = [c for c in design.compensations if c.largest_quiet_share is not None]
     return min(quiet, key=lambda c: c.worst_error) if quiet else None
 
 
-def compensated(found: Design) -> Scenario:
-    """The machine with what is best of what was compared."""
-    scenario, chosen = found.loop.scenario, best(found)
+def compensated(design: Design) -> Scenario:
+    """The machine with the best compensation; unchanged if there is none."""
+    scenario, chosen = design.loop.scenario, best(design)
     if chosen is None:
         return scenario
     return with_compensation(
-        scenario, found.controller, contact_of(scenario, found.controller), chosen.kind, chosen.share
+        scenario, design.controller, contact_of(scenario, design.controller), chosen.kind, chosen.share
     )

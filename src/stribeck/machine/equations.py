@@ -1,4 +1,4 @@
-"""What the code generator and the solvers need of a system, whatever it is made of."""
+"""The interface between a system's equations and the code generator and solvers."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ SLIP_AND_STICK: Events = ("slip", "stick", "slip", "stick")
 
 @dataclass(frozen=True)
 class Watch:
-    """A quantity whose passing of a level is an event: \\|value\\| rises through it, or falls.
+    """A quantity that causes an event when its magnitude passes a level.
 
-    ``events`` names what happens: where the value rises through +level, falls through +level, falls through -level
-    (its magnitude rises), and rises through -level.
+    ``events`` are the events' names when the value rises through +level, falls through +level, falls through -level (its
+    magnitude rises), and rises through -level.
     """
 
     element: str
@@ -33,25 +33,25 @@ class Watch:
 
 @dataclass(frozen=True)
 class Sample:
-    """What a sampled controller does at its instants: the output from then on, and its memory afterwards.
+    """A sampled controller at its instants: its output from then on, and its memory afterwards.
 
     Both are expressions of the states, the signals, ``memory.NAME`` and ``noise`` (a standard normal number).
     """
 
     name: str
-    timing: str  # the table that has its period and delay
+    timing: str  # the table with its period and delay
     output: Expr
     memory: dict[str, Expr]
 
 
 class Equations(ABC):
-    """What a system is to the code generator; hashable, and equal to another with the same equations."""
+    """A system for the code generator; hashable, and equal to another with the same equations."""
 
-    piece_fields: ClassVar[tuple[str, ...]] = STRAIGHT  # the numbers that change from breakpoint to breakpoint
+    piece_fields: ClassVar[tuple[str, ...]] = STRAIGHT  # the numbers that change at each breakpoint of the signals
 
     @property
     def by_element(self) -> bool:
-        """Whether events are told by the element's name; a single body has none."""
+        """Whether events are reported by the element's name, which a single body does not have."""
         return True
 
     @property
@@ -67,12 +67,12 @@ class Equations(ABC):
     @property
     @abstractmethod
     def parameters(self) -> tuple[tuple[str, str], ...]:
-        """(group, name) of each run-time constant."""
+        """Owner and name of each run-time constant."""
 
     @property
     @abstractmethod
     def heading(self) -> tuple[str, ...]:
-        """What the system is, in a few lines."""
+        """A description of the system in a few lines."""
 
     @abstractmethod
     def constant(self, owner: str, name: str) -> Constant:
@@ -80,48 +80,48 @@ class Equations(ABC):
 
     @abstractmethod
     def rates(self, called: Names | None = None) -> list[Expr]:
-        """The time derivatives of the states; ``called`` takes the names of intermediate results, here and below."""
+        """The time derivatives of the states. Here and below, names of intermediate results are added to ``called``."""
 
     def field(self, owner: str, name: str) -> str:
-        """What a run-time constant is called in the generated code."""
+        """The name of a run-time constant in the generated code."""
         return name
 
     @property
     def watched(self) -> tuple[Watched, ...]:
-        """What events are told by: the element's name, and what happens (see :class:`Watch`)."""
+        """Element and events of each watched quantity (see :class:`Watch`)."""
         return (("", SLIP_AND_STICK),) if any(state.name == "v" for state in self.states) else ()
 
     def watches(self, called: Names | None = None) -> list[Watch]:
-        """The same with the quantities."""
+        """The watched quantities, in the same order."""
         return [Watch(name, symbol("v"), events) for name, events in self.watched]
 
     def forces(self, called: Names | None = None) -> list[Expr]:
-        """The friction forces: their accuracy is promised, and so looked after by the solver."""
+        """The friction forces, whose promised accuracy the solver ensures."""
         return []
 
     @property
     def memory(self) -> dict[str, tuple[str, ...]]:
-        """What each sampled controller remembers, by its name."""
+        """Names of the stored values of each sampled controller, by its name."""
         return {}
 
     @property
     def held(self) -> tuple[str, ...]:
-        """What stays from one output of a sampled controller to the next, as ``segment.NAME`` in the equations."""
+        """Names of the outputs that sampled controllers hold, ``segment.NAME`` in the equations."""
         return ()
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """What of the controllers' memory the output shows, as ``memory.NAME``: the first of it."""
+        """Names of the controllers' stored values that are columns, ``memory.NAME`` in the equations; they come first."""
         return ()
 
     def samples(self, called: Names | None = None) -> list[Sample]:
-        """What the sampled controllers do at their instants, in the order of :attr:`held`."""
+        """The sampled controllers at their instants, in the order of :attr:`held`."""
         return []
 
     def ended(self, values: Mapping[tuple[str, str], float], t: float, x: Array) -> str | None:
-        """Why the equations end in the state x, where they say so."""
+        """Why the equations end in the state x, if they do."""
         return None
 
     def moved_energy(self) -> Expr | None:
-        """The energy that changes where a signal jumps, which then is put in (state ``E_in``)."""
+        """The energy that changes when a signal jumps, whose change is added to the state ``E_in``."""
         return None

@@ -273,7 +273,7 @@ class Sum(SignalTable):
     @cached_property
     def built(self) -> signals.Signal:
         """See :class:`SignalTable`."""
-        return signals.SumSignal.of([each.built for each in self.of])
+        return signals.SumSignal.flattened([each.built for each in self.of])
 
     @property
     def _form(self) -> type[signals.Signal]:

@@ -1,4 +1,4 @@
-"""Parameters of known machines: data files, each with its source."""
+"""Friction parameters of known machines, in data files with their sources."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def _number(x: object) -> bool:
     return isinstance(x, int | float) and not isinstance(x, bool)
 
 
-# What may stand beside a number in its table, and that in words.
-_BESIDE: dict[str, tuple[Callable[[object], bool], str]] = {
+# The keys beside the value in a number's table: a check, and the allowed type in words.
+_ENTRY_KEYS: dict[str, tuple[Callable[[object], bool], str]] = {
     "determined": (lambda x: isinstance(x, bool), "true or false"), "unit": (lambda x: isinstance(x, str), "text"),
     "low": (_number, "a number"), "high": (_number, "a number"),
 }  # fmt: skip
@@ -30,20 +30,20 @@ _BESIDE: dict[str, tuple[Callable[[object], bool], str]] = {
 
 @dataclass(frozen=True)
 class ParameterSet:
-    """A machine's friction parameters in SI units (N, m; for a rotary machine N m, rad) and where they are from."""
+    """A machine's friction parameters in SI units (N, m; for a rotary machine N m, rad), with their source."""
 
     name: str
     title: str
     source: str
     motion: str  # "linear" or "rotary"
     values: dict[str, float] = field(hash=False)
-    undetermined: tuple[str, ...] = ()  # values that a fit wrote, and that its data do not determine
-    units: dict[str, str] = field(default_factory=dict, hash=False)  # where the file tells them
-    words: tuple[str, ...] = ()  # text that stands beside the numbers of a file without [parameters]
+    undetermined: tuple[str, ...] = ()  # values of a fit that its data do not determine
+    units: dict[str, str] = field(default_factory=dict, hash=False)  # those in the file
+    words: tuple[str, ...] = ()  # keys with text in a file without [parameters]
 
     @property
     def rotary(self) -> bool:
-        """Whether the machine turns: N m in the place of N, rad in that of m."""
+        """Whether the machine is rotary: N m instead of N, rad instead of m."""
         return self.motion == "rotary"
 
 
@@ -53,18 +53,18 @@ def _built_in() -> dict[str, ParameterSet]:
 
 
 def parameters() -> dict[str, ParameterSet]:
-    """Every built-in parameter set by name; a copy, to be changed at will."""
+    """A copy of every built-in parameter set, by name."""
     return {name: replace(each, values=dict(each.values)) for name, each in _built_in().items()}
 
 
-_allowed = [False]  # for every thread: a sweep's lanes read what the command allowed
+_allowed = [False]  # for all threads: the lanes of a sweep read what the command allows
 
 
 def allow_undetermined(allowed: bool = True) -> None:
-    """Whether sets may be used that hold numbers which the data behind them do not determine, from here on.
+    """Allow sets with numbers that the data behind them do not determine, from here on.
 
     Args:
-        allowed: False refuses them, as at first.
+        allowed: False, the initial setting, makes :func:`load` raise an error for them.
     """
     _allowed[0] = allowed
 
@@ -72,26 +72,28 @@ def allow_undetermined(allowed: bool = True) -> None:
 def load(name: str, folder: Path | None = None, needs: Container[str] | None = None) -> ParameterSet:
     """A built-in set by name, or the set in a TOML file, its path relative to ``folder``.
 
-    A file holds its numbers in ``[parameters]`` or at the top; a number may also be a table with a ``value``, and with
-    ``determined = false`` where a fit could not tell it (:func:`allow_undetermined`).
+    A file has its numbers in ``[parameters]`` or at the top. A number may also be a table with a ``value``, and with
+    ``determined = false`` if a fit could not identify it (:func:`allow_undetermined`).
 
     Args:
-        needs: what is taken from it, such as the constants of a law; all unless given.
+        name: the set's name, or a file NAME.toml.
+        folder: the folder of the file.
+        needs: the parameters in use, such as the constants of a law; all unless given.
 
     Raises:
-        InputError: there is no such set, its file cannot be read, or numbers that are taken are not determined.
+        InputError: if there is no such set, its file cannot be read, or parameters in use are not determined.
     """
     if name in parameters():
         return parameters()[name]
     if name.endswith(".toml"):
-        found = _read((folder or Path()) / name)
-        open_ones = ", ".join(n for n in found.undetermined if needs is None or n in needs)
-        if open_ones and not _allowed[0]:
+        parameter_set = _read((folder or Path()) / name)
+        undetermined = ", ".join(n for n in parameter_set.undetermined if needs is None or n in needs)
+        if undetermined and not _allowed[0]:
             raise InputError(
-                f"{name!r}: the data of this fit do not determine {open_ones}: allow their best values with "
+                f"{name!r}: the data of this fit do not determine {undetermined}: allow their best values with "
                 "--allow-undetermined (stribeck.parameter_sets.allow_undetermined()), or measure what [unknown] in it says"
             )
-        return found
+        return parameter_set
     guess = nearest(name, parameters()) or f" (known: {', '.join(parameters())}; or a file NAME.toml)"
     raise InputError(f"{name!r}: no such parameter set{guess}")
 
@@ -100,10 +102,10 @@ def read_toml(path: Path) -> dict[str, Any]:
     """The content of a TOML file.
 
     Raises:
-        InputError: the file cannot be read, or is not TOML.
+        InputError: if the file cannot be read, or is not TOML.
     """
     try:
-        return tomllib.loads(read_file(path).decode("utf-8-sig"))  # some editors begin a file with a mark
+        return tomllib.loads(read_file(path).decode("utf-8-sig"))  # some editors write a byte order mark
     except OSError as error:
         text = f"cannot be read: {error.strerror}"
     except MemoryError:
@@ -125,7 +127,7 @@ def _read(path: Path) -> ParameterSet:
     table = data.get("parameters", {k: v for k, v in data.items() if k not in ("schema", "name")})
     if not isinstance(table, dict):
         raise InputError(f"{path}: parameters must be a table of numbers")
-    problems = [text for k, v in table.items() if isinstance(v, dict) and (text := _wrong(k, v))]
+    problems = [text for k, v in table.items() if isinstance(v, dict) and (text := _entry_problem(k, v))]
     if words["motion"] not in ("", *_MOTIONS):
         problems.append(f"motion: {show(words['motion'])}: must be {' or '.join(_MOTIONS)}")
     if problems:
@@ -139,11 +141,11 @@ def _read(path: Path) -> ParameterSet:
     )
 
 
-def _wrong(name: str, told: Mapping[str, object]) -> str | None:
-    """What is wrong with the table of one number, but for the number."""
-    if "value" not in told:
-        return f"{name}: {show(told)}: must be a number, or a table with its value"
-    for key, (holds, must) in _BESIDE.items():
-        if key in told and not holds(told[key]):
-            return f"{name}.{key}: {show(told[key])}: must be {must}"
+def _entry_problem(name: str, entry: Mapping[str, object]) -> str | None:
+    """The mistake in the table of one number, apart from the number itself."""
+    if "value" not in entry:
+        return f"{name}: {show(entry)}: must be a number, or a table with its value"
+    for key, (holds, must) in _ENTRY_KEYS.items():
+        if key in entry and not holds(entry[key]):
+            return f"{name}.{key}: {show(entry[key])}: must be {must}"
     return None

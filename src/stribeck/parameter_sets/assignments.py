@@ -1,4 +1,4 @@
-"""``PATH=VALUE``, as ``--set`` takes it."""
+"""Assignments ``PATH=VALUE``, as in ``--set``."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Toml = Any  # a value as tomllib gives it
 
 
 def parse_assignment(text: str) -> tuple[str, Toml]:
-    """``PATH=VALUE`` as a path and a TOML value; what is no TOML is text.
+    """Read ``PATH=VALUE`` as a path and a TOML value; anything else than TOML is text.
 
     Raises:
-        InputError: there is no '=' or no path.
+        InputError: if there is no '=' or no path.
     """
     path, sign, value = text.partition("=")
     path = path.strip()
@@ -29,10 +29,10 @@ def parse_assignment(text: str) -> tuple[str, Toml]:
 
 
 def parse_assignments(texts: Iterable[str]) -> dict[str, Toml]:
-    """Every ``PATH=VALUE``, as :func:`parse_assignment` reads it, by its path.
+    """The values of several ``PATH=VALUE`` (:func:`parse_assignment`), by path.
 
     Raises:
-        InputError: one is none, or two have the same path.
+        InputError: if one is invalid, or two have the same path.
     """
     pairs = [parse_assignment(text) for text in texts]
     refuse_twice([path for path, _ in pairs], arg("changes"))

@@ -22,13 +22,13 @@ from stribeck.recorded.layout import commas_twice, encoding_of, is_units, table_
 
 Numbers = NDArray[Any]  # of any type
 
-_WIDEST = 1000  # columns of a matrix
+_WIDEST = 1000  # columns of a matrix: more are an image or a result, not signals
 _NUMBERS = ("int", "uint", "float", "double", "halffloat", "bool")  # Arrow's types that are numbers
-_SCALARS = 1  # a variable of so many values is a constant of the file, not a column
+_SCALARS = 1  # size of a variable that is a constant of the file, not a column
 
 
 def is_table(data: object) -> bool:
-    """Whether data is a table in memory: a data frame, or a mapping of names to arrays."""
+    """Whether data is a table in memory: a data frame, or a mapping from names to arrays."""
     return isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
 
 
@@ -45,10 +45,10 @@ def no_column(role: str, name: str, source: Source) -> str:
 
 
 def read_columns(data: Any, wanted: dict[str, str]) -> dict[str, Array]:
-    """The columns of a file or table by role; ``wanted`` has the column's name for each role. Empty cells are NaN.
+    """The columns of a file or table by role; ``wanted`` has the column's name for each role. Empty cells are nan.
 
     Raises:
-        InputError: the file cannot be read, or a column is not there or holds no numbers; a line for each problem.
+        InputError: if the file cannot be read, or a column is missing or has no numbers; one line for each problem.
     """
     source = opened(data)
     if missing := [no_column(role, name, source) for role, name in wanted.items() if name not in source.names]:
@@ -58,12 +58,12 @@ def read_columns(data: Any, wanted: dict[str, str]) -> dict[str, Array]:
 
 @dataclass(frozen=True)
 class Later:
-    """A variable of a file, which is read when it is named.
+    """A variable of a file that is read at its first use.
 
     Attributes:
-        shape, kind: as of NumPy's arrays and dtypes.
-        read: its numbers.
-        elsewhere: what it is, if its numbers lie in another file; empty otherwise.
+        shape, kind: as in NumPy's arrays and dtypes.
+        read: reads its numbers.
+        elsewhere: a description if its numbers are in another file; empty otherwise.
     """
 
     shape: tuple[int, ...]
@@ -73,9 +73,9 @@ class Later:
 
 
 class Source:
-    """A file or table that is open: the names of its columns and constants, and the columns themselves.
+    """An open file or table: the names of its columns, its constants, and the columns themselves.
 
-    A column of a matrix is a column of its own: q[0], q[1], ...; time runs along the matrix's longer side.
+    Each column of a matrix has a name: q[0], q[1], ...; time is along the matrix's longer side.
     """
 
     def __init__(self, path: Path | str, variables: Mapping[str, Any]) -> None:
@@ -100,7 +100,7 @@ class Source:
         }
 
     def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
-        """The columns by role, as arrays of their own."""
+        """The columns by role, as separate arrays."""
         holders = {name: self._parts.get(name, (name, None))[0] for name in wanted.values()}
         if problems := [
             f"{arg(role)}: {name!r}: this column of {self.path} lies in another file ({x.elsewhere}); must be in the file"
@@ -108,13 +108,15 @@ class Source:
             if isinstance(x := self.variables[holders[name]], Later) and x.elsewhere
         ]:
             raise InputError(problems)
-        self._fits(math.prod(x.shape) for x in map(self.variables.get, set(holders.values())) if isinstance(x, Later))
-        found = {}
+        self._check_memory(
+            math.prod(x.shape) for x in map(self.variables.get, set(holders.values())) if isinstance(x, Later)
+        )
+        columns = {}
         with _readable(self.path):
-            read = {name: self._read(name) for name in set(holders.values())}
+            arrays = {name: self._read(name) for name in set(holders.values())}
         for role, name in wanted.items():
             matrix, i = self._parts.get(name, (name, None))
-            column = read[matrix]
+            column = arrays[matrix]
             if i is not None:
                 column = column[:, i] if column.shape[0] >= column.shape[1] else column[i]
             if column.dtype.kind not in "fiub":
@@ -126,20 +128,20 @@ class Source:
                 )
             else:
                 shared = list(holders.values()).count(matrix) + list(wanted.values()).count(name) > 2
-                found[role] = np.array(column.ravel(), float, copy=True if shared or i is not None else None)
+                columns[role] = np.array(column.ravel(), float, copy=True if shared or i is not None else None)
         if problems:
             raise InputError(problems)
-        return found
+        return columns
 
     def _read(self, name: str) -> Numbers:
         x = self.variables[name]
         return np.asarray(x.read() if isinstance(x, Later) else x)
 
-    def _fits(self, counts: Iterable[int]) -> None:
-        """Refuse numbers that memory cannot hold, before they are read.
+    def _check_memory(self, counts: Iterable[int]) -> None:
+        """Check that numbers fit into memory before they are read.
 
         Raises:
-            InputError: with both sizes.
+            InputError: if they do not.
         """
         wanted, free = 8.0 * sum(counts), platforms.free_memory()
         if wanted > free:
@@ -149,7 +151,7 @@ class Source:
 
 @contextmanager
 def _readable(path: Path | str) -> Iterator[None]:
-    """Within, whatever a library raises about a damaged file is one line."""
+    """A context in which any error of a library about a damaged file becomes an `InputError` of one line."""
     try:
         yield
     except StribeckError:
@@ -161,20 +163,20 @@ def _readable(path: Path | str) -> Iterator[None]:
         raise InputError(f"{arg('data')}: '{path}': cannot be read: {text}") from None
 
 
-def _once(source: Source, wanted: Mapping[str, str]) -> None:
+def _check_unique(source: Source, wanted: Mapping[str, str]) -> None:
     if twice := [(role, name) for role, name in wanted.items() if source.names.count(name) > 1]:
         text = f"{source.path} has this column more than once; the name must be unique"
         raise InputError([f"{arg(role)}: {name!r}: {text}" for role, name in twice])
 
 
 class CsvSource(Source):
-    """A CSV file, read in blocks; separators , ; and tab, decimal points or commas, with a head or without."""
+    """A CSV file, read in blocks; with separators , ; or tab, decimal points or commas, with or without a head."""
 
     def __init__(self, path: Path) -> None:
         self.path, self.file = path, path
         self.encoding = encoding_of(path)
         with path.open("r", encoding=self.encoding, newline="") as file:
-            text = file.read(1 << 16)  # whole numbers may come first: a decimal comma shows later
+            text = file.read(1 << 16)  # so much because the first decimal comma may come late
         if not text.strip():
             raise InputError(f"{arg('data')}: '{path}': is empty")
         if "\0" in text:
@@ -200,15 +202,15 @@ class CsvSource(Source):
             raise InputError(f"{arg('data')}: '{path}': {text}")
         self.constants = {}
         self.decimal = "," if self.separator != "," and "," in second and "." not in second else "."
-        self.sample = [line.split(self.separator) for line in lines[self.rows_from : -1]]  # the last one may be cut
+        self.sample = [line.split(self.separator) for line in lines[self.rows_from : -1]]  # the last line may be cut
 
     def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
-        """The columns by role, as arrays of their own."""
-        _once(self, wanted)
+        """The columns by role, as separate arrays."""
+        _check_unique(self, wanted)
         include = list(dict.fromkeys(wanted.values()))
         for name in include if self.separator != "," else ():
-            at = self.names.index(name)
-            if cell := thousands([row[at] for row in self.sample if len(row) > at]):
+            index = self.names.index(name)
+            if cell := thousands([row[index] for row in self.sample if len(row) > index]):
                 text = f"{cell!r} in column {name!r} is read as {cell.replace(',', '.')}, not as a number of thousands"
                 note(f"'{self.path}': {text}: write it without the mark if it is one")
         joined = self._by_arrow(include, wanted) if find_spec("pyarrow") else self._by_lines(include, wanted)
@@ -218,9 +220,9 @@ class CsvSource(Source):
         }
 
     def _by_lines(self, include: list[str], wanted: dict[str, str]) -> dict[str, Array]:
-        """The columns without pyarrow: some twenty times slower."""
-        at = {name: self.names.index(name) for name in include}
-        found: dict[str, list[float]] = {name: [] for name in include}
+        """The columns without pyarrow, which is some twenty times slower."""
+        indices = {name: self.names.index(name) for name in include}
+        columns: dict[str, list[float]] = {name: [] for name in include}
         with self.file.open("r", encoding=self.encoding, newline="") as file:
             for number, cells in enumerate(csv.reader(file, delimiter=self.separator), start=1):
                 if number <= self.rows_from or not cells:
@@ -228,19 +230,19 @@ class CsvSource(Source):
                 if len(cells) != len(self.names):
                     text = f"row {number} has {len(cells)} cells, not {len(self.names)}"
                     raise InputError(f"{arg('data')}: '{self.path}': cannot be read: {text}")
-                for name, i in at.items():
+                for name, i in indices.items():
                     cell = cells[i].strip()
                     try:
-                        found[name].append(float((cell.replace(",", ".") if self.decimal == "," else cell) or "nan"))
+                        columns[name].append(float((cell.replace(",", ".") if self.decimal == "," else cell) or "nan"))
                     except ValueError:
                         raise InputError(self._text(name, f"'{cell}'", wanted, str(number))) from None
-        return {name: np.array(values) for name, values in found.items()}
+        return {name: np.array(values) for name, values in columns.items()}
 
     def _by_arrow(self, include: list[str], wanted: dict[str, str]) -> dict[str, Array]:
         import pyarrow
         from pyarrow import csv as arrow_csv
 
-        # a column that is text in one block is read as text throughout, so that the first bad cell can be named
+        # without given types, text in one block makes the whole column text; with them the error has the first bad cell
         options = arrow_csv.ConvertOptions(
             include_columns=include,
             column_types=dict.fromkeys(include, pyarrow.float64()),
@@ -302,23 +304,23 @@ def _parquet(path: Path) -> Source:
                 raise InputError(f"{arg('data')}: '{path}': has a head but no rows")
 
         def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
-            _once(self, wanted)
+            _check_unique(self, wanted)
             try:
                 self._read_columns(list(dict.fromkeys(wanted.values())))
-            except (OSError, ArrowException) as error:  # damaged behind the head
+            except (OSError, ArrowException) as error:  # damaged after the head
                 text = (str(error).splitlines() or [type(error).__name__])[0]
                 raise InputError(f"{arg('data')}: '{path}': cannot be read: {text}") from None
             return super().columns(wanted)
 
         def _read_columns(self, names: list[str]) -> None:
             rows, place = self.file.metadata.num_rows, 0
-            self._fits(rows for _ in names)
+            self._check_memory(rows for _ in names)
             self.variables = {}
             for batch in self.file.iter_batches(1 << 18, columns=names, use_threads=False):
                 for name in names:
                     part = batch.column(name)
                     part = part.dictionary_decode() if hasattr(part, "dictionary_decode") else part
-                    if not str(part.type).startswith(_NUMBERS):  # text, which the check below names
+                    if not str(part.type).startswith(_NUMBERS):  # text, which Source.columns reports
                         self.variables[name] = part.to_numpy(zero_copy_only=False)
                         continue
                     self.variables.setdefault(name, np.empty(rows))[place : place + len(part)] = of_arrow(part)
@@ -336,21 +338,21 @@ def _mat(path: Path) -> Source:
         return np.asarray(loadmat(path, variable_names=[name])[name])
 
     try:
-        found = whosmat(path)
+        listing = whosmat(path)
     except NotImplementedError:  # MATLAB's 7.3 is HDF5
         return Source(path, _hdf5(path))
     except (MatReadError, ValueError, TypeError) as error:
         raise InputError(f"{arg('data')}: '{path}': cannot be read as a MAT file: {error}") from None
     kinds = {"double": "f", "single": "f", "logical": "u", "char": "U"}
     variables = {}
-    for name, shape, of in found:
-        kind = kinds.get(of, "i" if "int" in of else "O")
+    for name, shape, matlab_type in listing:
+        kind = kinds.get(matlab_type, "i" if "int" in matlab_type else "O")
         variables[name] = Later(tuple(shape), kind, partial(read, name))
     return Source(path, variables)
 
 
 def _hdf5(path: Path) -> dict[str, Later]:
-    """The numeric variables of a MAT file of version 7.3. What points to another file is not opened."""
+    """The numeric variables of a MAT file of version 7.3. Links to other files are not opened."""
     with needed("reading MAT files of version 7.3"):
         import h5py
 
@@ -359,25 +361,25 @@ def _hdf5(path: Path) -> dict[str, Later]:
             return np.asarray(file[name][()])
 
     def within(file: h5py.File, name: str) -> bool:
-        """Whether a path leads through this file alone."""
-        at = file
+        """Whether a path is in this file alone."""
+        node = file
         for part in name.strip("/").split("/"):
-            if not isinstance(at, h5py.Group) or not isinstance(at.get(part, getlink=True), h5py.HardLink):
+            if not isinstance(node, h5py.Group) or not isinstance(node.get(part, getlink=True), h5py.HardLink):
                 return False
-            at = at[part]
+            node = node[part]
         return True
 
-    found = {}
+    variables = {}
     with h5py.File(path) as file:
         for name in file:
             link = file.get(name, getlink=True)
             target = link.path if isinstance(link, h5py.SoftLink) else name
             if not within(file, target):
-                found[name] = Later((2,), "f", partial(read, name), "a link")
+                variables[name] = Later((2,), "f", partial(read, name), "a link")
             elif isinstance(x := file[target], h5py.Dataset) and x.dtype.kind in "fiu" and x.shape is not None:
                 elsewhere = "a virtual dataset" if x.is_virtual else "external storage" if x.external else ""
-                found[name] = Later(x.shape, x.dtype.kind, partial(read, name), elsewhere)
-    return found
+                variables[name] = Later(x.shape, x.dtype.kind, partial(read, name), elsewhere)
+    return variables
 
 
 def _npz(path: Path) -> Source:
@@ -399,7 +401,7 @@ def _npz(path: Path) -> Source:
                 continue
             with archive.open(entry) as file:
                 version = np.lib.format.read_magic(file)
-                if version not in headers:  # 3.0 is for names of fields, and no column
+                if version not in headers:  # 3.0 is for tables with named fields, which are no columns
                     continue
                 shape, _, dtype = headers[version](file)
             variables[name] = Later(shape, "O" if dtype.hasobject else dtype.kind, partial(read, name))
@@ -411,25 +413,25 @@ _READERS = {".csv": CsvSource, ".txt": CsvSource, ".tsv": CsvSource, ".dat": Csv
 
 
 def opened(data: Any) -> Source:
-    """The file, data frame or mapping, its columns not read yet.
+    """Open a file, data frame or mapping; its columns are read later.
 
     Raises:
-        InputError: there is no such file, or it cannot be read.
+        InputError: if there is no such file, or it cannot be read.
     """
     if not is_table(data):
-        return _file(Path(data))
+        return _open_path(Path(data))
     names = data.keys() if isinstance(data, Mapping) else data.columns
-    return Source("the table", {str(name): _plain(data[name]) for name in names})
+    return Source("the table", {str(name): _as_array(data[name]) for name in names})
 
 
-def _plain(column: object) -> Numbers:
-    """A column of a data frame as an array; pandas' own missing values are NaN."""
+def _as_array(column: object) -> Numbers:
+    """A column of a data frame as an array; pandas' missing values become nan."""
     if hasattr(column, "to_numpy") and str(getattr(column, "dtype", "")).startswith(("Int", "Float")):
         return np.asarray(column.to_numpy(dtype=float, na_value=np.nan))
     return np.asarray(column)
 
 
-def _file(path: Path) -> Source:
+def _open_path(path: Path) -> Source:
     kind = path.suffix.lower()
     with _readable(path):
         if path.is_dir():

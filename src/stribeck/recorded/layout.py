@@ -1,4 +1,4 @@
-"""Where the table of a text file begins, and how it is written."""
+"""Detection of a text file's table: encoding, first line, head, separator, units and marks of thousands."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-_LONGEST_PREAMBLE = 200  # lines before the head of a text file
+_LONGEST_PREAMBLE = 200  # lines before the head of a text file: settings of instruments have at most some dozens
 
 
 def encoding_of(path: Path) -> str:
-    """UTF-8 where the beginning of a file is that, else the Latin-1 of older spreadsheets, or UTF-16 by its mark."""
+    """The encoding of a file: UTF-16 by its mark, UTF-8 if its beginning is valid, otherwise Latin-1 (old spreadsheets)."""
     with path.open("rb") as file:
         start = file.read(1 << 16)
     if start.startswith((b"\xff\xfe", b"\xfe\xff")):
@@ -23,9 +23,10 @@ def encoding_of(path: Path) -> str:
 
 
 def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
-    """The line that the table begins with, whether that is its head, and the separator.
+    """The first line of the table, whether that is its head, and the separator.
 
-    Instruments write titles, dates and settings first: the table is where lines of numbers, all with as many cells, begin.
+    Instruments write titles, dates and settings first. The table begins with the first lines of numbers that have equally
+    many cells, or with the head above them.
     """
     for i, line in enumerate(lines[:_LONGEST_PREAMBLE]):
         separator = _separator(line)
@@ -57,15 +58,15 @@ def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
 
 
 def commas_twice(lines: Sequence[str], first: int) -> bool:
-    """Whether rows from the line ``first`` on have two cells for each name above, as decimal commas make of them."""
+    """Whether rows from the line ``first`` on have two cells for each name, the effect of decimal commas."""
     names, row = (len(line.split(",")) for line in (lines[first - 1], lines[first]))
     return names > 1 and row == 2 * names and "." not in lines[first]
 
 
 def thousands(cells: Sequence[str]) -> str:
-    """A cell such as 1,004 or 1.004 that may mean a thousand and four, or nothing.
+    """A cell such as 1,004 or 1.004 that may mean a thousand and four; empty if there is none.
 
-    That is so where every mark of the column stands before exactly three digits, and the other cells are whole numbers
+    It is ambiguous if each mark in the column is followed by exactly three digits, and the other cells are whole numbers
     below a thousand.
     """
     texts = [cell.strip() for cell in cells if cell.strip()]
@@ -76,8 +77,8 @@ def thousands(cells: Sequence[str]) -> str:
 
 
 def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:
-    """The line of the names, where the one that seemed to hold them has numbers too, and words alone stand above it: it is
-    a row with a cell that is none."""
+    """The line of the names, if the supposed head contains numbers and a line of words is above it: the supposed head is then
+    a row with an invalid cell."""
     for j in range(head, -1, -1):
         cells = lines[j].split(separator)
         if len(cells) != count:
@@ -88,12 +89,12 @@ def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int)
 
 
 def _separator(line: str) -> str:
-    """The separator of a line: a comma only where there is neither a tab nor a semicolon, as it may be the decimal mark."""
+    """The separator of a line: tab or semicolon, otherwise a comma, which may also be the decimal mark."""
     return next((s for s in "\t;" if s in line), ",")
 
 
 def is_units(line: str, separator: str, count: int) -> bool:
-    """Whether a line below the names holds their units: short words without digits, such as s, mm, [N]."""
+    """Whether a line below the names contains their units: short words other than numbers, such as s, mm, [N]."""
     cells = [cell.strip().strip('"') for cell in line.split(separator)]
     return len(cells) == count and any(cells) and all(len(c) <= 8 and not _is_number(c) for c in cells)
 

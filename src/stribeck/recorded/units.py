@@ -23,7 +23,7 @@ _OF = ((LENGTH, "m"), (ANGLE, "rad"), (TORQUE, "N m"), (FORCE, "N"), (PRESSURE, 
 
 
 def si_unit(unit: str) -> str:
-    """The SI unit that a unit's factor leads to: ``rad/s`` for ``rpm``; empty for what is none of these."""
+    """The SI unit of a unit's factor: ``rad/s`` for ``rpm``; empty for an unknown unit."""
     if unit in ("rpm", "g"):
         return "rad/s" if unit == "rpm" else "m/s^2"
     if "/" in unit:

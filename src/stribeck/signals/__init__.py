@@ -1,4 +1,4 @@
-"""Signals: what a drive follows, as a function of time; ``KINDS`` lists them."""
+"""Signals: references and inputs as functions of time; ``KINDS`` lists them."""
 
 from __future__ import annotations
 

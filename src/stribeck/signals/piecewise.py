@@ -1,4 +1,4 @@
-"""Signals of time: what a drive is given. All are continuous from the right."""
+"""Signals as functions of time: piecewise linear ones, and the sine. All are continuous from the right."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Segment:
 
 
 class Signal:
-    """A signal of time. ``smooth`` ones are one equation; the others are straight pieces between breakpoints."""
+    """A signal as a function of time: one equation if ``smooth``, otherwise linear between breakpoints."""
 
     kind: ClassVar[str]
     meaning: ClassVar[str]
@@ -74,12 +74,12 @@ class Signal:
 
     @property
     def longest_step(self) -> float:
-        """The longest step in s that cannot miss a wave of the signal."""
+        """The longest step that cannot miss a wave of the signal, s."""
         return math.inf
 
     @property
     def pieces(self) -> list[tuple[float, dict[str, float]]]:
-        """When the equation of a smooth signal changes its constants, and to what; one piece unless said."""
+        """Start (s) and constants of each piece of a smooth signal; one piece unless overridden."""
         return [(0.0, self.values)]
 
     def values_at(self, t: ArrayLike) -> dict[str, Value]:
@@ -98,7 +98,7 @@ class Signal:
         left, right = s.at(times[:-1]), s.value[i] + s.slope[i] * (times[1:] - s.start[i])
         jumps = np.append(False, (abs(left[1:]) >= level) != (abs(right[:-1]) >= level))
         passes = {side * level: (side * left >= level) != (side * right >= level) for side in (1, -1)}
-        found: list[tuple[float, bool]] = []
+        crossings: list[tuple[float, bool]] = []
         for j in np.flatnonzero(jumps | passes[level] | passes[-level]):
             t0, t1, a, b = times[j], times[j + 1], left[j], right[j]
             cuts = [t0] if jumps[j] else []
@@ -106,12 +106,12 @@ class Signal:
             above = (abs(a) >= level) != jumps[j]
             for cut in sorted(cuts):
                 above = not above
-                found.append((float(cut), bool(above)))
-        return _without_touches(found)
+                crossings.append((float(cut), bool(above)))
+        return _drop_touches(crossings)
 
 
-def _without_touches(crossings: list[tuple[float, bool]]) -> list[tuple[float, bool]]:
-    """The crossings without those that are undone in the same instant: there the signal only touches the level."""
+def _drop_touches(crossings: list[tuple[float, bool]]) -> list[tuple[float, bool]]:
+    """The crossings without pairs at the same instant, where the signal only touches the level."""
     kept: list[tuple[float, bool]] = []
     for t, rises in crossings:
         if kept and math.isclose(t, kept[-1][0], rel_tol=1e-14, abs_tol=0.0):
@@ -143,7 +143,7 @@ class StepSignal(Signal):
 
     @cached_property
     def segments(self) -> Segments:
-        return _segments(np.array([self.values["time"]] * 2), np.array([0.0, self.values["value"]]))
+        return _polyline(np.array([self.values["time"]] * 2), np.array([0.0, self.values["value"]]))
 
 
 class SquareSignal(Signal):
@@ -190,7 +190,7 @@ class SineSignal(Signal):
 
     def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
         v = self.values
-        found: list[tuple[float, bool]] = []
+        crossings: list[tuple[float, bool]] = []
         rate = 2 * np.pi * v["frequency"]
         for target in (level, -level):
             x = (target - v["offset"]) / v["amplitude"] if v["amplitude"] else 2.0
@@ -199,8 +199,8 @@ class SineSignal(Signal):
             for angle in (np.arcsin(x), np.pi - np.arcsin(x)):
                 first = ((angle - v["phase"]) % (2 * np.pi)) / rate
                 rises = bool(v["amplitude"] * np.cos(angle) * np.sign(target) > 0)
-                found += [(float(t), rises) for t in np.arange(first, t_end, 2 * np.pi / rate) if t > 0]
-        return sorted(found)
+                crossings += [(float(t), rises) for t in np.arange(first, t_end, 2 * np.pi / rate) if t > 0]
+        return sorted(crossings)
 
 
 @dataclass
@@ -217,24 +217,24 @@ class PointsSignal(Signal):
 
     @staticmethod
     def problems(t: Array, value: Array) -> list[tuple[str, str]]:
-        """What is wrong with such points: (key, message)."""
+        """Key and message of each mistake in the points."""
         if len(t) == 0:
             return [("t", "[]: must hold at least one time")]
-        found = []
+        problems = []
         if len(t) != len(value):
-            found.append(("value", f"a list of {len(value)}: must be as long as t ({len(t)})"))
+            problems.append(("value", f"a list of {len(value)}: must be as long as t ({len(t)})"))
         for key, x in (("t", t), ("value", value)):
             bad = np.flatnonzero(~np.isfinite(x))
             if len(bad):
-                found.append((f"{key}[{bad[0]}]", f"{x[bad[0]]}: must be a finite number"))
-        if not found and (down := np.flatnonzero(np.diff(t) < 0)).size:
+                problems.append((f"{key}[{bad[0]}]", f"{x[bad[0]]}: must be a finite number"))
+        if not problems and (down := np.flatnonzero(np.diff(t) < 0)).size:
             i = int(down[0]) + 1
-            found.append((f"t[{i}]", f"{show(float(t[i]))}: times must not decrease (the one before is {t[i - 1]})"))
-        return found
+            problems.append((f"t[{i}]", f"{show(float(t[i]))}: times must not decrease (the one before is {t[i - 1]})"))
+        return problems
 
     @cached_property
     def segments(self) -> Segments:
-        return _segments(self.t, self.value)
+        return _polyline(self.t, self.value)
 
 
 class StaircaseSignal(PointsSignal):
@@ -268,20 +268,23 @@ class FileSignal(PointsSignal):
         """The signal in the columns ``time`` and ``value`` of a CSV, Parquet, MAT or NPZ file.
 
         Args:
-            path: the file; of CSV the separator and the decimal sign are found.
+            path: the file; the separator and decimal sign of CSV are detected.
             time: the name of the column of times; ``time_unit`` is its unit.
             value: the name of the column of values; ``unit`` is their unit (SI unless given).
-            scale: what the values are multiplied by, after their unit.
+            scale: a factor of the values, applied after their unit.
 
         Raises:
-            InputError: the file or a column is not there, or holds what is not a finite number; times decrease; an
-                unknown unit.
+            InputError: if the file or a column is missing, contains a value that is not finite, has decreasing times, or
+                a unit is unknown.
         """
         known = {"unit": LENGTH | ANGLE | SPEED | FORCE | PRESSURE, "time_unit": TIME}
         given = {"unit": unit, "time_unit": time_unit}
         if wrong := [name for name, text in given.items() if text is not None and text not in known[name]]:
             raise InputError(
-                [f"{name}: {show(given[name])}: no such unit{_some(given[name], known[name])}" for name in wrong]
+                [
+                    f"{name}: {show(given[name])}: no such unit{_nearest_unit(given[name], known[name])}"
+                    for name in wrong
+                ]
             )
         columns = read_columns(path, {"time": time, "value": value})
         names = {"time": time, "value": value}
@@ -291,27 +294,27 @@ class FileSignal(PointsSignal):
         columns["time"] *= TIME[time_unit]
         columns["value"] *= scale * (known["unit"][unit] if unit is not None else 1.0)
         t = columns["time"]
-        if found := cls.problems(t, columns["value"]) or _still(t):
+        if problems := cls.problems(t, columns["value"]) or _constant_time(t):
 
             def place(where: str) -> str:
                 key, _, row = where.partition("[")
                 name = names["time" if key == "t" else key]
                 return f"column {name!r}, row {row[:-1]}" if row else f"column {name!r}"
 
-            raise InputError([f"path: {path}: {place(where)}: {text}" for where, text in found])
+            raise InputError([f"path: {path}: {place(where)}: {text}" for where, text in problems])
         return cls(columns["time"], columns["value"])
 
 
-def _still(t: Array) -> list[tuple[str, str]]:
-    """What is wrong with a recording of which all rows, more than those of a step, have one time."""
+def _constant_time(t: Array) -> list[tuple[str, str]]:
+    """The mistake of a recording with one time in all rows; two rows are a step."""
     return [("t", f"{show(float(t[0]))} s in every row: must rise")] if len(t) > 2 and t[0] == t[-1] else []
 
 
-def _some(unit: str | None, known: Mapping[str, float]) -> str:
+def _nearest_unit(unit: str | None, known: Mapping[str, float]) -> str:
     return nearest(str(unit), known) or f" (known: {', '.join([u for u in known if len(u) < 5][:12])}, ...)"
 
 
-def _segments(t: Array, value: Array) -> Segments:
+def _polyline(t: Array, value: Array) -> Segments:
     """Pieces of a polyline that is constant outside its points."""
     length = np.diff(t)
     inner = np.flatnonzero(length > 0)

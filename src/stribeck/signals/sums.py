@@ -18,8 +18,10 @@ from stribeck.signals.piecewise import Signal, SineSignal
 from stribeck.signals.trajectories import COEFFICIENTS, Curve
 
 _SINE = tuple(SineSignal.constants)
-_LOOKS = 4  # for a change of sign, to each of the longest steps that cannot miss a wave; eight times as many to a piece
-_ROUNDING = 1e-12
+_LOOKS = (
+    4  # samples for each longest step that cannot miss a wave, to find changes of sign; 8 times as many for each piece
+)
+_ROUNDING = 1e-12  # relative: well above the rounding of values
 
 
 class SumSignal(Signal):
@@ -33,27 +35,27 @@ class SumSignal(Signal):
         super().__init__(self.pieces[0][1])
 
     @staticmethod
-    def of(parts: Sequence[Signal]) -> SumSignal:
-        """The sum, of the class for as many sines as it has."""
+    def flattened(parts: Sequence[Signal]) -> SumSignal:
+        """The sum, with nested sums flattened, of the class for its number of sines."""
         flat = [p for part in parts for p in (part.parts if isinstance(part, SumSignal) else [part])]
         return sum_with(sum(isinstance(p, SineSignal) for p in flat))(flat)
 
     @classmethod
     def equation(cls, p: SimpleNamespace, t: Value) -> Value:
-        """The present polynomial and the sines."""
+        """The current polynomial and the sines."""
         total = Curve.equation(p, t)
         for i in range(cls.sines):
             total = total + SineSignal.equation(SimpleNamespace(**{n: getattr(p, f"{n}_{i}") for n in _SINE}), t)
         return total
 
     @cached_property
-    def _waves(self) -> list[Signal]:
+    def _sines(self) -> list[Signal]:
         return [part for part in self.parts if isinstance(part, SineSignal)]
 
     @cached_property
-    def _rest(self) -> list[list[tuple[float, Polynomial]]]:
-        """Of each part that is no sine: when each polynomial begins, and what it is of the time since then."""
-        found = []
+    def _polynomials(self) -> list[list[tuple[float, Polynomial]]]:
+        """For each part other than sines: start and polynomial of each piece, in the time since its start."""
+        polynomials = []
         for part in self.parts:
             if isinstance(part, Curve):
                 rows = [(start, Polynomial([v[n] for n in COEFFICIENTS])) for start, v in part.pieces]
@@ -62,23 +64,23 @@ class SumSignal(Signal):
                 rows = [(float(a), Polynomial([b, c])) for a, b, c in zip(s.start, s.value, s.slope, strict=True)]
             else:
                 continue
-            found.append(rows)
-        return found
+            polynomials.append(rows)
+        return polynomials
 
     @cached_property
     def pieces(self) -> list[tuple[float, dict[str, float]]]:
-        """When the polynomial changes, and to what."""
-        waves = {f"{n}_{i}": float(w.values[n]) for i, w in enumerate(self._waves) for n in _SINE}
-        starts = sorted({0.0, *(start for rows in self._rest for start, _ in rows if start > 0)})
-        found = []
+        """Start (s) and constants of each piece."""
+        waves = {f"{n}_{i}": float(w.values[n]) for i, w in enumerate(self._sines) for n in _SINE}
+        starts = sorted({0.0, *(start for rows in self._polynomials for start, _ in rows if start > 0)})
+        pieces = []
         for start in starts:
             total = Polynomial([0.0])
-            for rows in self._rest:
-                begin, own = next((r for r in reversed(rows) if r[0] <= start), rows[0])
-                total = total + own(Polynomial([start - begin, 1.0]))
+            for rows in self._polynomials:
+                begin, polynomial = next((r for r in reversed(rows) if r[0] <= start), rows[0])
+                total = total + polynomial(Polynomial([start - begin, 1.0]))
             c = np.pad(total.coef, (0, len(COEFFICIENTS) - len(total.coef)))
-            found.append((start, {"start": start, **dict(zip(COEFFICIENTS, c.tolist(), strict=True)), **waves}))
-        return found
+            pieces.append((start, {"start": start, **dict(zip(COEFFICIENTS, c.tolist(), strict=True)), **waves}))
+        return pieces
 
     @property
     def longest_step(self) -> float:
@@ -94,7 +96,7 @@ class SumSignal(Signal):
 
     @property
     def jumps(self) -> list[bool]:
-        """Whether the value jumps where each piece but the first begins."""
+        """Whether the value jumps at the start of each piece but the first."""
         ends = [(self._within(i, start), self._within(i + 1, start)) for i, (start, _) in enumerate(self.pieces[1:])]
         return [bool(abs(b - a) > _ROUNDING * max(abs(a), abs(b))) for a, b in ends]
 
@@ -103,45 +105,45 @@ class SumSignal(Signal):
         return self.equation(SimpleNamespace(**self.pieces[i][1]), t)
 
     def _rate(self, i: int, t: Value) -> Value:
-        """Its derivative."""
+        """The time derivative of piece i, also at its ends."""
         p = self.pieces[i][1]
         rate = Polynomial([p[n] for n in COEFFICIENTS]).deriv()(t - p["start"])
-        for wave in self._waves:
+        for wave in self._sines:
             w = 2 * np.pi * wave.values["frequency"]
             rate = rate + wave.values["amplitude"] * w * np.cos(w * t + wave.values["phase"])
         return rate
 
-    def _changes(self, of: Callable[[int, Value], Value], t_end: float) -> Iterator[tuple[float, bool]]:
-        """Where a quantity of the pieces passes through 0 within one, and whether it rises: bisected to rounding."""
+    def _zeros(self, quantity: Callable[[int, Value], Value], t_end: float) -> Iterator[tuple[float, bool]]:
+        """Times at which a quantity passes through 0 within a piece, bisected to rounding, and whether it rises."""
         starts = [start for start, _ in self.pieces if start < t_end]
         for i, (begin, end) in enumerate(zip(starts, [*starts[1:], t_end], strict=True)):
             count = int(np.ceil((end - begin) / self.longest_step * _LOOKS)) + 8 * _LOOKS
             t = np.linspace(begin, end, count + 1)
-            side = np.sign(of(i, t) + 0.0 * t)
+            side = np.sign(quantity(i, t) + 0.0 * t)
             for k in np.flatnonzero(side[1:] * side[:-1] < 0):
                 low, high = float(t[k]), float(t[k + 1])
                 while low < (middle := 0.5 * (low + high)) < high:
-                    low, high = (middle, high) if of(i, middle) * side[k] > 0 else (low, middle)
+                    low, high = (middle, high) if quantity(i, middle) * side[k] > 0 else (low, middle)
                 yield low, bool(side[k] < 0)
 
     def turns(self, t_end: float) -> Array:
-        """The times within the run at which the rate passes through 0."""
-        return np.array([t for t, _ in self._changes(self._rate, t_end)])
+        """The times before ``t_end`` at which the rate passes through 0."""
+        return np.array([t for t, _ in self._zeros(self._rate, t_end)])
 
     def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
         def above(i: int, t: Value) -> Value:
             return abs(self._within(i, t)) - level
 
-        found = [(t, rises) for t, rises in self._changes(above, t_end) if t > 0]
+        crossings = [(t, rises) for t, rises in self._zeros(above, t_end) if t > 0]
         for i, (start, _) in enumerate(self.pieces[1:]):
             before, after = above(i, start) >= 0, above(i + 1, start) >= 0
-            found += [(start, bool(after))] if before != after and start <= t_end else []
-        return sorted(found)
+            crossings += [(start, bool(after))] if before != after and start <= t_end else []
+        return sorted(crossings)
 
 
 @lru_cache(maxsize=64)
 def sum_with(sines: int) -> type[SumSignal]:
-    """The class of sums with so many sines: the equation depends on their number."""
+    """The class of sums with a number of sines, on which the equation depends."""
     waves = {f"{n}_{i}": c for i in range(sines) for n, c in SineSignal.constants.items()}
     return type("SumSignal", (SumSignal,), {"sines": sines, "constants": {**Curve.constants, **waves}})
 
@@ -150,7 +152,7 @@ KINDS: dict[str, type[Signal]] = {SumSignal.kind: SumSignal}
 
 
 def least_of(signal: Signal) -> float:
-    """A lower bound of a signal for t >= 0; exact but for curves, which are looked at in 4001 points, and for sums."""
+    """A lower bound of a signal for t >= 0; for curves the least of 4001 values, for sums the sum of the parts' bounds."""
     if isinstance(signal, SumSignal):
         return sum(map(least_of, signal.parts))
     if isinstance(signal, SineSignal):

@@ -1,4 +1,4 @@
-"""Signals with three derivatives through given points: what a controller can follow that needs the jerk."""
+"""Signals with three continuous derivatives through given points, for controllers that need the jerk."""
 
 from __future__ import annotations
 
@@ -43,19 +43,19 @@ class Curve(Signal):
 
     @staticmethod
     def problems(t: Array, value: Array) -> list[tuple[str, str]]:
-        """What is wrong with such points: (key, message)."""
-        found = PointsSignal.problems(t, value)
-        if not found and len(t) < 2:
-            found.append(("t", f"{show(t.tolist())}: must hold at least two times"))
-        if not found and (same := np.flatnonzero(np.diff(t) <= 0)).size:
+        """Key and message of each mistake in the points."""
+        problems = PointsSignal.problems(t, value)
+        if not problems and len(t) < 2:
+            problems.append(("t", f"{show(t.tolist())}: must hold at least two times"))
+        if not problems and (same := np.flatnonzero(np.diff(t) <= 0)).size:
             i = int(same[0]) + 1
-            found.append(
+            problems.append(
                 (f"t[{i}]", f"{t[i]}: times must increase, a jump has no derivatives (the one before is {t[i - 1]})")
             )
-        if not found and (steep := np.flatnonzero(~np.isfinite(_seventh(t, value)))).size:
+        if not problems and (steep := np.flatnonzero(~np.isfinite(_highest_coefficients(t, value)))).size:
             i = int(steep[0]) + 1
-            found.append((f"value[{i}]", f"{value[i]}: too far from the one before for the time between them"))
-        return found
+            problems.append((f"value[{i}]", f"{value[i]}: too far from the one before for the time between them"))
+        return problems
 
     @staticmethod
     def equation(p: SimpleNamespace, t: Value) -> Value:
@@ -81,7 +81,7 @@ class Curve(Signal):
         return np.asarray(self.equation(SimpleNamespace(**self.values_at(t)), np.asarray(t, float)))
 
     def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
-        found: list[tuple[float, bool]] = []
+        crossings: list[tuple[float, bool]] = []
         ends = [*(start for start, _ in self.pieces[1:]), np.inf]
         for (start, values), end in zip(self.pieces, ends, strict=True):
             poly = np.polynomial.Polynomial([values[name] for name in COEFFICIENTS])
@@ -89,15 +89,15 @@ class Curve(Signal):
                 roots = (poly - target).roots()
                 real = roots[abs(roots.imag) < 1e-9 * (1 + abs(roots))].real + start
                 slope = poly.deriv()(real - start) * np.sign(target)
-                found += [
-                    (float(at), bool(rise > 0))
-                    for at, rise in zip(real, slope, strict=True) if start <= at < end and 0 < at <= t_end and rise
+                crossings += [
+                    (float(time), bool(rise > 0))
+                    for time, rise in zip(real, slope, strict=True) if start <= time < end and 0 < time <= t_end and rise
                 ]  # fmt: skip
-        return sorted(found)
+        return sorted(crossings)
 
 
-def _seventh(t: Array, value: Array) -> Array:
-    """The size of the highest coefficients between points."""
+def _highest_coefficients(t: Array, value: Array) -> Array:
+    """The magnitude of the highest coefficient between points; not finite if it overflows."""
     with np.errstate(all="ignore"):
         return np.asarray(1e3 * np.diff(value) / np.diff(t) ** 7)
 
@@ -114,7 +114,7 @@ class PointToPointSignal(Curve):
         rows = np.zeros((len(t) - 1, 8))
         rows[:, 0] = value[:-1]
         length = np.diff(t)
-        with np.errstate(over="ignore"):  # of a time without end
+        with np.errstate(over="ignore"):  # of an infinite time
             power = length * length * length  # products: a power's last bit depends on the machine
             for n, factor in enumerate(_MOVE, start=4):
                 power = power * length

@@ -1,7 +1,7 @@
-"""What solves a scenario: C by the machine's compiler where there is one, else WebAssembly by Wasmtime.
+"""The choice of the solver's backend: C if the machine has a compiler, otherwise WebAssembly by Wasmtime.
 
 Both compute the same equations in the same order. C takes about two thirds of the time, and its bits depend on the
-compiler; those of WebAssembly are the same everywhere.
+compiler; those of WebAssembly are the same on every processor.
 """
 
 from __future__ import annotations
@@ -19,29 +19,29 @@ from stribeck.simulation import cache, compiler, native
 from stribeck.simulation.result import Result
 
 BACKENDS = ("auto", "c", "wasm")
-VARIABLE = "STRIBECK_BACKEND"  # of the environment: what is asked for
+VARIABLE = "STRIBECK_BACKEND"  # the environment variable with the wanted backend
 Progress = Callable[[float], None]
 Solver = Callable[[Scenario, Progress | None], Result]
 
 
 def chosen() -> str:
-    """``c`` or ``wasm``: what $STRIBECK_BACKEND asks for; ``auto``, or nothing: C if there is a compiler.
+    """``c`` or ``wasm``: the value of $STRIBECK_BACKEND; ``auto``, or unset: C if there is a compiler.
 
     Raises:
-        InputError: it is none of these, or C is asked for and there is no compiler.
+        InputError: if the value is none of these, or is C and there is no compiler.
     """
-    asked = os.environ.get(VARIABLE, "auto") or "auto"
-    if asked not in BACKENDS:
-        raise InputError(f"{VARIABLE}: {asked!r}: must be {', '.join(BACKENDS[:-1])} or {BACKENDS[-1]}")
-    has_compiler = asked != "wasm" and compiler.find() is not None
-    if asked == "c" and not has_compiler:
+    wanted = os.environ.get(VARIABLE, "auto") or "auto"
+    if wanted not in BACKENDS:
+        raise InputError(f"{VARIABLE}: {wanted!r}: must be {', '.join(BACKENDS[:-1])} or {BACKENDS[-1]}")
+    has_compiler = wanted != "wasm" and compiler.find() is not None
+    if wanted == "c" and not has_compiler:
         raise InputError(f"{VARIABLE}: 'c': no C compiler was found ('stribeck doctor' says where it is looked for)")
     return "c" if has_compiler else "wasm"
 
 
 @dataclass(frozen=True)
 class Built:
-    """What solves a scenario's system: ``c`` or ``wasm``, whether it was built now, and the seconds that this took."""
+    """The solver of a scenario's system: its backend (``c`` or ``wasm``), whether it was built now, and the time of this."""
 
     solve: Solver
     backend: str
@@ -50,29 +50,29 @@ class Built:
 
 
 def solver(scenario: Scenario) -> Built:
-    """What solves a scenario's system.
+    """The solver of a scenario's system.
 
-    A compiler that fails is named in a note; WebAssembly then solves.
+    If the compiler fails, a note reports it and WebAssembly is used.
 
     Raises:
-        InputError: see :func:`chosen`.
-        BuildError: neither can build the system.
+        InputError: as :func:`chosen`.
+        BuildError: if neither backend can build the system.
     """
     started = perf_counter()
     if chosen() == "c":
-        compiler_now = compiler.find()
-        assert compiler_now is not None
+        c_compiler = compiler.find()
+        assert c_compiler is not None
         try:
-            library, built = cache.library(source(scenario.system), compiler_now, native.check)
-            return Built(partial(native.solve, library), "c", built, perf_counter() - started)
+            library, new = cache.library(source(scenario.system), c_compiler, native.check)
+            return Built(partial(native.solve, library), "c", new, perf_counter() - started)
         except (BuildError, OSError) as error:
             if os.environ.get(VARIABLE) == "c":
                 raise BuildError(f"compiling failed: {' '.join(str(error).split())}") from None
             note(
                 f"compiling failed ({' '.join(str(error).split())}): solving by WebAssembly, in half as much time again"
             )
-    from stribeck.simulation import wasm  # not where C is used: its emitter takes a while to import
+    from stribeck.simulation import wasm  # imported only if needed: its emitter is slow to import
 
     system = wasm.system_module(scenario.system)
-    made, built = wasm.compiled(system.module)
-    return Built(partial(wasm.solve, made, system), "wasm", built, perf_counter() - started)
+    code, new = wasm.compiled(system.module)
+    return Built(partial(wasm.solve, code, system), "wasm", new, perf_counter() - started)

@@ -1,9 +1,9 @@
-"""Compiled systems, kept on disk under a digest of all that made them.
+"""The cache of compiled systems on disk.
 
-The digest is of the C source itself, the compiler, its flags and the processor, so nothing can be stale. A file's name
-also holds the digest of its content: a file cut short is noticed before it is loaded, and several processes may write
-at the same time. A library is code that will run: the folder is closed to other users (0700), and neither a folder nor
-a file is trusted that another user owns or could have written.
+The key is a digest of the C source, the compiler, its flags and the processor, so nothing can be stale. A file's name
+also contains the digest of its content: a truncated file is noticed before it is loaded, and several processes may write
+at the same time. A library is code that will run. The folder is therefore closed to other users (0700), and a folder or
+a file that another user owns or could have written is not used.
 """
 
 from __future__ import annotations
@@ -25,10 +25,9 @@ _loaded: dict[tuple[str, str], ctypes.CDLL] = {}  # by the compiler's key and th
 
 
 def folder() -> Path:
-    """Where compiled systems are kept: $STRIBECK_CACHE, or the user's cache folder; of a user who has no home, a folder for
-    temporary files."""
+    """The folder of the cache: $STRIBECK_CACHE, or the user's cache folder; without a home, a folder for temporary files."""
     if given := os.environ.get("STRIBECK_CACHE"):
-        return Path(given).absolute()  # a library's bare name would be looked for elsewhere
+        return Path(given).absolute()  # the loader searches a relative path elsewhere
     import platformdirs
 
     try:
@@ -42,39 +41,42 @@ def folder() -> Path:
 def library(
     source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None] | None = None
 ) -> tuple[ctypes.CDLL, bool]:
-    """The compiled source, from this process, from disk or built now; and whether it was built now.
+    """The library of a source, from this process, from disk or built now; and whether it was built now.
 
     Args:
-        source: the C.
-        compiler: what compiles it.
-        check: raises BuildError where a library is not what it should be; one from disk is then built anew.
+        source: the C source.
+        compiler: the compiler.
+        check: raises BuildError for an unsuitable library; one from disk is then built again.
 
     Raises:
-        BuildError: the compiler failed, or what it built does not pass the check.
-        OSError: what it built cannot be loaded.
+        BuildError: if the compiler failed, or the new library does not pass the check.
+        OSError: if the new library cannot be loaded.
     """
-    both = compiler.key, source
-    if both in _loaded:
-        return _loaded[both], False
-    key = sha256("\0".join(both).encode()).hexdigest()[:32]
+    identity = compiler.key, source
+    if identity in _loaded:
+        return _loaded[identity], False
+    key = sha256("\0".join(identity).encode()).hexdigest()[:32]
     check = check or (lambda library: None)
-    found = _from_disk(key, check)
-    if found is not None:
-        _loaded[both] = found
-        return found, False
-    _loaded[both] = _build(key, source, compiler, check)
-    return _loaded[both], True
+    loaded = _from_disk(key, check)
+    if loaded is not None:
+        _loaded[identity] = loaded
+        return loaded, False
+    _loaded[identity] = _compile(key, source, compiler, check)
+    return _loaded[identity], True
 
 
 def distrusted(home: Path) -> str | None:
-    """Why nothing is loaded from this folder, or None; one of ours that is open to others is closed, unless it holds other
-    files, as /tmp does: then it is used where others cannot write."""
+    """Why a folder cannot be used for the cache, or None.
+
+    A folder of this user that is open to others is closed to them. If it contains other files, as /tmp does, it is left as
+    it is, and used if others cannot write there.
+    """
     if not hasattr(os, "geteuid"):
         return None
     try:
         state = home.stat()
     except OSError:
-        return None  # there is none yet, or it will be said that it cannot be written
+        return None  # it does not exist yet, or the attempt to write reports the reason
     if not stat.S_ISDIR(state.st_mode):
         return None
     if state.st_uid != os.geteuid():
@@ -95,7 +97,7 @@ def distrusted(home: Path) -> str | None:
 def _from_disk(key: str, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL | None:
     home = folder()
     if distrusted(home):
-        return None  # said when what is built cannot be kept
+        return None  # reported when the new library cannot be stored
     try:
         candidates = sorted(home.glob(f"{key}-*.so"))
     except OSError:
@@ -120,22 +122,22 @@ def _from_disk(key: str, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL | 
 
 
 def foreign(path: Path) -> bool:
-    """True where another user owns the file, or may write it."""
+    """Whether another user owns the file or may write it, or it is a link."""
     state = path.lstat()
     if not hasattr(os, "geteuid"):
         return False
     return state.st_uid != os.geteuid() or bool(state.st_mode & 0o022) or stat.S_ISLNK(state.st_mode)
 
 
-def _build(key: str, source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL:
+def _compile(key: str, source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL:
     from tempfile import TemporaryDirectory
 
     with TemporaryDirectory(prefix="stribeck-", ignore_cleanup_errors=True) as work:
         code, built = Path(work) / "system.c", Path(work) / "system.so"
         code.write_text(source, encoding="utf-8")
         compiler.build(code, built)
-        kept = _keep(key, built)
-        # the one in the cache: programs may not lie among temporary files, and Windows removes no library in use
+        kept = _store(key, built)
+        # the one in the cache first: temporary files may not be executable, and Windows removes no library in use
         for place in dict.fromkeys((kept, built)):
             try:
                 library = ctypes.CDLL(str(place))
@@ -145,14 +147,14 @@ def _build(key: str, source: str, compiler: Compiler, check: Callable[[ctypes.CD
                 with contextlib.suppress(OSError):
                     place.unlink()
                 raise
-            except OSError:  # the next process says so
+            except OSError:  # reported by the next process
                 if place == built:
                     raise
         raise AssertionError
 
 
-def _keep(key: str, built: Path) -> Path:
-    """The library's place in the cache, or where it is when the cache cannot be written."""
+def _store(key: str, built: Path) -> Path:
+    """Store a library in the cache and return its place; its present place if the cache cannot be written."""
     from tempfile import NamedTemporaryFile
 
     home = folder()
@@ -162,7 +164,7 @@ def _keep(key: str, built: Path) -> Path:
         return built
     try:
         if kept.is_file() and not foreign(kept) and _digest(kept) == _digest(built):
-            return kept  # by another process, which may have it in use
+            return kept  # stored by another process, which may use it
         home.mkdir(parents=True, exist_ok=True, mode=0o700)
         with NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
             try:
@@ -174,17 +176,17 @@ def _keep(key: str, built: Path) -> Path:
                     Path(draft.name).unlink()
                 raise
     except OSError as error:
-        _say_not_kept(home, error)
+        _note_not_stored(home, error)
         return built
     return kept
 
 
-def _say_not_kept(home: Path, error: OSError) -> None:
+def _note_not_stored(home: Path, error: OSError) -> None:
     note(f"cache: {home} cannot be written ({error.strerror}); the next process compiles again (set STRIBECK_CACHE)")
 
 
 def read_sealed(name: str) -> bytes | None:
-    """A file of the cache that :func:`write_sealed` wrote: its content, or None where there is none that is whole and ours."""
+    """The content of a file by :func:`write_sealed`; None if it is missing, damaged or of another user."""
     home = folder()
     if distrusted(home) is not None:
         return None
@@ -197,7 +199,7 @@ def read_sealed(name: str) -> bytes | None:
 
 
 def write_sealed(name: str, content: bytes) -> None:
-    """Keep a file in the cache, with its digest; where that cannot be done the next process makes it anew."""
+    """Store a file with its digest in the cache; nothing happens if the cache cannot be written."""
     from tempfile import NamedTemporaryFile
 
     home = folder()

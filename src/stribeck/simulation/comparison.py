@@ -1,4 +1,4 @@
-"""One scenario under several laws: how far each is from the first."""
+"""Comparison of one scenario under several laws: the deviation of each from the first."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 
 def compared(scenario: Scenario) -> tuple[str, ...]:
-    """The columns that are compared: of a machine, those of each body, contact and link."""
+    """Names of the compared columns: of a machine, those of each body, contact and link."""
     return scenario.rig.compared
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Solutions by label, the first being the reference, and the deviations of the others from it."""
+    """Solutions by label, of which the first is the reference, and the deviations of the others from it."""
 
     name: str
     solutions: dict[str, Solution]
@@ -34,11 +34,11 @@ class Comparison:
 
     @property
     def status(self) -> str:
-        """``"done"`` when every law was simulated to the end, else ``"failed"``."""
+        """``"done"`` if every law was simulated to the end, otherwise ``"failed"``."""
         return "done" if all(s.status == "done" for s in self.solutions.values()) else "failed"
 
     def document(self) -> Document:
-        """What the comparison says to people, for the terminal and for a page."""
+        """The comparison as a document, for the terminal and for a page."""
         from stribeck.simulation import said
 
         return said.comparison(self)
@@ -66,23 +66,23 @@ class Comparison:
 
 
 def deviations(reference: Solution, other: Solution) -> dict[str, dict[str, float | None]]:
-    """Largest and root-mean-square deviation of y, v and F over the common rows, absolute and relative to the
-    reference's peak there (None where that peak is 0)."""
+    """Largest and root-mean-square deviation of the compared columns over the common rows, absolute and relative to the
+    reference's peak there (None if that peak is 0)."""
     rows = min(len(reference.t), len(other.t))
-    found: dict[str, dict[str, float | None]] = {}
+    deviation: dict[str, dict[str, float | None]] = {}
     for name in compared(reference.scenario):
         a, b = reference[name][:rows], other[name][:rows]
         with np.errstate(all="ignore"):
             largest = float(np.max(np.abs(b - a), initial=0.0))
             rms = float(np.sqrt(np.mean((b - a) ** 2))) if rows else 0.0
         peak = float(np.max(np.abs(a), initial=0.0))
-        found[name] = {
+        deviation[name] = {
             "max": largest,
             "rms": rms,
             "max_relative": largest / peak if peak else None,
             "rms_relative": rms / peak if peak else None,
         }
-    return found
+    return deviation
 
 
 def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], None] | None = None) -> Comparison:
@@ -97,8 +97,8 @@ def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], N
         solutions[label] = simulate(scenario, progress=tell)
     labels = list(solutions)
     reference = solutions[labels[0]]
-    found = {label: deviations(reference, solutions[label]) for label in labels[1:]}
-    return Comparison(reference.scenario.name, solutions, found)
+    apart = {label: deviations(reference, solutions[label]) for label in labels[1:]}
+    return Comparison(reference.scenario.name, solutions, apart)
 
 
 def compare(
@@ -113,17 +113,17 @@ def compare(
     """Simulate one scenario or machine under several laws; the first is the reference of the others' deviations.
 
     Args:
-        scenario: what to simulate: a scenario, a machine, the path of its file, or its tables.
-        laws: laws, or names of laws that keep the constants of the scenario's; as a mapping, by what to call each.
-        contact: whose law is replaced, of a machine that has several contacts.
-        t_end, step: as for :func:`stribeck.simulate`; must be given (t_end) for a :class:`Machine`.
-        progress: called now and then with the share done, 0 to 1.
+        scenario: a scenario, a machine, the path of its file, or its tables.
+        laws: laws, or names of laws, which then get the constants of the scenario's law; as a mapping, by label.
+        contact: the contact whose law is replaced, in a machine with several contacts.
+        t_end, step: as for :func:`stribeck.simulate`; t_end is required for a :class:`Machine`.
+        progress: called from time to time with the share done, 0 to 1.
 
     Returns:
         ``solutions`` by label, ``deviations`` (largest, and as a share of the reference's peak, by column), ``status``.
 
     Raises:
-        InputError: no law, an unknown one, the same label twice, or no valid scenario.
+        InputError: if there is no law, an unknown law, the same label twice, or no valid scenario.
     """
     base = scenario_of(scenario, t_end, step)
     table = law_path(base, contact)
@@ -147,10 +147,10 @@ def compare(
 
 
 def law_path(scenario: Scenario, contact: str | None) -> str:
-    """The path of the law to replace: of a machine, that of the ``contact``, or of its only one.
+    """The path of the law to replace: that of the ``contact``, or of the only one.
 
     Raises:
-        InputError: there is no such contact, or none is named where there are several.
+        InputError: if there is no such contact, or if there are several and none is given.
     """
     names = list(scenario.rig.named_laws)
     if names == [""]:

@@ -1,4 +1,4 @@
-"""The machine's C compiler: which it is, and how it is called."""
+"""The machine's C compiler: its search, options and call."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from stribeck.errors import BuildError
 from stribeck.platforms import OWN_GROUP, POSITION_INDEPENDENT, end_with_children
 
 # Rounding may differ in the last bit from what is written; nan, inf and the order of evaluation of calls do not change.
-# One trajectory has no vectors: what the compiler makes into some is written as numbers and read back late (5 %).
+# One trajectory has no vectors: numbers that the compiler joins into vectors are stored and reloaded late (5 % slower).
 _FLAGS = (
     "-O3", "-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros", "-fassociative-math", "-freciprocal-math",
     "-fno-tree-vectorize", *POSITION_INDEPENDENT, "-shared", "-fvisibility=hidden",
 )  # fmt: skip
-# Passes that take much of the compiler's time; one trajectory's code is as fast without, and its numbers differ by
-# rounding at most. Lanes are a little faster with them.
+# Slow passes of the compiler; one trajectory's code is as fast without them, and its numbers differ by rounding at most.
+# Lanes are a little faster with them.
 _FOR_ONE = ("-fno-schedule-insns2", "-fno-gcse", "-fno-ipa-cp")
 # Lanes are vectors from the start, and their exp rounds by adding a number and taking it away again.
 _FOR_LANES = ("-ftree-vectorize", "-fno-associative-math")
-# Operations of lanes that do not wait for each other are put beside each other (5 % with AVX-512).
+# Independent operations of lanes are interleaved (5 % faster with AVX-512).
 _BESIDE = ("-fschedule-insns", "-fsched-pressure")
-# Copies of structs no wider than 16 bytes: wider ones leave the upper halves of registers in use, and then each call of
-# libm's exp, whose wrapper is of older instructions, waits for them.
+# Structs are copied by at most 16 bytes at a time: wider copies leave the upper halves of registers in use, and each call
+# of libm's exp, whose wrapper uses older instructions, then waits for them.
 _NARROW = ("-mmove-max=128", "-mstore-max=128")
-_TIME_LIMIT = 120  # s
+_TIME_LIMIT = 120  # s: a compilation takes 0.3 s to some seconds
 _FIRST_OF_ZIG = 600  # s: it builds its C library once for each user
 
 
 @dataclass(frozen=True)
 class Compiler:
-    """A C compiler: the words of its command, and what tells it from another one or another version."""
+    """A C compiler: the words of its command, and an identity that changes with its version."""
 
     command: tuple[str, ...]
     identity: str
@@ -46,22 +46,22 @@ class Compiler:
 
     @property
     def key(self) -> str:
-        """All that decides which library a source becomes: the compiler, its flags and this machine's processor."""
+        """All that determines the library of a source: the compiler, its flags and this machine's processor."""
         return "|".join((self.identity, *_FLAGS, *self.options, *self.extra, platform.system(), processor()))
 
     def for_lanes(self) -> Compiler:
-        """The same compiler with the options that several trajectories at once need."""
+        """The same compiler with the options for several trajectories at once."""
         return replace(self, options=_FOR_LANES, extra=_BESIDE)
 
     def build(self, source: Path, library: Path) -> None:
         """Compile a C file into a shared library.
 
         Raises:
-            BuildError: with the compiler's first complaint about the plainest command.
+            BuildError: if no command succeeds; with the first error of the plainest command.
         """
         complaint = ""
-        own = "-march=native"
-        for target in dict.fromkeys([(own, *self.extra), (own,), ()]):  # not every compiler knows its own machine
+        native = "-march=native"
+        for target in dict.fromkeys([(native, *self.extra), (native,), ()]):  # some compilers do not know -march=native
             command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
             limit = _FIRST_OF_ZIG if "ziglang" in self.command else _TIME_LIMIT
             result = called(command, self.command[0], limit, library.parent)
@@ -75,13 +75,17 @@ class Compiler:
 def called(
     command: list[str], name: str, limit: float, folder: Path, inside: bool = False
 ) -> subprocess.CompletedProcess[str]:
-    """What a compiler's command ended with; ``name`` is what messages call it, ``limit`` how long it may take, s.
+    """Run a compiler's command.
 
-    Its temporary files go where its result will be: $TMPDIR may be full, and Python then took another folder. ``inside``:
-    it runs there too.
+    Args:
+        command: the words of the command.
+        name: the compiler's name in messages.
+        limit: the time limit, s.
+        folder: the folder of the result, and of temporary files, since $TMPDIR may be full.
+        inside: run the command in the folder.
 
     Raises:
-        BuildError: it did not end in time, or cannot be run.
+        BuildError: if it did not finish in time, or cannot be run.
     """
     try:
         with subprocess.Popen(
@@ -102,22 +106,22 @@ def called(
 
 
 def find() -> Compiler | None:
-    """The compiler to use: $STRIBECK_CC or $CC, then cc, gcc, clang, then ziglang; None where there is none.
+    """The compiler to use: $STRIBECK_CC or $CC, then cc, gcc, clang, then ziglang; None if there is none.
 
     ``STRIBECK_CC=none`` turns compilation off.
     """
-    asked = tuple(map(os.environ.get, ("STRIBECK_CC", "CC", "PATH")))
-    if asked in _found:
-        chosen, state = _found[asked]
+    environment = tuple(map(os.environ.get, ("STRIBECK_CC", "CC", "PATH")))
+    if environment in _found:
+        chosen, state = _found[environment]
         if _state(chosen.command[0]) == state:
             return chosen
-    found = _search()
-    if found is not None and (now := _state(found.command[0])) is not None:
-        _found[asked] = found, now
-    return found
+    compiler = _search()
+    if compiler is not None and (now := _state(compiler.command[0])) is not None:
+        _found[environment] = compiler, now
+    return compiler
 
 
-# What was found where, while its file stays as it was: the search takes longer than many a simulation.
+# Compilers by the environment variables, valid while their file is unchanged: a search takes longer than many simulations.
 _found: dict[tuple[str | None, ...], tuple[Compiler, tuple[int, int]]] = {}
 
 
@@ -131,12 +135,12 @@ def _state(path: str) -> tuple[int, int] | None:
 
 def _search() -> Compiler | None:
     for variable in ("STRIBECK_CC", "CC"):
-        if asked := os.environ.get(variable, "").strip():
-            if asked == "none":
+        if wanted := os.environ.get(variable, "").strip():
+            if wanted == "none":
                 return None
-            if path := shutil.which(asked):  # blanks may be a part of it: C:\\Program Files\\...
+            if path := shutil.which(wanted):  # a path may contain blanks: C:\\Program Files\\...
                 return _from_path(path, [])
-            words = asked.split()
+            words = wanted.split()
             path = shutil.which(words[0])
             if path or variable == "STRIBECK_CC":
                 return _from_path(path or words[0], words[1:])
@@ -173,7 +177,7 @@ def processor() -> str:
 
 
 def first_complaint(text: str) -> str:
-    """The line of a compiler's messages that says why it failed."""
+    """The first line of a compiler's messages that is an error."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     wrong = [line for line in lines if "error: " in line.lower()] or [line for line in lines if "error" in line.lower()]
     return (wrong or lines or [""])[0]

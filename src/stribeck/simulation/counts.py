@@ -1,9 +1,9 @@
-"""How far a run under an encoder can be trusted: it is solved at two tolerances, and the two are compared.
+"""The accuracy of a run under an encoder: it is solved at two tolerances, and the results are compared.
 
-A reading near the edge of a count falls to one side or the other by the errors of the steps before it, and a contact that
-creeps towards break-away multiplies what follows. No error of a single step shows either. So the motion of a machine whose
-controller reads counts is solved at ten times solve.rtol too, which costs two thirds of the run. Where the two differ by more
-than is promised, finer runs follow until two neighbours agree, or a note says that none do.
+Small errors decide to which count a reading near an edge is rounded, and a contact that creeps towards break-away amplifies
+the difference. The errors of single steps show neither. A machine whose controller reads counts is therefore also solved at
+ten times solve.rtol, which takes two thirds of the run's time. If the two differ by more than the promised accuracy, finer
+runs follow until two neighbors agree; otherwise a note reports it.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from stribeck.simulation.promise import FORCE, MOTION
 from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
 
-_STEP = 10.0  # between the tolerances of two runs
-_FINEST = 1e-11  # a smaller rtol changes rounding only
+_STEP = 10.0  # ratio of the tolerances of two runs
+_FINEST = 1e-11  # below, rounding is the larger error (native.py)
 
 
 def reads_counts(scenario: Scenario) -> bool:
@@ -28,27 +28,27 @@ def reads_counts(scenario: Scenario) -> bool:
 
 
 def settled(scenario: Scenario, solve: Callable[[Scenario], Result]) -> Result:
-    """The result of a scenario under an encoder: at its own rtol where that keeps the promise, else at a finer one.
+    """The result of a scenario under an encoder: at its own rtol if that is accurate enough, otherwise at a finer one.
 
     Args:
-        scenario: what is solved.
-        solve: solves it, or the same with another rtol.
+        scenario: the scenario.
+        solve: solves it, and the same with another rtol.
     """
     rtol = scenario.solve.rtol
 
-    def at(other: float) -> Result:
+    def solve_at(other: float) -> Result:
         return solve(scenario.with_values(solve=scenario.solve.model_copy(update={"rtol": other})))
 
     result = solve(scenario)
-    if result.reason is not None or rtol <= _FINEST or not _apart(scenario, result, at(min(_STEP * rtol, 0.1))):
+    if result.reason is not None or rtol <= _FINEST or not _differ(scenario, result, solve_at(min(_STEP * rtol, 0.1))):
         return result
-    now = rtol
-    while now > _FINEST:
-        now = max(now / _STEP, _FINEST)
-        finer = at(now)
+    finer_rtol = rtol
+    while finer_rtol > _FINEST:
+        finer_rtol = max(finer_rtol / _STEP, _FINEST)
+        finer = solve_at(finer_rtol)
         if finer.reason is not None:
             break
-        apart, result = _apart(scenario, finer, result), finer
+        apart, result = _differ(scenario, finer, result), finer
         if not apart:
             return result
     text = f"accuracy not reached: runs at solve.rtol = {rtol:g} and less differ by more than {MOTION * rtol:g} of the peak"
@@ -56,11 +56,11 @@ def settled(scenario: Scenario, solve: Callable[[Scenario], Result]) -> Result:
     return result
 
 
-def _apart(scenario: Scenario, one: Result, other: Result) -> bool:
-    """Whether two results of a scenario differ by more than is promised of it."""
-    if other.reason is not None:
+def _differ(scenario: Scenario, first: Result, second: Result) -> bool:
+    """Whether two results of a scenario differ by more than the promised accuracy."""
+    if second.reason is not None:
         return True
-    x, y = Solution(scenario, one), Solution(scenario, other)
+    x, y = Solution(scenario, first), Solution(scenario, second)
     promised = {"y": MOTION, "v": MOTION, "F": FORCE}
     for column in x.columns:
         if share := promised.get(column.name.rpartition(".")[2]):

@@ -1,4 +1,4 @@
-"""The figure of one solution or several: which panels a drive wants, and how they are drawn."""
+"""The figure of one or several solutions: the choice of panels, and their drawing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stribeck.constants import rotary_words
 from stribeck.mouth import plots
 from stribeck.mouth.document import Figure as Picture
 from stribeck.mouth.quantities import Quantity, Scale, scale
-from stribeck.simulation.panels import ENERGY, Panel, of_machine
+from stribeck.simulation.panels import ENERGY, Panel, machine_panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
     from stribeck.simulation.solution import Solution
 
-_ROW = 2.15  # inches
-_FAST = 10.0  # Stribeck velocities: from there on what happens near rest needs an axis of its own
-_FAR = 0.05  # of a panel's width, between two rows: a longer line is left out
-_APART = 0.13  # of an axis' width, between two of its numbers
+_ROW = 2.15  # inches: height of a row of panels
+_FAST = 10.0  # Stribeck velocities: if the motion is faster, its part near rest is invisible on a linear axis
+_FAR = 0.05  # of a panel's width: a line between two rows that is longer would be a path that the motion did not take
+_APART = 0.13  # of an axis' width, between two of its numbers: room for their digits
 
 Quantities = Mapping[str, Quantity]
 
@@ -47,10 +47,10 @@ _CASCADE = (
 
 
 def panels(solution: Solution) -> tuple[Panel, ...]:
-    """What is worth seeing of a solution, in the order of reading."""
+    """The panels of a solution, in reading order."""
     known = {"t", *(column.name for column in solution.columns)}
     if not solution.scenario.elements.unnamed:
-        return of_machine(solution.scenario.rig.machine)
+        return machine_panels(solution.scenario.rig.machine)
     if "V" in known:
         return _CASCADE
     if "I" in known:
@@ -67,80 +67,79 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
 
 
 def figure_of(solution: Solution, label: str = "") -> Figure:
-    """Everything worth seeing of a solution, as a figure of matplotlib under a label, its own unless given."""
-    shown = _labelled({label or solution.scenario.label: solution})
+    """All panels of a solution as a matplotlib figure; ``label`` is the scenario's unless given."""
+    shown = _by_label({label or solution.scenario.label: solution})
     with plots.style():
-        return drawn(shown, panels(solution), next(iter(shown)), _speed(solution))
+        return drawn(shown, panels(solution), next(iter(shown)), _slow_speed(solution))
 
 
 def overview(solutions: Mapping[str, Solution], name: str = "plot", caption: str = "") -> Picture:
-    """Everything worth seeing of one solution or several, each a line of its own."""
+    """All panels of one or several solutions, one line each."""
 
     def draw() -> Figure:
-        first, shown = next(iter(solutions.values())), _labelled(solutions)
-        return drawn(shown, panels(first), "" if len(shown) > 1 else next(iter(shown)), _speed(first))
+        first, shown = next(iter(solutions.values())), _by_label(solutions)
+        return drawn(shown, panels(first), "" if len(shown) > 1 else next(iter(shown)), _slow_speed(first))
 
     return Picture(name, caption, draw)
 
 
 def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption: str = "") -> Picture:
-    """The overview of several solutions with, beside what is compared, how far each is from the first."""
+    """The overview of several solutions, with the deviation of each compared column from the first solution."""
 
     def draw() -> Figure:
-        first, shown = next(iter(solutions.values())), _labelled(solutions)
+        first, shown = next(iter(solutions.values())), _by_label(solutions)
         names = first.scenario.rig.compared
         reference, *others = shown.items()
-        for label, found in others:
-            apart = deviation_rows(reference[1], found, names)
-            shown[label] = {**found, **{n: q for n, q in apart.items() if n != "t"}}
+        for label, solution in others:
+            apart = deviation_rows(reference[1], solution, names)
+            shown[label] = {**solution, **{n: q for n, q in apart.items() if n != "t"}}
         wanted = []
         for panel in panels(first):
             wanted.append(panel)
             if panel.x == "t" and panel.y in names and others:
                 wanted.append(Panel(f"Δ{panel.y}", f"deviation of {panel.y} from {plots.plain(reference[0], 40)}"))
-        return drawn(shown, [p for p in wanted if p.y not in ("z", "E_in")], "", _speed(first))
+        return drawn(shown, [p for p in wanted if p.y not in ("z", "E_in")], "", _slow_speed(first))
 
     return Picture(name, caption, draw)
 
 
-def _labelled(solutions: Mapping[str, Solution]) -> dict[str, Quantities]:
-    """The quantities of each solution by its label, which says where a run failed."""
+def _by_label(solutions: Mapping[str, Solution]) -> dict[str, Quantities]:
+    """The quantities of each solution by label; the label states if the run failed."""
     early = {label: "" if s.status == "done" else " (failed early)" for label, s in solutions.items()}
     return {f"{label}{early[label]}": quantities(solution) for label, solution in solutions.items()}
 
 
 def quantities(solution: Solution) -> dict[str, Quantity]:
-    """The columns of a solution by name, and what its plots derive from them: y_d of a servo, e of a PID loop."""
-    found = {"t": Quantity("t", "s", "time", solution.t)}
-    found |= {c.name: Quantity(c.name, c.unit, c.meaning, solution[c.name]) for c in solution.columns}
-    if "r" in found and "I" in found:
-        found["e"] = Quantity("e", found["y"].unit, "control error y - r", solution["y"] - solution["r"])
-    elif "e" in found:
-        found["y_d"] = Quantity("y_d", found["y"].unit, "desired position", solution["y"] - solution["e"])
+    """The columns of a solution by name, and derived quantities: y_d of a servo, e of a control loop."""
+    derived = {"t": Quantity("t", "s", "time", solution.t)}
+    derived |= {c.name: Quantity(c.name, c.unit, c.meaning, solution[c.name]) for c in solution.columns}
+    if "r" in derived and "I" in derived:
+        derived["e"] = Quantity("e", derived["y"].unit, "control error y - r", solution["y"] - solution["r"])
+    elif "e" in derived:
+        derived["y_d"] = Quantity("y_d", derived["y"].unit, "desired position", solution["y"] - solution["e"])
     for each in solution.scenario.rig.machine.controllers:
-        if each.name and (read := f"{each.measures}.y") in found:  # as the cascade of a piston has e of its own
+        if each.name and (read := f"{each.measures}.y") in derived:  # as the cascade of a piston has e of its own
             error = solution[read] - solution[f"{each.name}.r"]
-            found.setdefault(
-                f"{each.name}.e", Quantity(f"{each.name}.e", found[read].unit, "tracking error y - r", error)
+            derived.setdefault(
+                f"{each.name}.e", Quantity(f"{each.name}.e", derived[read].unit, "tracking error y - r", error)
             )
-    return found
+    return derived
 
 
 def deviation_rows(
     reference: Mapping[str, Quantity], other: Mapping[str, Quantity], names: Iterable[str] = ("y", "v", "F")
 ) -> dict[str, Quantity]:
-    """How far the columns are from the reference's, over the rows that both reached; t too."""
+    """Deviations of columns from the reference's, over the rows that both reached, and t."""
     rows = min(len(reference["t"].values), len(other["t"].values))
-    found = {"t": Quantity("t", "s", "time", reference["t"].values[:rows])}
+    rows_of = {"t": Quantity("t", "s", "time", reference["t"].values[:rows])}
     for name in names:
         a, b = reference[name], other[name]
-        found[f"Δ{name}"] = Quantity(f"Δ{name}", a.unit, f"deviation of {name}", b.values[:rows] - a.values[:rows])
-    return found
+        rows_of[f"Δ{name}"] = Quantity(f"Δ{name}", a.unit, f"deviation of {name}", b.values[:rows] - a.values[:rows])
+    return rows_of
 
 
 def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tuple[Scale, Scale]:
-    """One line a solution of column ``y`` against column ``x``, on axes with short numbers; the scales of the axes, on
-    which whatever else is drawn there must stand."""
+    """Draw column ``y`` over column ``x``, one line for each solution; the scales of the two axes, for further lines."""
     shown = {label: quantities(solution) for label, solution in solutions.items()}
     of_x, of_y = (scale([q[name] for q in shown.values()]) for name in (x, y))
     for i, (label, q) in enumerate(shown.items()):
@@ -149,33 +148,33 @@ def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tup
     return of_x, of_y
 
 
-def _speed(solution: Solution) -> float:
-    """The speed below which a body counts as near rest."""
+def _slow_speed(solution: Solution) -> float:
+    """The speed below which a body counts as near rest, the least of all contacts."""
     laws = solution.scenario.rig.laws.values()
     return min((float(law.machine.get("v_s") or law.scales(law.p).speed) for law in laws), default=0.0)
 
 
 def drawn(shown: Mapping[str, Quantities], wanted: Sequence[Panel], title: str, slow: float) -> Figure:
-    """Panels in two columns, a line for each label. Call within :func:`stribeck.mouth.plots.style`.
+    """Draw panels in two columns, a line for each label. Call within :func:`stribeck.mouth.plots.style`.
 
     Args:
-        shown: by label, the quantities by name; one that a label does not have is not drawn for it.
-        wanted: the panels in the order of reading, left to right.
-        title: above all panels, where they have one line each.
-        slow: a speed in SI units; ``near_rest`` stretches what is below it.
+        shown: by label, the quantities by name; a missing quantity is not drawn.
+        wanted: the panels in reading order.
+        title: a title above all panels; empty for none.
+        slow: a speed in SI units; ``near_rest`` stretches the axis below it.
     """
     keys = [str(i) for i in range(len(wanted))]
     layout = [keys[i : i + 2] for i in range(0, len(keys), 2)]
     if len(layout[-1]) < 2:
         layout[-1] = layout[-1] * 2
-    made, axes = plots.figure(layout, _ROW * len(layout) + (0.5 if title or len(shown) > 1 else 0.2))
+    figure, axes = plots.figure(layout, _ROW * len(layout) + (0.5 if title or len(shown) > 1 else 0.2))
     for key, panel in zip(keys, wanted, strict=True):
         _panel(axes[key], shown, panel, slow)
     if title:
-        made.suptitle(plots.plain(title), fontsize=10, x=0.01, ha="left")
+        figure.suptitle(plots.plain(title), fontsize=10, x=0.01, ha="left")
     if len(shown) > 1:
-        plots.legend(made, axes["0"], list(shown))
-    return made
+        plots.legend(figure, axes["0"], list(shown))
+    return figure
 
 
 def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: float) -> None:
@@ -206,8 +205,8 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         if panel.x == "t":
             plots.line(axis, numbers[label], *plots.thin(*given), label)
             continue
-        slowest = slow / of_x.factor if panel.near_rest and _beyond(lines, panel.x, slow) else 0.0
-        far = _far_apart(np.arcsinh(given[0] / slowest) if slowest else given[0], given[1])
+        slowest = slow / of_x.factor if panel.near_rest and _reaches_far(lines, panel.x, slow) else 0.0
+        far = _gaps(np.arcsinh(given[0] / slowest) if slowest else given[0], given[1])
         plots.line(axis, numbers[label], *plots.broken(*given, far), label)
         beside_gaps = np.append(far, False) | np.insert(far, 0, False)
         if beside_gaps.any():
@@ -224,44 +223,46 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
     if panel.log:
         plots.logarithmic(axis, x=False)
     if panel.settled:
-        _settled(axis, lines, panel, of_y)
+        _zoom_late_half(axis, lines, panel, of_y)
     if panel.near_rest and slow > 0:
-        _near_rest(axis, lines, panel.x, of_x, slow)
+        _stretch_near_rest(axis, lines, panel.x, of_x, slow)
 
 
-def _far_apart(x: Array, y: Array) -> NDArray[np.bool_]:
-    """After which rows the next one lies so far away that a line to it would be a path that the motion did not take."""
+def _gaps(x: Array, y: Array) -> NDArray[np.bool_]:
+    """After which rows the next one is so far away that the line to it is left out."""
     if len(x) < 2:
         return np.zeros(max(len(x) - 1, 0), bool)
     spans = [max(float(np.nanmax(values) - np.nanmin(values)), 1e-300) for values in (x, y)]
     return np.asarray(np.hypot(np.diff(x) / spans[0], np.diff(y) / spans[1]) > _FAR)
 
 
-def _beyond(lines: Mapping[str, Quantities], name: str, slow: float) -> bool:
+def _reaches_far(lines: Mapping[str, Quantities], name: str, slow: float) -> bool:
     """Whether the speed reaches far beyond ``slow``."""
     fastest = max(float(np.max(np.abs(q[name].values), initial=0.0)) for q in lines.values())
     return slow > 0 and fastest > _FAST * slow
 
 
-def _settled(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, of_y: Scale) -> None:
+def _zoom_late_half(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, of_y: Scale) -> None:
     """Show the range of the second half of the time, in its own unit."""
     late = []
     for q in lines.values():
         t, y = q["t"].values, q[panel.y].values
         late.append(Quantity(panel.y, q[panel.y].unit, "", y[t >= 0.5 * t[-1]] if len(t) else y))
-    own = scale(late)
+    late_scale = scale(late)
     for drawn in axis.get_lines():
-        drawn.set_ydata(own.of(np.asarray(drawn.get_ydata(), float) * of_y.factor + of_y.base))
-    low, high = (f([f(own.of(q.values), initial=s) for q in late]) for f, s in ((np.min, np.inf), (np.max, -np.inf)))
+        drawn.set_ydata(late_scale.of(np.asarray(drawn.get_ydata(), float) * of_y.factor + of_y.base))
+    low, high = (
+        f([f(late_scale.of(q.values), initial=s) for q in late]) for f, s in ((np.min, np.inf), (np.max, -np.inf))
+    )
     if np.isfinite([low, high]).all() and high > low:
         axis.set_ylim(low - 0.15 * (high - low), high + 0.15 * (high - low))
-    axis.set_ylabel(own.label)
+    axis.set_ylabel(late_scale.label)
 
 
-def _near_rest(axis: Axes, lines: Mapping[str, Quantities], name: str, of_x: Scale, slow: float) -> None:
-    """Where the speed reaches far beyond ``slow``: an axis linear below it and logarithmic beyond."""
+def _stretch_near_rest(axis: Axes, lines: Mapping[str, Quantities], name: str, of_x: Scale, slow: float) -> None:
+    """If the speed reaches far beyond ``slow``, make the axis linear below it and logarithmic beyond."""
     fastest = max(float(np.max(np.abs(q[name].values), initial=0.0)) for q in lines.values())
-    if not _beyond(lines, name, slow):
+    if not _reaches_far(lines, name, slow):
         return
     width, top = slow / of_x.factor, fastest / of_x.factor
     axis.set_xscale("asinh", linear_width=width)
@@ -270,8 +271,8 @@ def _near_rest(axis: Axes, lines: Mapping[str, Quantities], name: str, of_x: Sca
     room = _APART * (math.asinh(ends[1] / width) - math.asinh(ends[0] / width))
     decades: list[float] = []
     for k in range(high, low - 1, -1):  # from the outside in, as far as the numbers have room
-        at = math.asinh(10.0**k / width)
-        if at > room and (not decades or math.asinh(decades[-1] / width) - at > room):
+        place = math.asinh(10.0**k / width)
+        if place > room and (not decades or math.asinh(decades[-1] / width) - place > room):
             decades.append(10.0**k)
     ticks = [t for t in (*(-d for d in decades), 0.0, *reversed(decades)) if ends[0] <= t <= ends[1]]
     axis.set_xticks(ticks, [plots.number(t) for t in ticks])

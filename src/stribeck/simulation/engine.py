@@ -1,7 +1,7 @@
 """WebAssembly modules compiled and called by Wasmtime's library, through ctypes.
 
-Own declarations of the functions that are used: the package ``wasmtime`` declares some hundreds at its import. The
-functions: https://docs.wasmtime.dev/c-api/
+The functions in use are declared here, since the package ``wasmtime`` declares some hundreds at its import. Their
+documentation: https://docs.wasmtime.dev/c-api/
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ class _Bytes(ctypes.Structure):
 
 
 class _Extern(ctypes.Structure):
-    """What a module exports: the union is a function, a memory or a global, each at most 24 bytes."""
+    """An export of a module: its content is a function, a memory or a global, each at most 24 bytes."""
 
-    _fields_ = [("kind", c_uint8), ("of", c_uint64 * 3)]
+    _fields_ = [("kind", c_uint8), ("content", c_uint64 * 3)]
 
 
 class _Value(ctypes.Structure):
-    _fields_ = [("kind", c_uint8), ("of", c_uint64 * 3)]
+    _fields_ = [("kind", c_uint8), ("content", c_uint64 * 3)]
 
 
 class _Raw(ctypes.Union):
@@ -71,7 +71,7 @@ def _library() -> ctypes.CDLL:
     """Wasmtime's library.
 
     Raises:
-        BuildError: it is not installed, or there is none for this machine.
+        BuildError: if it is not installed, or there is none for this machine.
     """
     spec = find_spec("wasmtime")
     machine = _MACHINES.get(platform.machine())
@@ -90,12 +90,12 @@ def _library() -> ctypes.CDLL:
 
 @cache
 def _engine() -> int:
-    """Cranelift as it comes: its best code, all of this processor's instructions, no fused operations."""
+    """An engine with Cranelift's defaults: its best code, all of this processor's instructions, no fused operations."""
     return int(_library().wasm_engine_new())
 
 
 def identity() -> str:
-    """What decides, beside the processor, which machine code a module becomes."""
+    """The version, which determines the machine code of a module beside the processor."""
     return f"wasmtime {version('wasmtime')}"
 
 
@@ -116,11 +116,11 @@ class Compiled:
         self.handle = handle
 
     @classmethod
-    def of(cls, module: bytes) -> Compiled:
+    def build(cls, module: bytes) -> Compiled:
         """Compile a module.
 
         Raises:
-            BuildError: it is not valid.
+            BuildError: if it is not valid.
         """
         handle = c_void_p()
         _checked(_library().wasmtime_module_new(_engine(), module, len(module), byref(handle)))
@@ -128,10 +128,10 @@ class Compiled:
 
     @classmethod
     def read(cls, code: bytes) -> Compiled:
-        """What :meth:`written` gave. The code will run: it must come from a place that is trusted.
+        """Read the machine code of :meth:`written`. The code will run, so it must come from a trusted place.
 
         Raises:
-            BuildError: it is damaged, or was written by another version or for another processor.
+            BuildError: if it is damaged, or was written by another version or for another processor.
         """
         handle = c_void_p()
         _checked(_library().wasmtime_module_deserialize(_engine(), code, len(code), byref(handle)))
@@ -156,7 +156,7 @@ class Instance:
         compiled: the module; it imports nothing.
 
     Raises:
-        BuildError: it cannot be instantiated.
+        BuildError: if it cannot be instantiated.
     """
 
     def __init__(self, compiled: Compiled) -> None:
@@ -180,21 +180,21 @@ class Instance:
         return item
 
     def address(self, name: str) -> int:
-        """The value of an exported global: where something lies in memory."""
+        """The value of an exported global, which is an address."""
         value = _Value()
-        _library().wasmtime_global_get(self._context, byref(self._export(name), _Extern.of.offset), byref(value))
-        return int(c_int32(value.of[0] & 0xFFFFFFFF).value)
+        _library().wasmtime_global_get(self._context, byref(self._export(name), _Extern.content.offset), byref(value))
+        return int(c_int32(value.content[0] & 0xFFFFFFFF).value)
 
     def call(self, name: str, argument: int) -> int:
-        """Call an exported function of one i32 that returns an i32; other threads go on.
+        """Call an exported function of one i32 that returns an i32; other threads continue.
 
         Raises:
-            BuildError: the module trapped.
+            BuildError: if the module trapped.
         """
         if name not in self._functions:
             self._functions[name] = self._export(name)
         self._raw.i32 = argument
-        function = byref(self._functions[name], _Extern.of.offset)
+        function = byref(self._functions[name], _Extern.content.offset)
         library = _library()
         _checked(library.wasmtime_func_call_unchecked(self._context, function, byref(self._raw), 1, byref(self._trap)))
         if self._trap:
@@ -204,12 +204,12 @@ class Instance:
         return int(self._raw.i32)
 
     def memory(self, size: int) -> NDArray[np.uint8]:
-        """The memory, with at least ``size`` bytes. Growing moves it: views of it taken before are no longer valid.
+        """The memory, of at least ``size`` bytes. Growing moves it, so that earlier views are no longer valid.
 
         Raises:
-            MemoryError: there is no more.
+            MemoryError: if it cannot grow.
         """
-        library, item = _library(), byref(self._memory, _Extern.of.offset)
+        library, item = _library(), byref(self._memory, _Extern.content.offset)
         missing = size - library.wasmtime_memory_data_size(self._context, item)
         if missing > 0:
             before = c_uint64()

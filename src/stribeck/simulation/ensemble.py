@@ -1,4 +1,4 @@
-"""The same scenario many times, with other numbers: in the lanes of the processor's vectors, on every core."""
+"""Ensembles: a scenario simulated with many values, in the lanes of the processor's vectors and on every core."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ class Ensemble:
     of lanes.
 
     Attributes:
-        scenario: what all lanes share.
+        scenario: the scenario that the lanes vary.
         values: the values that vary, by path.
         reason: for each lane why it failed, else None.
         slips, sticks: for each lane how often \\|v\\| rises, and falls, through v_s; of a machine, at all contacts.
-        happened: for each element, and each of its events, how often it came in each lane.
+        happened: for each element and event, the count in each lane.
         accepted, rejected: steps of each lane.
-        not_finite: which lanes ended because their equations were no longer finite.
+        not_finite: whether each lane ended because its equations were no longer finite.
     """
 
     def __init__(
@@ -68,17 +68,17 @@ class Ensemble:
 
     @property
     def status(self) -> list[str]:
-        """For each lane "done" or "failed"."""
+        """ "done" or "failed" for each lane."""
         return ["done" if reason is None else "failed" for reason in self.reason]
 
     @property
     def success(self) -> list[bool]:
-        """For each lane whether it reached its end."""
+        """Whether each lane reached its end."""
         return [reason is None for reason in self.reason]
 
     @property
     def message(self) -> str:
-        """How many lanes are done, and why the first that is not failed."""
+        """The number of lanes that are done, and why the first other one failed."""
         failed = [(i, reason) for i, reason in enumerate(self.reason) if reason is not None]
         first = f"; lane {failed[0][0]}: {failed[0][1]}" if failed else ""
         return f"{len(self) - len(failed)} of {len(self)} lanes done{first}"
@@ -105,12 +105,12 @@ class Ensemble:
     def _columns(self) -> dict[str, Array]:
         if self._given is not None:
             return self._given
-        if not isinstance(self._variations, Variations):  # lane by lane, and none was possible
+        if not isinstance(self._variations, Variations):  # lane by lane, and none had valid values
             return {column.name: np.full(self._states.shape[:2], np.nan) for column in self.columns}
         reached = ~np.isnan(self._states[:, :, 0])
         count = len(self.scenario.system.states)
-        found = self._variations.columns(self.t, self._states[:, :, :count], self._states[:, :, count:])
-        return {name: np.where(reached, x, np.nan) for name, x in found.items()}
+        columns = self._variations.columns(self.t, self._states[:, :, :count], self._states[:, :, count:])
+        return {name: np.where(reached, x, np.nan) for name, x in columns.items()}
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._columns:
@@ -132,23 +132,22 @@ def simulate_ensemble(
     """Simulate a scenario once for each value of some of its numbers (:func:`stribeck.simulate` with ``vary``).
 
     Lane i takes the i-th value of every path: ``simulate(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})``
-    has two lanes. What can be varied: the law's constants, the mass, initial values, constants of the drive and of the
-    signal. The lanes agree with single runs within the tolerances, however many lanes and threads there are, and a
-    lane's numbers are the same from run to run.
+    has two lanes. Constants of laws, drives and signals, masses and initial values can be varied. The lanes agree with
+    single runs within the tolerances for any number of lanes and threads, and a lane's numbers are the same in every run.
 
     Args:
-        scenario: what the lanes share: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)``
-            brings its values with it.
+        scenario: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)`` brings its values with
+            it.
         t_end, step, **solve: as for :func:`stribeck.simulate`.
-        values: numbers by path, as many for each path as there are lanes; a single number holds for all.
-        threads: how many to use; all of the machine's unless given.
-        progress: called now and then with the share of the lanes done, 0 to 1.
+        values: values by path, as many for each path as there are lanes; a single number is used in all lanes.
+        threads: number of threads; all cores unless given.
+        progress: called from time to time with the share of the lanes done, 0 to 1.
 
     Returns:
-        The ensemble. A lane that fails, or whose values no scenario may have, has a ``reason``; the others go on.
+        The ensemble. A lane that fails, or whose values are invalid, has a ``reason``; the others continue.
 
     Raises:
-        InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
+        InputError: if a path cannot be varied, its values are not numbers, or the rows do not fit into memory.
     """
     if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
@@ -156,19 +155,19 @@ def simulate_ensemble(
     variations = vary(scenario_of(shared, t_end, step, **solve), values or {})
     _check(variations, threads)
     threads = threads or lanes.threads_of_this_machine()
-    lanes_in = _Lanes(variations)
-    if not len(lanes_in.possible):
-        return lanes_in.ensemble()
+    batch = _Lanes(variations)
+    if not len(batch.possible):
+        return batch.ensemble()
     solver = _solver(variations, threads)
     if solver is None or not isinstance(variations, Variations):
-        return lanes_in.ensemble(_one_by_one(lanes_in, threads, progress))
-    some = variations if lanes_in.all_possible else variations.part(lanes_in.possible)
-    lanes_in.take(some, solver(some, progress))
-    return lanes_in.ensemble()
+        return batch.ensemble(_simulate_singly(batch, threads, progress))
+    possible = variations if batch.all_possible else variations.part(batch.possible)
+    batch.put(possible, solver(possible, progress))
+    return batch.ensemble()
 
 
 def _check(variations: Variations | LaneByLane, threads: int | None) -> None:
-    """Refuse what is no number of threads, and what memory does not hold."""
+    """Check the number of threads, and that the rows fit into memory."""
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads: {threads}: must be a whole number >= 1")
@@ -179,7 +178,7 @@ def _check(variations: Variations | LaneByLane, threads: int | None) -> None:
 
 
 class _Lanes:
-    """What becomes of the lanes: rows, reasons and counts, nan and 0 where nothing was found."""
+    """The results of the lanes: rows, reasons and counts; nan and 0 where a lane has none."""
 
     def __init__(self, variations: Variations | LaneByLane) -> None:
         self.variations, self.reason = variations, variations.problems()
@@ -190,84 +189,84 @@ class _Lanes:
 
     @cached_property
     def states(self) -> Array:
-        """Of every lane, nan until they are found; made when it is asked for, as it may be most of the memory."""
+        """The states of every lane, nan until they are stored; made at first use, as it may be most of the memory."""
         scenario = self.variations.scenario
         width = len(scenario.system.states) + len(scenario.system.held) + len(scenario.system.shown)
         return np.full((len(self.variations), scenario.rows, width), np.nan)
 
     @property
     def all_possible(self) -> bool:
-        """Whether every lane has values that a scenario may have."""
+        """Whether every lane has valid values."""
         return len(self.possible) == len(self.variations)
 
-    def take(self, some: Variations, found: lanes.Outcome) -> None:
-        """The outcome of the possible lanes, solved at once."""
-        scenario = some.scenario
+    def put(self, possible: Variations, outcome: lanes.Outcome) -> None:
+        """Store the outcome of the possible lanes."""
+        scenario = possible.scenario
         if self.all_possible and not scenario.system.shown:
-            self.states = found.states
+            self.states = outcome.states
         else:
-            self.states[self.possible, :, : found.states.shape[2]] = found.states
-        watched = found.counts["happened"].shape[1]
+            self.states[self.possible, :, : outcome.states.shape[2]] = outcome.states
+        watched = outcome.counts["happened"].shape[1]
         for name, x in self.counts.items():
             if name == "happened":
-                x[self.possible, :watched] = found.counts[name]
+                x[self.possible, :watched] = outcome.counts[name]
             else:
-                x[self.possible] = found.counts[name]
-        for lane, status, t in zip(self.possible, found.counts["status"], found.t_reached, strict=True):
+                x[self.possible] = outcome.counts[name]
+        for lane, status, t in zip(self.possible, outcome.counts["status"], outcome.t_reached, strict=True):
             self.reason[lane] = failure(int(status), float(t), scenario.solve.max_steps)
         step = scenario.output.step
         for i, lane in enumerate(self.possible):
-            done = found.counts["status"][i] == 0
-            reached = scenario.end if done else max(float(found.counts["rows_reached"][i]) - 1, 0.0) * step
-            for _, what in some.more_events(i, reached):
+            done = outcome.counts["status"][i] == 0
+            reached = scenario.end if done else max(float(outcome.counts["rows_reached"][i]) - 1, 0.0) * step
+            for _, what in possible.more_events(i, reached):
                 self.counts["happened"][lane, what >> 2, what & 3] += 1
 
     def ensemble(self, columns: dict[str, Array] | None = None) -> Ensemble:
-        """All of it; ``columns`` where they were found with the states."""
+        """The ensemble; ``columns`` if they are known beside the states."""
         return Ensemble(self.variations, self.states, self.reason, self.counts, columns)
 
 
 def _solver(variations: Variations | LaneByLane, threads: int) -> _Solver | None:
-    """What solves many lanes at once; None where they are to be solved one by one."""
+    """The solver of many lanes at once; None if they must be solved one by one."""
     library = _library(variations.scenario) if isinstance(variations, Variations) else None
     return None if library is None else lambda some, progress: lanes.solve(library, some, threads, progress)
 
 
 def _library(scenario: Scenario) -> ctypes.CDLL | None:
-    """The compiled system for lanes; None where it cannot be built, or where WebAssembly is to solve."""
+    """The compiled system for lanes; None if it cannot be built, or if WebAssembly is chosen."""
     try:
         if backend.chosen() == "wasm":
             return None
         return lanes.compiled(scenario.system)
     except (BuildError, OSError):
-        return None  # the single runs will say why
+        return None  # the single runs report the reason
 
 
-def _one_by_one(found: _Lanes, threads: int, progress: Callable[[float], None] | None) -> dict[str, Array]:
-    """The lanes as single runs, where vectors do not serve; their columns."""
+def _simulate_singly(batch: _Lanes, threads: int, progress: Callable[[float], None] | None) -> dict[str, Array]:
+    """Simulate the lanes as single runs; their columns."""
     from concurrent.futures import ThreadPoolExecutor
 
-    variations, places, scenario = found.variations, found.possible, found.variations.scenario
-    columns = {c.name: np.full(found.states.shape[:2], np.nan) for c in scenario.system.columns}
+    variations, places, scenario = batch.variations, batch.possible, batch.variations.scenario
+    columns = {c.name: np.full(batch.states.shape[:2], np.nan) for c in scenario.system.columns}
     stopped = Event()
 
-    def go_on(share: float) -> None:
+    def check_stopped(share: float) -> None:
         if stopped.is_set():
             raise KeyboardInterrupt
 
     def run(lane: int) -> Solution:
-        return simulate_once(scenario.with_changes(variations.changes(lane)), go_on)
+        return simulate_once(scenario.with_changes(variations.changes(lane)), check_stopped)
 
     with ThreadPoolExecutor(threads) as pool:
         try:
             for done, (lane, solution) in enumerate(zip(places, pool.map(run, map(int, places)), strict=True)):
-                found.states[lane, : len(solution.t), : solution.states.shape[1]] = solution.states
+                batch.states[lane, : len(solution.t), : solution.states.shape[1]] = solution.states
                 for name, x in columns.items():
                     x[lane, : len(solution.t)] = solution[name]
-                found.reason[lane] = solution.reason
-                found.counts["happened"][lane] = solution.counts
-                found.counts["accepted"][lane] = solution.stats["accepted"]
-                found.counts["rejected"][lane] = solution.stats["rejected"]
+                batch.reason[lane] = solution.reason
+                batch.counts["happened"][lane] = solution.counts
+                batch.counts["accepted"][lane] = solution.stats["accepted"]
+                batch.counts["rejected"][lane] = solution.stats["rejected"]
                 if progress is not None:
                     progress((done + 1) / len(places))
         except BaseException:
@@ -278,10 +277,10 @@ def _one_by_one(found: _Lanes, threads: int, progress: Callable[[float], None] |
 
 
 def happened(scenario: Scenario, counts: NDArray[np.int64]) -> dict[str, dict[str, NDArray[np.int64]]]:
-    """How often each event came in each lane, by element; a single body has no name."""
-    found: dict[str, dict[str, NDArray[np.int64]]] = {}
+    """The count of each event in each lane, by element; a single body has no name."""
+    by_element: dict[str, dict[str, NDArray[np.int64]]] = {}
     for j, (name, events) in enumerate(scenario.system.watched or (("", SLIP_AND_STICK),)):
-        mine = found.setdefault(name, {})
+        of_element = by_element.setdefault(name, {})
         for i, event in enumerate(events):
-            mine[event] = mine.get(event, np.zeros(len(counts), np.int64)) + counts[:, j, i]
-    return found
+            of_element[event] = of_element.get(event, np.zeros(len(counts), np.int64)) + counts[:, j, i]
+    return by_element

@@ -32,31 +32,38 @@ _COUNTS = ("rows_reached", "status", "accepted", "rejected", "happened")
 
 
 class Batch(ctypes.Structure):
-    """What Python and the compiled solver share."""
+    """The struct that Python shares with the compiled solver of lanes."""
 
     _fields_ = struct_fields("lanes.c", "Batch")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of each lane: states and held outputs (lanes, rows, both), rows reached, status as in runtime/lanes.c,
-    counts; ``happened`` has the shape (lanes, watched quantities, 4)."""
+    """The results of the lanes.
+
+    Attributes:
+        states: states and held outputs, shape (lanes, rows, both).
+        t_reached: the time that each lane reached, s.
+        counts: rows reached, status (as in runtime/lanes.c), steps, and ``happened``: the count of each event, shape
+            (lanes, watched quantities, 4).
+        largest: the measured magnitudes of each lane (simulation/promise.py).
+    """
 
     states: Array
     t_reached: Array
     counts: dict[str, Integers]
-    largest: Array  # what the solver measured of each lane: simulation/promise.py
+    largest: Array
 
     @property
     def digest(self) -> str:
-        """Of every bit."""
-        found = sha256()
+        """SHA-256 of all bits of the results."""
+        digest = sha256()
         for x in (self.states, self.t_reached, *(self.counts[name] for name in _COUNTS)):
-            found.update(np.ascontiguousarray(x).tobytes())
-        return found.hexdigest()
+            digest.update(np.ascontiguousarray(x).tobytes())
+        return digest.hexdigest()
 
     def put(self, places: Integers, other: Outcome, which: NDArray[np.bool_]) -> None:
-        """Take some lanes of another outcome for some of these."""
+        """Replace the lanes ``places`` by the lanes ``which`` of another outcome."""
         for name in ("states", "t_reached", "largest"):
             getattr(self, name)[places] = getattr(other, name)[which]
         for name in _COUNTS:
@@ -64,30 +71,30 @@ class Outcome:
 
 
 def check(library: ctypes.CDLL) -> None:
-    """Make sure that the library is a compiled system of this version, for lanes.
+    """Check that a library is a compiled system of this version, for lanes.
 
     Raises:
-        BuildError: it is not.
+        BuildError: if it is not.
     """
     calls = {"stribeck_lanes": (c_int64, []), "stribeck_solve_batch": (None, [POINTER(Batch)])}
     declare(library, "a compiled system for lanes", Batch, "stribeck_batch_size", calls)
 
 
 def threads_of_this_machine() -> int:
-    """How many threads may run at once."""
+    """The number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @dataclass(frozen=True)
 class Arrays:
-    """A batch in memory: the numbers of its arrays by name, and the struct whose pointers are theirs."""
+    """A batch in memory: its arrays by name, and the struct with pointers to them."""
 
     by_name: dict[str, NDArray[Any]]
     batch: Batch
 
 
 def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arrays:
-    """What the compiled solver of the lanes reads and writes; ``tolerances``: others than the lanes' own."""
+    """The arrays that the compiled solver of the lanes reads and writes, with other ``tolerances`` than the lanes' if given."""
     tolerances = tolerances or Tolerances(lanes.atol())
     scenario, count = lanes.scenario, len(lanes)
     share, pieces, thresholds = step_share(scenario), lanes.pieces(), lanes.thresholds()
@@ -110,26 +117,26 @@ def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arra
     batch.queue_room, batch.noise_room = room, noise.shape[1]
     batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
     batch.groups, batch.rows_are_steps = 1, tolerances.rows_are_steps
-    made = Arrays({**numbers, **integers, "piece_restart": restart}, batch)
-    for name, x in made.by_name.items():
+    arrays = Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+    for name, x in arrays.by_name.items():
         setattr(batch, name, x.ctypes.data)
-    return made
+    return arrays
 
 
-def outcome(made: Arrays) -> Outcome:
-    """What became of the lanes, from the arrays that the solver filled."""
-    found = made.by_name
-    for lane in np.flatnonzero(found["rows_reached"] < made.batch.rows):
-        found["out"][lane, found["rows_reached"][lane] :] = np.nan
-    return Outcome(found["out"], found["t_reached"], {name: found[name] for name in _COUNTS}, found["largest"])
+def outcome(arrays: Arrays) -> Outcome:
+    """The results of the lanes, from the arrays that the solver filled."""
+    filled = arrays.by_name
+    for lane in np.flatnonzero(filled["rows_reached"] < arrays.batch.rows):
+        filled["out"][lane, filled["rows_reached"][lane] :] = np.nan
+    return Outcome(filled["out"], filled["t_reached"], {name: filled[name] for name in _COUNTS}, filled["largest"])
 
 
 def compiled(system: Equations) -> ctypes.CDLL:
-    """A system for lanes.
+    """The compiled library of a system, for lanes.
 
     Raises:
-        BuildError: there is no C compiler, or it cannot build the system.
-        OSError: the cache cannot be written.
+        BuildError: if there is no C compiler, or it cannot build the system.
+        OSError: if the library cannot be loaded.
     """
     chosen = compiler.find()
     if chosen is None:
@@ -138,42 +145,42 @@ def compiled(system: Equations) -> ctypes.CDLL:
 
 
 def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
-    """Integrate every lane, and some once more: those whose motion needs other tolerances than the first ones to be as
-    right as is promised (see :mod:`stribeck.simulation.promise`)."""
-    found, promise, now = once(library, lanes, threads, progress), Promise(lanes.scenario), Tolerances(lanes.atol())
+    """Integrate every lane, and repeat lanes whose motion needs tighter tolerances for the promised accuracy
+    (:mod:`stribeck.simulation.promise`)."""
+    result, promise, now = once(library, lanes, threads, progress), Promise(lanes.scenario), Tolerances(lanes.atol())
     width = len(lanes.scenario.system.states)
-    loose, wrong = promise.broken(now, MeasuredMotion(found.largest, width))
-    places = np.flatnonzero((found.counts["status"] == 0) & (loose.any(axis=1) | wrong.any(axis=1)))
+    loose, wrong = promise.broken(now, MeasuredMotion(result.largest, width))
+    places = np.flatnonzero((result.counts["status"] == 0) & (loose.any(axis=1) | wrong.any(axis=1)))
     for _ in range(MOST_PASSES):
         if not len(places):
             break
-        wanted = promise.tightened(promise.part(now, places), MeasuredMotion(found.largest[places], width))
+        wanted = promise.tightened(promise.part(now, places), MeasuredMotion(result.largest[places], width))
         again = once(library, lanes.part(places), threads, progress, wanted)
         better = again.counts["status"] == 0
-        found.put(places[better], again, better)
+        result.put(places[better], again, better)
         now.atol[places[better]] = wanted.atol[better]
         loose, wrong = promise.broken(wanted, MeasuredMotion(again.largest, width))
         places = places[better & (loose.any(axis=1) | wrong.any(axis=1))]
-    return found
+    return result
 
 
 def once(
     library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None,
     tolerances: Tolerances | None = None,
 ) -> Outcome:  # fmt: skip
-    """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
-    made = lane_arrays(lanes, tolerances)
-    made.batch.groups = -(-len(lanes) // (library.stribeck_lanes() * threads))  # no thread takes what another could
-    _run(library, made, threads, progress)
-    return outcome(made)
+    """Integrate every lane. The threads take lanes from one queue; the result does not depend on their order."""
+    arrays = lane_arrays(lanes, tolerances)
+    arrays.batch.groups = -(-len(lanes) // (library.stribeck_lanes() * threads))  # groups are spread over all threads
+    _run(library, arrays, threads, progress)
+    return outcome(arrays)
 
 
-def _run(library: ctypes.CDLL, made: Arrays, threads: int, progress: Progress | None) -> None:
-    """Let the threads work; Ctrl-C stops them at their next step."""
-    turn = made.by_name["turn"]
+def _run(library: ctypes.CDLL, arrays: Arrays, threads: int, progress: Progress | None) -> None:
+    """Run the threads; Ctrl-C stops them at their next step."""
+    turn = arrays.by_name["turn"]
 
     def work() -> None:  # holds the arrays until the solver has returned: join() may return before that (CPython 3.11)
-        library.stribeck_solve_batch(ctypes.byref(made.batch))
+        library.stribeck_solve_batch(ctypes.byref(arrays.batch))
 
     workers = [Thread(target=work) for _ in range(threads)]
     try:
@@ -183,7 +190,7 @@ def _run(library: ctypes.CDLL, made: Arrays, threads: int, progress: Progress | 
             while worker.is_alive():
                 worker.join(0.1)
                 if progress is not None:
-                    progress(turn[1] / made.batch.count)
+                    progress(turn[1] / arrays.batch.count)
     finally:
         turn[2] = 1
         for worker in workers:

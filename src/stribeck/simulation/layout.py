@@ -12,15 +12,15 @@ from stribeck.errors import BuildError
 _TYPES: dict[str, type] = {"double": c_double, "int64_t": c_int64, "int32_t": c_int32, "int8_t": c_int8}
 
 
-def struct_fields(file: str, struct: str) -> list[tuple[str, type]]:
-    """Names and types of a struct in ``runtime/FILE``, in its order, for ctypes: a pointer is an address."""
+def struct_fields(file: str, struct: str, pointer: type = c_void_p) -> list[tuple[str, type]]:
+    """Names and ctypes of the fields of a struct in ``runtime/FILE``, in order; ``pointer`` is the type of an address."""
     text = files("stribeck.codegen.runtime").joinpath(file).read_text(encoding="utf-8")
     (body,) = re.findall(rf"typedef struct {{([^}}]*)}} {struct};", text)
-    found: list[tuple[str, type]] = []
+    fields: list[tuple[str, type]] = []
     for line in re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL).split(";"):
         kind, _, names = line.replace("const ", "").strip().partition(" ")
-        found += [(name.strip(" *"), c_void_p if "*" in name else _TYPES[kind]) for name in names.split(",") if kind]
-    return found
+        fields += [(name.strip(" *"), pointer if "*" in name else _TYPES[kind]) for name in names.split(",") if kind]
+    return fields
 
 
 def declare(

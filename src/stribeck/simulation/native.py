@@ -1,4 +1,4 @@
-"""The compiled solver, called through ctypes (which releases the GIL)."""
+"""The compiled solver of one trajectory, called through ctypes (which releases the GIL)."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.promise import MeasuredMotion, Tolerances
 from stribeck.simulation.result import Result, ended, failure, held_back
 
-_SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
-EVENT_ROOM = 4096
-# What one step may err by, as a share of the tolerances: errors made while a contact creeps towards break-away grow up
-# to a hundredfold before it slips, and the solution is to keep what the tolerances promise.
+_SLICE = 100_000  # attempted steps between two checks of Ctrl-C and updates of the progress bar: some 30 ms
+EVENT_ROOM = 4096  # events between two calls of the solver: 48 kB
+# The error of one step, as a share of the tolerances: errors made while a contact creeps towards break-away grow up to a
+# hundredfold before it slips, and the solution must still meet the tolerances.
 _STEP_SHARE = 0.01
-# The same under a sampled controller, whose every output starts the motion anew: many short steps, most better than asked.
-# What an encoder's counts make of an error does not shrink with the tolerances: loose ones are met by a smaller share.
+# The same under a sampled controller: each output restarts the motion, with many short steps that are mostly better than
+# required. The effect of an encoder's counts does not shrink with the tolerances, so loose ones need a smaller share.
 SAMPLED_SHARE = 0.1, 0.5, 0.35  # at solve.rtol = 1e-6 and above; at 1e-8 and below; the power of 1/rtol between
-_WELL_DAMPED, _LEAST_DAMPED = 0.05, 1e-4  # damping ratio from which no more is needed; the smallest share of it
-_RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
+_WELL_DAMPED, _LEAST_DAMPED = 0.05, 1e-4  # damping ratio from which the share is not reduced; its smallest factor
+_RTOL_SMALLEST = 1e-13  # below, rounding is the larger error: 500 times the spacing of floats
 
 _DONE, _MORE, _EVENTS_FULL = 0, 1, 2
 
 
 class Run(ctypes.Structure):
-    """What Python and the compiled solver share."""
+    """The struct that Python shares with the compiled solver."""
 
     _fields_ = struct_fields("run.c", "Run")
 
 
 def step_share(scenario: Scenario) -> float:
-    """What one step may err by, as a share of the scenario's tolerances."""
+    """The allowed error of one step, as a share of the scenario's tolerances."""
     return float(larger(_wanted_share(scenario), smaller(1.0, _RTOL_SMALLEST / scenario.solve.rtol)))
 
 
 def doubts(scenario: Scenario) -> list[str]:
-    """Where the tolerances cannot be what was asked for, because rounding is the larger error."""
+    """Notes on tolerances that cannot be reached, because rounding is the larger error."""
     rtol, finest = scenario.solve.rtol, _RTOL_SMALLEST / _wanted_share(scenario)
     if rtol < _RTOL_SMALLEST / _STEP_SHARE:
         return [f"solve.rtol: {rtol:g}: rounding is the larger error below 1e-11; solved as with that"]
@@ -59,40 +59,40 @@ def doubts(scenario: Scenario) -> list[str]:
 
 
 def _wanted_share(scenario: Scenario) -> float:
-    """A contact that is hardly damped swings many times, and the errors of all swings add up."""
+    """The share before the limit of rounding; a poorly damped contact swings many times, and the errors add up."""
     if scenario.system.held:
         return sampled_share(scenario.solve.rtol)
     return float(share_of(damping_ratio(scenario)))
 
 
 def sampled_share(rtol: float) -> float:
-    """What one step may err by under a sampled controller; exports/templates/machine.c has this line too."""
+    """The allowed error of one step under a sampled controller; exports/templates/machine.c has this line too."""
     low, high, power = SAMPLED_SHARE
     return float(min(max(low * (1e-6 / rtol) ** power, low), high))
 
 
 def share_of(damping: Value) -> Value:
-    """What one step may err by where nothing else sets it: a number, or an expression of one."""
+    """The allowed error of one step by the damping ratio: a number, or an expression."""
     return _STEP_SHARE * clip(smaller(damping / _WELL_DAMPED, 1.0) ** 2, _LEAST_DAMPED, 1.0)
 
 
 def damping_ratio(scenario: Scenario) -> float:
-    """Of a body on its bristles, at rest; infinite where there is no such thing."""
+    """Damping ratio of a body on its bristles, at rest; infinite if there are no bristles."""
     return float(scenario.rig.damping())
 
 
 def check(library: ctypes.CDLL) -> None:
-    """Make sure that the library is a compiled system of this version.
+    """Check that a library is a compiled system of this version.
 
     Raises:
-        BuildError: it is not.
+        BuildError: if it is not.
     """
     calls = {"stribeck_event_room": (c_int64, []), "stribeck_advance": (c_int, [POINTER(Run)])}
     declare(library, "a compiled system", Run, "stribeck_run_size", calls)
 
 
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
-    """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
+    """Integrate the scenario with its compiled and checked system; ``progress`` is called with the share of time done."""
 
     def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
         return _once(library, scenario, progress, tolerances, most)
@@ -126,7 +126,7 @@ def _once(
 
 @dataclass(frozen=True)
 class SolverInput:
-    """What the compiled solver is given of a scenario: the arrays and numbers of the struct Run, by their names there."""
+    """The input of the compiled solver: the arrays and numbers of the struct Run, by their names there."""
 
     doubles: dict[str, Array]
     restart: NDArray[np.int8]
@@ -135,7 +135,7 @@ class SolverInput:
 
 
 def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> SolverInput:
-    """A scenario as the compiled solver takes it, with other tolerances than its own if given."""
+    """A scenario as input of the compiled solver, with other tolerances than its own if given."""
     system, values, tolerances = scenario.system, scenario.values(), tolerances or promise.first(scenario)
     share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
     room, noise = held_back(scenario.end, [scenario.sampling()])
@@ -159,14 +159,14 @@ def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> So
 
 
 class Solving:
-    """A run of the solver, whichever machine runs it.
+    """A run of the compiled solver, in C or WebAssembly.
 
     Args:
-        scenario: what is solved.
-        given: it as the solver takes it.
-        run: the struct that is shared with the solver; its pointers are set.
+        scenario: the scenario.
+        given: its input.
+        run: the struct that is shared with the solver, with its pointers set.
         views: the arrays ``x``, ``out``, ``largest``, ``event_time`` and ``event_what`` that it points to.
-        advance: goes on; returns a status.
+        advance: continues the integration and returns a status.
     """
 
     def __init__(
@@ -182,11 +182,11 @@ class Solving:
 
     @property
     def measured(self) -> MeasuredMotion:
-        """What the solver measured of the motion."""
+        """The magnitudes that the solver measured of the motion."""
         return MeasuredMotion(self.views["largest"].copy()[np.newaxis], len(self.views["x"]))
 
     def to_the_end(self, progress: Callable[[float], None] | None, most: int) -> Result:
-        """From t = 0 to where it ends, slice by slice, in ``most`` attempts."""
+        """Integrate from t = 0 to the end, slice by slice, in at most ``most`` attempted steps."""
         run, end, left = self.run, self.scenario.end, most
         status, run.restart, run.t_end = _MORE, 1, end
         while status in (_MORE, _EVENTS_FULL) and left > 0:

@@ -1,9 +1,9 @@
-"""What a run promises, and the tolerances that keep it.
+"""The promised accuracy of a run, and the tolerances that achieve it.
 
-y and v are right to 100 solve.rtol of their peaks over the motion, F to 10^4 solve.rtol. Nobody knows the peaks before the
-motion is known. So a run begins with tolerances for a motion of the machine's natural scales, and the solver measures: the
-peaks, and what the errors of its steps and of its dense output amount to in F. Where that is too much it runs once more,
-with the tolerances that the measured motion asks for, each row at the end of a step. docs/explanation/solver.md states the rule.
+The error of y and v is at most 100 solve.rtol of their peaks over the motion, that of F 10^4 solve.rtol. The peaks are
+unknown before the motion. A run therefore begins with tolerances for a motion of the machine's natural scales. The solver
+measures the peaks, and the errors of its steps and of its dense output in F. If these are too large, the run is repeated with
+tolerances for the measured motion, and each row ends a step. docs/explanation/solver.md states the rule.
 """
 
 from __future__ import annotations
@@ -20,24 +20,29 @@ from stribeck.machine.table import joined
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
 
-MOTION, FORCE = 1e2, 1e4  # times solve.rtol, of the peaks: what is promised of y and v, and of F
-# As shares of what is promised. A step's error is a tenth of an absolute tolerance at most, and a hundred steps' errors may
-# add up: so a peak of 1e-3 of the scale that a tolerance is made for leaves a margin of 10. The error of a step is counted
-# in F a hundred times for the steps on which a stiff deflection keeps it, the last term of the dense output ten times for
+MOTION, FORCE = 1e2, 1e4  # times solve.rtol, of the peaks: the promised accuracy of y and v, and of F
+# Shares of the promised accuracy. A step's error is at most a tenth of an absolute tolerance, and the errors of a hundred
+# steps may add up. A peak of 1e-3 of a tolerance's scale then leaves a margin of 10. In F, the error of a step counts a
+# hundred times, for the steps in which a stiff deflection keeps it. The last term of the dense output counts ten times, for
 # the terms that follow it (benchmarks/promise.py).
 _LEAST_PEAK = 1e-3
 _STEP_IN_FORCE, _DENSE_IN_FORCE = 1e2, 1e3  # times solve.rtol
-_DENSE = 0.4 * MOTION  # of the last term: those that follow may amount to more than it
-_ROUNDING = 1e3  # times solve.rtol: a tenth of what is promised of F, as rounding of some steps adds up
-# Passes with tighter tolerances: the first may measure a wrong peak of F, the next one then starts from the right one.
+_DENSE = 0.4 * MOTION  # of the last term: the sum of the following terms may be larger
+_ROUNDING = 1e3  # times solve.rtol: a tenth of the promised accuracy of F, as rounding of some steps adds up
+# Passes with tighter tolerances: the first may measure a wrong peak of F, and the next one then starts from the right one.
 MOST_PASSES = 3
 _NOISE = 1e-12  # a motion of this share of the machine's largest, each in its natural scale, is rounding
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """What the solver is given, a row for each lane: absolute tolerances of the states, the largest error of a step in
-    each friction force (None: any), and whether every row of the output ends a step."""
+    """The tolerances of a run, with a row for each lane.
+
+    Attributes:
+        atol: absolute tolerances of the states.
+        force: the largest error of a step in each friction force; None: any.
+        rows_are_steps: whether every row of the output ends a step.
+    """
 
     atol: Array
     force: Array | None = None
@@ -58,7 +63,7 @@ class MeasuredMotion:
 
     @property
     def peaks(self) -> Array:
-        """Of the states."""
+        """The peaks of the states."""
         return self._parts[0]
 
     @property
@@ -83,18 +88,18 @@ class MeasuredMotion:
 
     @property
     def terms(self) -> Array:
-        """The largest sum of the magnitudes of what the friction forces are sums of."""
+        """The largest sum of the magnitudes of the friction forces' terms."""
         return self._parts[5]
 
 
 def measures(scenario: Scenario) -> int:
-    """How many numbers the compiled solver measures."""
+    """The count of numbers that the compiled solver measures."""
     return 2 * len(scenario.system.states) + 4 * len(scenario.system.contacts)
 
 
 @dataclass(frozen=True)
 class Promise:
-    """What is promised of a scenario."""
+    """The promised accuracy of a scenario."""
 
     scenario: Scenario
 
@@ -104,82 +109,93 @@ class Promise:
 
     @cached_property
     def _promised(self) -> NDArray[np.bool_]:
-        """Which states are promised: positions and velocities whose tolerance the file does not give."""
+        """The states with a promised accuracy: positions and velocities whose tolerance is not in the file."""
         bodies = self.scenario.system.bodies
         names = {joined(body.name, n) for body in bodies for n in "yv"} - self.scenario.solve.atol.keys()
         return np.array([state.name in names for state in self.scenario.system.states])
 
-    def _still(self, now: Tolerances, found: MeasuredMotion) -> NDArray[np.bool_]:
-        """The states that do not move, but for rounding."""
+    def _at_rest(self, tolerances: Tolerances, measured: MeasuredMotion) -> NDArray[np.bool_]:
+        """The states that move by no more than rounding."""
         with np.errstate(over="ignore"):
-            moved: Array = found.peaks / now.atol
+            moved: Array = measured.peaks / tolerances.atol
         return np.asarray(moved <= _NOISE * np.max(moved, axis=1, keepdims=True))
 
-    def broken(self, now: Tolerances, found: MeasuredMotion) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """In each lane: the states, and the friction forces, that may be off by more than is promised."""
-        loose = self._promised & ~self._still(now, found) & (0.1 * self._rtol * found.peaks < _LEAST_PEAK * now.atol)
-        wrong = found.step_in_force > _STEP_IN_FORCE * self._rtol * found.force
-        if not now.rows_are_steps:
-            loose |= self._promised & (found.dense > _DENSE * self._rtol * found.peaks)
-            wrong |= found.dense_in_force > _DENSE_IN_FORCE * self._rtol * found.force
+    def broken(self, tolerances: Tolerances, measured: MeasuredMotion) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """The states, and the friction forces, whose error may exceed the promise, in each lane."""
+        loose = (
+            self._promised
+            & ~self._at_rest(tolerances, measured)
+            & (0.1 * self._rtol * measured.peaks < _LEAST_PEAK * tolerances.atol)
+        )
+        wrong = measured.step_in_force > _STEP_IN_FORCE * self._rtol * measured.force
+        if not tolerances.rows_are_steps:
+            loose |= self._promised & (measured.dense > _DENSE * self._rtol * measured.peaks)
+            wrong |= measured.dense_in_force > _DENSE_IN_FORCE * self._rtol * measured.force
         return loose, wrong
 
-    def rounded(self, found: MeasuredMotion) -> NDArray[np.bool_]:
-        """In each lane: the friction forces that are so small a difference of large terms that rounding breaks the promise."""
-        return found.terms * np.finfo(float).eps > _ROUNDING * self._rtol * found.force
+    def rounded(self, measured: MeasuredMotion) -> NDArray[np.bool_]:
+        """The friction forces, in each lane, that are so small a difference of large terms that rounding breaks the promise."""
+        return measured.terms * np.finfo(float).eps > _ROUNDING * self._rtol * measured.force
 
-    def tightened(self, now: Tolerances, found: MeasuredMotion) -> Tolerances:
-        """The tolerances that the measured motion asks for."""
+    def tightened(self, tolerances: Tolerances, measured: MeasuredMotion) -> Tolerances:
+        """The tolerances for the measured motion."""
         given = np.array([state.name in self.scenario.solve.atol for state in self.scenario.system.states])
-        wanted = np.where(given | self._still(now, found), now.atol, 0.1 * self._rtol * found.peaks)
-        force = np.where(found.force > 0, 0.5 * _STEP_IN_FORCE * self._rtol * found.force, np.inf)
-        return Tolerances(np.minimum(now.atol, wanted), force, rows_are_steps=True)
+        wanted = np.where(
+            given | self._at_rest(tolerances, measured), tolerances.atol, 0.1 * self._rtol * measured.peaks
+        )
+        force = np.where(measured.force > 0, 0.5 * _STEP_IN_FORCE * self._rtol * measured.force, np.inf)
+        return Tolerances(np.minimum(tolerances.atol, wanted), force, rows_are_steps=True)
 
-    def part(self, now: Tolerances, lanes: NDArray[np.int64]) -> Tolerances:
+    def part(self, tolerances: Tolerances, lanes: NDArray[np.int64]) -> Tolerances:
         """The tolerances of some lanes."""
-        return replace(now, atol=now.atol[lanes], force=None if now.force is None else now.force[lanes])
+        return replace(
+            tolerances, atol=tolerances.atol[lanes], force=None if tolerances.force is None else tolerances.force[lanes]
+        )
 
     def remark(self, loose: NDArray[np.bool_], wrong: NDArray[np.bool_]) -> str:
-        """What of one lane is not reached, in words."""
+        """The accuracy that one lane does not reach, in words."""
         system = self.scenario.system
         names = [s.name for s, x in zip(system.states, loose, strict=True) if x]
         forces = [joined(c.name, "F") for c, x in zip(system.contacts, wrong, strict=True) if x]
-        told = [f"{', '.join(names)} to {MOTION * self._rtol:g}"] if names else []
-        told += [f"{', '.join(forces)} to {FORCE * self._rtol:g}"] if forces else []
-        return f"accuracy not reached: {' and '.join(told)} of the peak; rounding allows no smaller steps"
+        missed = [f"{', '.join(names)} to {MOTION * self._rtol:g}"] if names else []
+        missed += [f"{', '.join(forces)} to {FORCE * self._rtol:g}"] if forces else []
+        return f"accuracy not reached: {' and '.join(missed)} of the peak; rounding allows no smaller steps"
 
 
 def first(scenario: Scenario) -> Tolerances:
-    """The tolerances that a scenario asks for, before its motion is known."""
+    """The tolerances of a scenario before its motion is known."""
     atol = scenario.atol()
     return Tolerances(np.array([[atol[state.name] for state in scenario.system.states]]))
 
 
 def _most_attempts(accepted: int, rows: int) -> int:
-    """The attempts at steps that a pass with tighter tolerances may take: what tolerances 1e-3 times as large cost
-    (1e3^(1/5) = 4), and each row a step, with room. Where rounding is larger than the tolerance, steps never get longer."""
+    """The most attempted steps of a pass with tighter tolerances.
+
+    Tolerances 1e-3 times as large need 1e3^(1/5) = 4 times the steps, and each row ends a step; a margin is added. If
+    rounding is larger than the tolerance, steps never get longer, and the pass ends here.
+    """
     return 100 * (accepted + rows) + 10_000
 
 
 def kept(scenario: Scenario, once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]]) -> Result:
-    """The result of a scenario, solved once, and again where its motion needs other tolerances.
+    """The result of a scenario, solved again if its motion needs tighter tolerances.
 
     Args:
-        scenario: what is solved.
-        once: solves it with these tolerances, in so many attempts at steps at most.
+        scenario: the scenario.
+        once: solves it with given tolerances, in at most a number of attempted steps.
     """
-    promise, most, now = Promise(scenario), scenario.solve.max_steps, first(scenario)
-    result, measured = once(now, most)
-    loose, wrong = promise.broken(now, measured)
+    promise, most, tolerances = Promise(scenario), scenario.solve.max_steps, first(scenario)
+    result, measured = once(tolerances, most)
+    loose, wrong = promise.broken(tolerances, measured)
     if result.reason is not None or not (loose.any() or wrong.any()):
         return result
     for _ in range(MOST_PASSES):
-        wanted = promise.tightened(now, measured)
-        found, again = once(wanted, min(most, _most_attempts(result.stats["accepted"], scenario.rows)))
-        if found.reason is not None:
+        wanted = promise.tightened(tolerances, measured)
+        finer, again = once(wanted, min(most, _most_attempts(result.stats["accepted"], scenario.rows)))
+        if finer.reason is not None:
             break
-        result, measured, now = found, again, wanted
-        loose, wrong = promise.broken(now, measured)
+        result, measured, tolerances = finer, again, wanted
+        loose, wrong = promise.broken(tolerances, measured)
         if not (loose.any() or wrong.any()):
             break
     wrong |= promise.rounded(measured)

@@ -1,4 +1,4 @@
-"""A system's equations as Python functions of numbers: for eigenvalues, and for other solvers."""
+"""A system's equations as Python functions of numbers, for eigenvalues and for other solvers."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ class RateFunctions:
     """The system's functions of (t, x), within one piece of the signals.
 
     Args:
-        scenario: whose numbers they take.
+        scenario: the scenario with the constants.
 
     Attributes:
-        piece: the numbers of the signals' pieces, to be set.
-        held: the outputs of sampled controllers, to be set.
+        states: names of the states.
+        piece: the numbers of the signals' present pieces, set by the caller.
+        held: the outputs of sampled controllers, set by the caller.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -48,7 +49,7 @@ class RateFunctions:
         return np.array(self._jacobian(*self.at(t, x)), float).reshape(len(x), len(x))
 
     def watch(self, t: float, x: Array) -> Array:
-        """What events are told by."""
+        """The quantities whose zeros are events."""
         return np.array(self._watch(*self.at(t, x)), float)
 
     def moved(self, t: float, x: Array) -> float:

@@ -1,4 +1,4 @@
-"""What a solver returns, whichever it was."""
+"""The result of a solver, in C or WebAssembly."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.scenario import Scenario
 
-NOT_FINITE = -2  # of the statuses that runtime/run.c and lanes.c return
+NOT_FINITE = -2  # a status of runtime/run.c and lanes.c
 
 
 class Stats(TypedDict, total=False):
-    """What a run took: steps kept and tried again, evaluations of rates and Jacobians, the sizes of steps (s) where the
-    solver says them, which solver, by C or WebAssembly, whether its code was built for it, and the seconds of building and
-    solving."""
+    """The cost of a run: accepted and rejected steps, evaluations of rates and Jacobians, smallest and largest step (s),
+    solver and backend, whether its code was built now, and the seconds of building and solving."""
 
     accepted: int
     rejected: int
@@ -35,19 +34,30 @@ class Stats(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Result:
-    """The states at the output rows that were reached, the events met, why it ended early if so, statistics, and what of
-    the promised accuracy was not reached."""
+    """The result of a solver.
 
-    states: Array  # then held outputs, and what is shown of the controllers' memory
-    events: list[tuple[float, int]]  # time; which watched quantity (times 4), and which of its events
+    Attributes:
+        states: the reached rows of states, held outputs, and the shown part of the controllers' memory.
+        events: time (s) and number of each event: 4 times the watched quantity's index, plus the index of the event.
+        reason: why the run ended early, else None.
+        stats: the cost of the run.
+        remarks: promised accuracy that was not reached.
+    """
+
+    states: Array
+    events: list[tuple[float, int]]
     reason: str | None
     stats: Stats
     remarks: list[str] = field(default_factory=list)
 
 
 def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, Array]:
-    """How many outputs of a sampled controller wait at most, and the standard normal numbers of the controllers' noise,
-    from the sampling of each controller in each lane."""
+    """The most outputs of a sampled controller that wait for their delay, and the standard normal noise of the controllers.
+
+    Args:
+        end: end of the run, s.
+        lanes: the sampling of each controller, in each lane.
+    """
     every = [each for lane in lanes for each in lane]
     if not every:
         return 1, np.zeros((0, 0))
@@ -58,7 +68,7 @@ def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tup
 
 
 def failure(status: int, t: float, max_steps: int) -> str | None:
-    """Why a compiled run ended at t, by the status that runtime/run.c and lanes.c return; None when it is done."""
+    """Why a compiled run ended at t, by its status; None if it is done."""
     if status == 0:
         return None
     if status == -1:
@@ -71,5 +81,5 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
 
 
 def ended(scenario: Scenario, t: float, x: Array) -> str | None:
-    """Why equations that are no longer finite ended, where the plant says why."""
+    """Why equations are no longer finite, if the plant knows the reason."""
     return scenario.system.ended(scenario.values(), t, x)

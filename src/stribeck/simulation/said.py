@@ -1,4 +1,4 @@
-"""How a run, and a comparison of laws, is told: the documents of their results."""
+"""The documents of a run and of a comparison of laws."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
     from stribeck.simulation.comparison import Comparison
     from stribeck.simulation.solution import Solution
 
-_EVENTS_SHOWN = 12
-_OFTEN = 3  # slips: from there on the time between them says more than when the first was
-_LATELY = 21  # slips, whose times apart are averaged
+_EVENTS_SHOWN = 12  # fits a line of the page
+_OFTEN = 3  # slips: with more, their period is reported instead of the first time
+_LATELY = 21  # last slips, over which the period is averaged
 _WORDS = {"slip": "|v| rises through v_s (slip)", "stick": "|v| falls through v_s (stick)"}
 
 
 def run(solution: Solution) -> Document:
-    """A run: what happened, largest and last numbers, events, plots, laws and the file."""
+    """The document of a run: summary, peaks and final values, events, plots, laws and the file."""
     scenario, stats = solution.scenario, solution.stats
-    about = f"law {scenario.law.name}, drive {scenario.called.drive}" if scenario.elements.unnamed else scenario.subject
+    subject = f"law {scenario.law.name}, drive {scenario.called.drive}" if scenario.elements.unnamed else scenario.subject
     facts = [
-        f"{solution.status}: {about}; {len(solution.t)} rows of {scenario.rows}",
+        f"{solution.status}: {subject}; {len(solution.t)} rows of {scenario.rows}",
         f"{stats['accepted']} steps ({stats['rejected']} rejected) in {1e3 * stats['seconds']:.1f} ms, {stats['solver']}",
     ]
     if solution.reason:
         facts.insert(1, f"it failed: {solution.reason}; the part that was reached is shown")
     return Document(
         scenario.name,
-        _in_short(solution),
+        _headline(solution),
         facts,
         [
             Chapter("result", "Result", tables=[_numbers(solution), *_events(solution)]),
@@ -47,11 +47,11 @@ def run(solution: Solution) -> Document:
     )
 
 
-def _in_short(solution: Solution) -> str:
-    """What happened, in one sentence and in units that a person would use."""
+def _headline(solution: Solution) -> str:
+    """A summary of the motion in one sentence."""
     if not solution.scenario.elements.unnamed:
-        told = ", ".join(f"{c.name} up to {human(solution.peaks[c.name], c.unit)}" for c in solution.columns[:4])
-        return f"largest magnitudes: {told}"
+        largest = ", ".join(f"{c.name} up to {human(solution.peaks[c.name], c.unit)}" for c in solution.columns[:4])
+        return f"largest magnitudes: {largest}"
     slips = solution.events["slip"]
     peak = human(solution.peaks["y"], solution.columns[0].unit)
     moves = f"{'turns' if solution.scenario.rotary else 'moves'} up to {peak}"
@@ -81,43 +81,43 @@ def _numbers(solution: Solution) -> Table:
 
 
 def _events(solution: Solution) -> list[Table]:
-    """What happened at all, and when."""
+    """A table of the events that occurred, with their times."""
     rows = []
     for name, times in _flat(solution.events):
         more = f" and {len(times) - _EVENTS_SHOWN} more" if len(times) > _EVENTS_SHOWN else ""
-        at = ", ".join(f"{t:.6g}" for t in times[:_EVENTS_SHOWN]) + more
-        rows.append([_WORDS.get(name, name), str(len(times)), at])
+        instants = ", ".join(f"{t:.6g}" for t in times[:_EVENTS_SHOWN]) + more
+        rows.append([_WORDS.get(name, name), str(len(times)), instants])
     return [Table(["event", "times", Head("at (s)", on=PAGE)], rows, prose=True)] if rows else []
 
 
-def _flat(events: Mapping[str, Any], of: str = "") -> Iterator[tuple[str, Array]]:
-    """What happened at all; of a machine under names such as 'mesh: slip'."""
+def _flat(events: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Array]]:
+    """Name and times of the events that occurred; of a machine with the element's name, such as 'mesh: slip'."""
     for name, each in events.items():
         if isinstance(each, dict):
             yield from _flat(each, f"{name}: ")
         elif len(each):
-            yield f"{of}{name}", each
+            yield f"{prefix}{name}", each
 
 
-def comparison(found: Comparison) -> Document:
-    """Several laws: how far each is from the first."""
-    reference, first = next(iter(found.solutions.items()))
+def comparison(result: Comparison) -> Document:
+    """The document of a comparison: the deviation of each law from the first."""
+    reference, first = next(iter(result.solutions.items()))
     names = first.scenario.rig.compared
     units = {c.name: c.unit for c in first.columns}
     apart: list[list[Cell]] = [
         [label if not i else "", n, Amount(d["max"], units[n], 4), Share(d["max_relative"])]
-        for label, each in found.deviations.items()
+        for label, each in result.deviations.items()
         for i, (n, d) in enumerate(each.items())
     ]
     about: list[list[Cell]] = [
         [label, sum(len(times) for n, times in _flat(s.events) if n.endswith("slip")), *(s.peaks[n] for n in names),
          s.stats["accepted"]]
-        for label, s in found.solutions.items()
+        for label, s in result.solutions.items()
     ]  # fmt: skip
     facts = [f"the largest deviation from {reference} over the rows that both reached, and its share of the peak there"]
-    facts += [f"{label} failed: {s.reason}" for label, s in found.solutions.items() if s.reason]
+    facts += [f"{label} failed: {s.reason}" for label, s in result.solutions.items() if s.reason]
     laws = (
-        [of_law.chapter(s.scenario.law, f"law-{i}") for i, s in enumerate(found.solutions.values())]
+        [of_law.chapter(s.scenario.law, f"law-{i}") for i, s in enumerate(result.solutions.values())]
         if first.scenario.elements.unnamed
         else of_scenario.laws(first.scenario)
     )
@@ -126,23 +126,23 @@ def comparison(found: Comparison) -> Document:
         Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in names), "steps"], about, on=PAGE),
     ]
     return Document(
-        f"{found.name}, {len(found.solutions)} laws",
-        _apart(found, reference, names[0], units[names[0]]),
+        f"{result.name}, {len(result.solutions)} laws",
+        _deviation_sentence(result, reference, names[0], units[names[0]]),
         facts,
         [
             Chapter("deviations", "Deviations", tables=tables),
-            Chapter("plots", "Plots", figures=[drawing.comparison(found.solutions)], on=PAGE),
+            Chapter("plots", "Plots", figures=[drawing.comparison(result.solutions)], on=PAGE),
             *laws,
             of_scenario.file(first.scenario),
         ],
     )
 
 
-def _apart(found: Comparison, reference: str, name: str, unit: str) -> str:
-    """How far the others are from the reference, in one sentence and in units that a person would use."""
-    told = []
-    for label, columns in found.deviations.items():
+def _deviation_sentence(result: Comparison, reference: str, name: str, unit: str) -> str:
+    """The deviations from the reference in one sentence."""
+    deviations = []
+    for label, columns in result.deviations.items():
         largest, share = columns[name]["max"], columns[name]["max_relative"]
         size = "?" if largest is None else human(largest, unit)
-        told.append(f"{label} by up to {size} ({percent(share)} of its peak)")
-    return f"from {reference}, {name} differs: {', '.join(told)}" if told else f"{reference} alone"
+        deviations.append(f"{label} by up to {size} ({percent(share)} of its peak)")
+    return f"from {reference}, {name} differs: {', '.join(deviations)}" if deviations else f"{reference} alone"

@@ -1,4 +1,4 @@
-"""One scenario simulated."""
+"""The simulation of one scenario."""
 
 from __future__ import annotations
 
@@ -31,40 +31,40 @@ def simulate_once(
     process or another, find it in the cache.
 
     Args:
-        scenario: what to simulate: a scenario, a machine, the path of its file, or its tables.
-        t_end: when it ends, s; must be given for a :class:`Machine`.
+        scenario: a scenario, a machine, the path of its file, or its tables.
+        t_end: end of the simulation, s; required for a :class:`Machine`.
         step: time between rows, s; of a :class:`Machine` t_end/1000 unless given.
-        **solve: other values of [solve], such as ``rtol=1e-10``; of a :class:`Machine` ``energy=True`` too.
-        progress: called now and then with the share of the time done, 0 to 1.
+        **solve: other values of [solve], such as ``rtol=1e-10``; of a :class:`Machine` also ``energy=True``.
+        progress: called from time to time with the share of the time done, 0 to 1.
 
     Returns:
-        The solution. A failed computation is a solution too: its ``status`` is "failed", its ``reason`` says why, and
-        it holds the rows that were reached.
+        The solution. If the computation fails, ``status`` is "failed", ``reason`` states why, and the rows up to there are
+        kept.
 
     Raises:
-        InputError: the file or the tables are no valid scenario.
+        InputError: if the file or the tables are no valid scenario.
     """
     if not isinstance(scenario, Scenario) or t_end is not None or step is not None or solve:
         from stribeck.scenario.objects import scenario_of  # a file that is run needs no objects
 
         scenario = scenario_of(scenario, t_end, step, **solve)
     started = perf_counter()
-    made = backend.solver(scenario)
+    built = backend.solver(scenario)
     for text in native.doubts(scenario):
         note(text)
     for text in _remarks(scenario):
         note(text)
 
     def once(what: Scenario) -> Result:
-        return made.solve(what, progress)
+        return built.solve(what, progress)
 
     result = counts.settled(scenario, once) if counts.reads_counts(scenario) else once(scenario)
     for text in result.remarks:
         note(text)
     reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
     result.events.extend(scenario.rig.more_events(reached))
-    result.stats.update({"backend": made.backend, "built": made.new, "build_seconds": made.seconds})
-    result.stats["seconds"] = perf_counter() - started - made.seconds
+    result.stats.update({"backend": built.backend, "built": built.new, "build_seconds": built.seconds})
+    result.stats["seconds"] = perf_counter() - started - built.seconds
     solution = Solution(scenario, result)
     if solution.reason is None:
         for each in scenario.elements.controllers.values():
@@ -74,15 +74,15 @@ def simulate_once(
 
 
 def _remarks(scenario: Scenario) -> list[str]:
-    """What is allowed, and hardly what was meant."""
-    found, values = list[str](), scenario.values()
+    """Notes on values that are allowed but probably a mistake."""
+    remarks, values = list[str](), scenario.values()
     if scenario.rows == 1:
         step, t_end = scenario.output.step, scenario.solve.t_end
-        found.append(f"output.step: {step:g}: is longer than solve.t_end = {t_end:g}: the output is one row, t = 0")
+        remarks.append(f"output.step: {step:g}: is longer than solve.t_end = {t_end:g}: the output is one row, t = 0")
     longest, most = scenario.longest_step, scenario.solve.max_steps
     if (least := scenario.end / longest) > most:
         why = f"a signal's waves allow no step longer than {longest:.3g} s, and {least:.3g} would be needed"
-        found.append(f"solve.max_steps: {most:g}: {why}: given up before t = {scenario.end * most / least:.3g} s")
+        remarks.append(f"solve.max_steps: {most:g}: {why}: given up before t = {scenario.end * most / least:.3g} s")
     for contact in scenario.system.elements.contacts.values():
         law = scenario.rig.laws[contact.law_path].machine
         for i in range(len(contact.loads)):
@@ -91,5 +91,5 @@ def _remarks(scenario: Scenario) -> list[str]:
             if excess > 0 and "F_s" in law:
                 f = (law["F_s"] - law["F_c"]) / excess
                 text = f"F_c grows more than F_s: from |force| = {f:.3g} on friction is less at rest than in motion"
-                found.append(f"{path}: {text}")
-    return found
+                remarks.append(f"{path}: {text}")
+    return remarks

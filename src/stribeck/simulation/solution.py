@@ -27,17 +27,17 @@ if TYPE_CHECKING:
 class Solution:
     """A simulated scenario.
 
-    ``solution.t`` holds the times in s and ``solution["y"]`` a column as an array of the same length; the columns are
-    ``y``, ``v``, ``z``, ``F`` and what the drive and the output options add (:attr:`columns`).
+    ``solution.t`` holds the times in s and ``solution["y"]`` a column as an array of the same length. The columns are
+    ``y``, ``v``, ``z``, ``F`` and those of the drive and of the output options (:attr:`columns`).
 
     Attributes:
-        scenario: what was simulated.
-        status: ``"done"``, or ``"failed"``; the rows reached are kept.
+        scenario: the simulated scenario.
+        status: ``"done"``, or ``"failed"``; the rows up to a failure are kept.
         reason: why it failed, else None.
-        events: ``{"slip": times, "stick": times}`` in s: where \\|v\\| rises, and falls, through v_s.
+        events: ``{"slip": times, "stick": times}`` in s: \\|v\\| rises, or falls, through v_s.
         states: the states at the rows, an array (rows, states) in the order of ``scenario.system.states``.
-        held: what sampled controllers held at the rows, by name: their outputs, and what is shown of their memory.
-        stats: accepted and rejected steps, evaluations, the solver, and seconds spent solving and building.
+        held: outputs and shown memory of sampled controllers at the rows, by name.
+        stats: accepted and rejected steps, evaluations, the solver, and the seconds of solving and building.
     """
 
     def __init__(self, scenario: Scenario, result: Result) -> None:
@@ -67,11 +67,11 @@ class Solution:
     def _columns(self) -> dict[str, Array]:
         states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
         with np.errstate(all="ignore"):
-            found = self.scenario.columns(self.t, states, self.held)
-        return {column.name: self._filled(found[column.name]) for column in self.columns}
+            values = self.scenario.columns(self.t, states, self.held)
+        return {column.name: self._filled(values[column.name]) for column in self.columns}
 
     def _filled(self, value: object) -> Array:
-        """A column's own array, of one number where nothing in it varies."""
+        """A column as an array of the rows, also if it is a single number."""
         given = np.array(value, float)
         return given if given.shape == self.t.shape else np.array(np.broadcast_to(given, self.t.shape))
 
@@ -100,7 +100,7 @@ class Solution:
 
     @property
     def message(self) -> str:
-        """Why the run failed, or what of the promised accuracy it did not reach; else that it is done."""
+        """Why the run failed, or the promised accuracy that it did not reach; otherwise that it is done."""
         return self.reason or "; ".join(self._remarks) or f"done: t = {self.scenario.end:g} s reached"
 
     def __repr__(self) -> str:
@@ -108,7 +108,7 @@ class Solution:
         return f"<Solution of '{self.scenario.name}': {self.status}, {len(self.t)} rows, columns {columns}>"
 
     def plot(self, column: str | None = None, ax: Axes | None = None) -> Figure:
-        """A figure of matplotlib: everything worth seeing, or one column against time.
+        """A matplotlib figure: all panels, or one column over time.
 
         Args:
             column: the column; with ``ax`` the first one unless given.
@@ -123,9 +123,9 @@ class Solution:
 
             ax = NewFigure(layout="constrained").subplots()
         drawing.curves(ax, {self.scenario.label: self}, "t", column or self.columns[0].name)
-        found = ax.get_figure(root=True)
-        assert found is not None
-        return found
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        return figure
 
     def _repr_svg_(self) -> str:
         from stribeck.mouth import plots
@@ -139,7 +139,7 @@ class Solution:
         return f"<p>{escape(repr(self))}<br>{escape(self.message)}</p>{svg[svg.index('<svg') :]}"
 
     def document(self) -> Document:
-        """What the run says to people, for the terminal and for a page."""
+        """The run as a document, for the terminal and for a page."""
         from stribeck.simulation import said
 
         return said.run(self)
@@ -148,7 +148,7 @@ class Solution:
         """The columns as a pandas data frame, t first.
 
         Raises:
-            MissingExtra: pandas is not installed.
+            MissingExtra: if pandas is not installed.
         """
         with needed("to_pandas()"):
             import pandas
@@ -174,7 +174,7 @@ class Solution:
         return {"contacts": {name: {"law": _about(law)} for name, law in rig.named_laws.items()}}
 
     def summary(self) -> dict[str, object]:
-        """What ``stribeck run --json`` prints, without the files."""
+        """The JSON of ``stribeck run --json``, without the files."""
         return {
             "status": self.status,
             "reason": self.reason,
@@ -196,14 +196,14 @@ def _lists(events: Mapping[str, Any]) -> dict[str, object]:
     return {name: _lists(x) if isinstance(x, dict) else x.tolist() for name, x in events.items()}
 
 
-def _events(scenario: Scenario, found: list[tuple[float, int]]) -> dict[str, Any]:
-    """The times of what happened; of a machine by element, of a single body without its name."""
+def _events(scenario: Scenario, instants: list[tuple[float, int]]) -> dict[str, Any]:
+    """The times of the events; of a machine by element, of a single body without its name."""
     watched = scenario.system.watched
     if not scenario.system.by_element:
-        times = {"slip": [t for t, what in found if not what & 1], "stick": [t for t, what in found if what & 1]}
+        times = {"slip": [t for t, what in instants if not what & 1], "stick": [t for t, what in instants if what & 1]}
         return {name: np.array(each) for name, each in times.items()}
     events: dict[str, dict[str, list[float]]] = {name: {kind: [] for kind in kinds} for name, kinds in watched}
-    for t, what in sorted(found):
+    for t, what in sorted(instants):
         name, kinds = watched[what >> 2]
         events[name][kinds[what & 3]].append(t)
     return {name: {kind: np.array(x) for kind, x in each.items()} for name, each in events.items()}

@@ -1,4 +1,4 @@
-"""Runs as files: tables of their columns, the page, and summary.json, all of them together."""
+"""Runs as files: tables of their columns, the page, and summary.json."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from stribeck.simulation.solution import Solution
 if TYPE_CHECKING:
     from stribeck.simulation.comparison import Comparison
 
-_LONGEST = 100  # characters of a label in a file's name
+_LONGEST = 100  # characters of a label in a file's name, which file systems limit to 255 bytes
 
 
 def write_run(solution: Solution, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
-    """Write trajectory.csv and .parquet, plot.svg, report.html and, last, summary.json; the paths."""
+    """Write trajectory.csv and .parquet, plot.svg, report.html and, last, summary.json; returns the paths."""
     with together(folder) as place:
         paths = write_table(solution, place, "trajectory")
         with left_out("the plot and the page"):
@@ -32,7 +32,7 @@ def write_run(solution: Solution, folder: Path, summary: dict[str, Any], command
 
 def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
     """Write a trajectory for each law, compare.svg, report.html and, last, summary.json with the
-    deviations; the paths."""
+    deviations; returns the paths."""
     paths: list[Path] = []
     with together(folder) as place:
         for i, (label, solution) in enumerate(comparison.solutions.items()):
@@ -44,9 +44,9 @@ def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, An
 
 
 def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
-    """The solution's columns as ``stem.csv`` (full double precision) and ``stem.parquet`` (units in the metadata).
+    """Write the columns as ``stem.csv`` (full double precision) and ``stem.parquet`` (units in the metadata).
 
-    Without pyarrow there is no Parquet file, which a note says.
+    Without pyarrow there is no Parquet file, and a note reports it. Returns the paths.
     """
     paths = [folder / f"{stem}.csv", folder / f"{stem}.parquet"]
     names = ["t", *(column.name for column in solution.columns)]
@@ -58,7 +58,7 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
 
 
 def write_csv(path: Path, columns: dict[str, object]) -> None:
-    """Columns of equal length as CSV: numbers with every digit, nothing where there is no number."""
+    """Write columns of equal length as CSV, numbers with all digits."""
     with path.open("wb") as file:
         file.write((",".join(columns) + "\n").encode())
         if find_spec("pyarrow") is not None:  # some twenty times faster, with the same numbers

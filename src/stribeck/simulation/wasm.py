@@ -1,16 +1,15 @@
 """A scenario solved by WebAssembly: the counterpart of native.py where there is no C compiler.
 
 The runtime is built once, with the package (tools/make_runtime.py). A system's functions are emitted from its expressions
-and joined with it. Wasmtime makes machine code of the module, which is kept in the cache.
+and joined with it. Wasmtime compiles the module to machine code, which the cache stores.
 """
 
 from __future__ import annotations
 
 import ctypes
-import re
 import threading
 from collections.abc import Callable, Mapping
-from ctypes import c_double, c_int64, c_uint32
+from ctypes import c_uint32
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from hashlib import sha256
@@ -19,25 +18,24 @@ from importlib.resources import files
 import numpy as np
 
 from stribeck.codegen.emitted import LINE, Added, Emitted
-from stribeck.codegen.source import runtime_text
 from stribeck.codegen.webassembly import Module
 from stribeck.errors import BuildError
 from stribeck.machine.equations import Equations
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.engine import Compiled, Instance, identity
+from stribeck.simulation.layout import struct_fields
 from stribeck.simulation.native import EVENT_ROOM, Solving, solver_input
 from stribeck.simulation.promise import MeasuredMotion, Tolerances, kept, measures
 from stribeck.simulation.result import Result
 
 _KEPT = 2**23  # bytes of memory of an instance that a thread keeps: a new one costs 0.2 ms, most of them for its pages
-_RUN_ROOM = 512  # bytes, of the struct Run
-_KINDS: dict[str, type] = {"double": c_double, "int64_t": c_int64}
+_RUN_ROOM = 512  # bytes for the struct Run
 
 
 @dataclass(frozen=True)
 class System:
-    """A system's module, what the runtime must be told of it (runtime/any.c), and where memory is free behind it."""
+    """A system's module, its sizes for the runtime (struct Shape in runtime/any.c), and the first free address."""
 
     module: bytes
     shape: list[int]
@@ -51,7 +49,7 @@ def _runtime() -> Module:
 
 @lru_cache(maxsize=64)
 def system_module(equations: Equations) -> System:
-    """Emit a system and join it with the runtime, less what of that it does not reach."""
+    """Emit a system and join it with those functions of the runtime that it needs."""
     return with_functions(equations, {})
 
 
@@ -69,7 +67,7 @@ def compiled(module: bytes) -> tuple[Compiled, bool]:
     """A module as machine code, from the cache or built now; and whether it was built now.
 
     Raises:
-        BuildError: Wasmtime is missing, or refuses the module.
+        BuildError: if Wasmtime is missing, or rejects the module.
     """
     key = sha256("|".join((identity(), compiler.processor())).encode() + module).hexdigest()[:32]
     if key in _compiled:
@@ -79,8 +77,8 @@ def compiled(module: bytes) -> tuple[Compiled, bool]:
             _compiled[key] = Compiled.read(code)
             return _compiled[key], False
         except BuildError:
-            pass  # by another build of Wasmtime: made anew
-    _compiled[key] = built = Compiled.of(module)
+            pass  # by another build of Wasmtime: compiled again
+    _compiled[key] = built = Compiled.build(module)
     cache.write_sealed(f"{key}.cwasm", built.written())
     return built, True
 
@@ -90,40 +88,35 @@ _compiled: dict[str, Compiled] = {}
 
 @lru_cache(maxsize=1)
 def run_struct() -> type[ctypes.Structure]:
-    """The struct Run as wasm32 lays it out: a pointer has four bytes, all else lies as on 64-bit machines."""
-    (body,) = re.findall(r"typedef struct {([^}]*)} Run;", runtime_text("run.c"))
-    fields: list[tuple[str, type]] = []
-    for line in re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL).split(";"):
-        kind, _, names = line.replace("const ", "").strip().partition(" ")
-        fields += [(x.strip(" *"), c_uint32 if "*" in x else _KINDS[kind]) for x in names.split(",") if kind]
-    return type("WasmRun", (ctypes.Structure,), {"_fields_": fields})
+    """The struct Run in the layout of wasm32: a pointer has four bytes, all other fields are as on 64-bit machines."""
+    return type("WasmRun", (ctypes.Structure,), {"_fields_": struct_fields("run.c", "Run", pointer=c_uint32)})
 
 
 def solve(
-    made: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None = None
+    code: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None = None
 ) -> Result:
-    """Integrate the scenario with its compiled module; ``progress`` is given the share of time done."""
+    """Integrate the scenario with its compiled module; ``progress`` is called with the share of time done."""
 
     def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
-        return _once(made, system, scenario, progress, tolerances, most)
+        return _once(code, system, scenario, progress, tolerances, most)
 
     return kept(scenario, once)
 
 
-def _instance(made: Compiled) -> Instance:
-    """The instance that this thread used last, if it is of this module, else a new one."""
+def _instance(code: Compiled) -> Instance:
+    """The instance that this thread used last, if it is of this module; otherwise a new one."""
     last, _of_thread.last = getattr(_of_thread, "last", None), None
-    return last[1] if last is not None and last[0] is made else Instance(made)
+    return last[1] if last is not None and last[0] is code else Instance(code)
 
 
 _of_thread = threading.local()
 
 
 def _once(
-    made: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None, tolerances: Tolerances,
+    code: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None, tolerances: Tolerances,
     most: int,
 ) -> tuple[Result, MeasuredMotion]:  # fmt: skip
-    instance, given = _instance(made), solver_input(scenario, tolerances)
+    instance, given = _instance(code), solver_input(scenario, tolerances)
     equations = scenario.system
     held, width = len(equations.held), len(equations.states) + len(equations.held) + len(equations.shown)
     event_room = max(EVENT_ROOM, 16 * (len(equations.watched) + 1))
@@ -160,5 +153,5 @@ def _once(
     result = solving.to_the_end(progress, most)
     result, measured = replace(result, states=result.states.copy()), solving.measured
     if memory.nbytes <= _KEPT:
-        _of_thread.last = made, instance
+        _of_thread.last = code, instance
     return result, measured

@@ -1,7 +1,7 @@
-"""The workers of a Dask cluster make a sweep's parts.
+"""A sweep on a Dask cluster, whose workers compute the parts.
 
-Dask gives the parts of a worker that died to others, and gives a part up that kills its workers (allowed-failures). It
-drops a worker that stopped answering (worker-ttl). Left to us: workers whose files would have other bits get no parts.
+Dask gives the parts of a dead worker to others, gives up a part that kills its workers (allowed-failures), and drops a
+worker that no longer answers (worker-ttl). This module gives no parts to workers whose files would have different bits.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from contextlib import contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from stribeck.errors import InputError, StribeckError, arg, needed, note, said_by
-from stribeck.sweeps.parts import MadePart, Refusal, made_by_worker
+from stribeck.errors import InputError, StribeckError, arg, error_text, needed, note
+from stribeck.sweeps.parts import MadePart, Refusal, make_part
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -24,32 +24,32 @@ if TYPE_CHECKING:
 # The arguments of made_by_worker for a part.
 Sent = tuple[str, dict[str, bytes], dict[str, bytes], int]
 
-_LOOK = 2.0  # s, between two looks at the workers: what a user may wait for a line about them
+_LOOK = 2.0  # s between two checks of the workers: an acceptable delay of a message about them
 _SILENT = (
-    60.0  # s without a heartbeat until a worker is named; Dask's own limit is 5 minutes, its heartbeats come each 5 s
+    60.0  # s without a heartbeat before a worker is reported: Dask drops it after 5 minutes; heartbeats come each 5 s
 )
-_AHEAD = 2  # parts in hand for each thread: one is computed while the other one travels
+_AHEAD = 2  # parts in hand for each thread: one is computed while the other one is transferred
 _CONNECT = 10.0  # s, for a scheduler to answer: Dask's own 30 s are long for a wrong address
 
 
 @contextmanager
 def connected(cluster: str | Client) -> Iterator[Client]:
-    """A client of a cluster's scheduler, within which Dask's own log is silent.
+    """A client of a cluster's scheduler; Dask's own log is silent meanwhile.
 
     Raises:
-        InputError: no scheduler answers.
+        InputError: if no scheduler answers.
     """
     with needed(f"{arg('cluster')} {cluster}", "cluster"):
         import distributed
         from distributed.comm.addressing import get_address_host_port
     log = logging.getLogger("distributed")
     level = log.level
-    log.setLevel(logging.CRITICAL + 1)  # what goes wrong is said by us, in a line
+    log.setLevel(logging.CRITICAL + 1)  # errors are reported by us, in one line
     try:
         if isinstance(cluster, distributed.Client):
             yield cluster
             return
-        try:  # by a plain connection first: Dask tries a wrong address again and again, and its loop outlives the failure
+        try:  # a plain connection first: Dask retries a wrong address, and its loop outlives the failure
             socket.create_connection(get_address_host_port(cluster), _CONNECT).close()
             client = distributed.Client(cluster, timeout=_CONNECT)
         except (OSError, ValueError) as error:
@@ -60,112 +60,114 @@ def connected(cluster: str | Client) -> Iterator[Client]:
         log.setLevel(level)
 
 
-def made_on(client: Client, todo: list[int], sent: Callable[[int], Sent]) -> Generator[tuple[int, MadePart]]:
-    """The parts as they come from the workers.
+def make_on_cluster(client: Client, todo: list[int], sent: Callable[[int], Sent]) -> Generator[tuple[int, MadePart]]:
+    """The parts in the order in which the workers finish them.
 
     Raises:
-        StribeckError: the scheduler went away, no worker can make the parts, or a part failed.
+        StribeckError: if the scheduler is lost, no worker can compute the parts, or a part failed.
     """
     work = _Work(client, todo, sent)
     try:
         yield from work.parts()
     except StribeckError:
         raise
-    except Exception as error:  # what a client raises whose scheduler dies under it depends on the moment
+    except Exception as error:  # the error of a client whose scheduler dies depends on the moment
         if client.status == "running":
             raise
         text = f"the scheduler went away after {work.done} of {len(todo)} parts; the same command goes on from there"
-        raise StribeckError(f"{arg('cluster')}: {text} ({said_by(error)})") from None
-    finally:  # Ctrl-C, or a part that failed: nobody waits for the others
+        raise StribeckError(f"{arg('cluster')}: {text} ({error_text(error)})") from None
+    finally:  # Ctrl-C or a failed part: the others are not needed
         work.cancel()
 
 
 class _Work:
-    """The parts to be made and those in hand, and the workers that get none."""
+    """The parts to compute, those given to workers, and the workers that get none."""
 
     def __init__(self, client: Client, todo: list[int], sent: Callable[[int], Sent]) -> None:
         self.client, self.sent = client, sent
         self.todo, self.total, self.done = deque(todo), len(todo), 0
-        self.hand: dict[Future[MadePart | Refusal], int] = {}
-        self.may: frozenset[str] | None = None  # the workers that what is in hand may go to; None: all
+        self.in_hand: dict[Future[MadePart | Refusal], int] = {}
+        self.allowed: frozenset[str] | None = None  # the workers that the parts in hand may use; None: all
         self.left_out: dict[str, str] = {}
-        self.seen: dict[str, tuple[float, float]] = {}  # a worker's last heartbeat, and when we first saw that one
+        self.seen: dict[
+            str, tuple[float, float]
+        ] = {}  # a worker's last heartbeat, and the time at which it was first seen
         self.waiting = False
 
     def parts(self) -> Iterator[tuple[int, MadePart]]:
-        """Until every part is made."""
+        """Yield the parts until all are computed."""
         import distributed
 
-        while self.todo or self.hand:
+        while self.todo or self.in_hand:
             self._send(self._workers())
             try:
-                distributed.wait(list(self.hand), timeout=_LOOK, return_when="FIRST_COMPLETED")
+                distributed.wait(list(self.in_hand), timeout=_LOOK, return_when="FIRST_COMPLETED")
             except (TimeoutError, distributed.TimeoutError):
                 continue
             except distributed.CancelledError:
                 pass
-            for future in [each for each in self.hand if each.status != "pending"]:
-                part = self.hand.pop(future, None)
-                if part is not None and (made := self._taken(part, future)) is not None:
+            for future in [each for each in self.in_hand if each.status != "pending"]:
+                part = self.in_hand.pop(future, None)
+                if part is not None and (finished := self._result_of(part, future)) is not None:
                     self.done += 1
-                    yield part, made
+                    yield part, finished
 
     def cancel(self) -> None:
-        """Take back what is in hand."""
-        for future, part in self.hand.items():
+        """Cancel the parts in hand and queue them again."""
+        for future, part in self.in_hand.items():
             future.cancel(force=True)
             self.todo.append(part)
-        self.hand.clear()
+        self.in_hand.clear()
 
     def _workers(self) -> dict[str, int]:
-        """The threads of each worker that there is now. Workers that stopped answering are named, once."""
+        """The number of threads of each present worker. A worker that no longer answers is reported once."""
         scheduler = self.client.scheduler
         if self.client.status != "running" or scheduler is None:
             raise ConnectionError("no connection")
-        # asked anew: what the client keeps is at times without its workers
-        found = self.client.sync(scheduler.identity)["workers"]
-        for address, each in found.items():
+        # asked from the scheduler: the client's own copy is at times without its workers
+        workers = self.client.sync(scheduler.identity)["workers"]
+        for address, each in workers.items():
             beat, since = self.seen.get(address, (0.0, 0.0))
             if beat != each["last_seen"]:
                 self.seen[address] = each["last_seen"], monotonic()
             elif monotonic() - since > _SILENT:
                 text = f"has not answered for {_SILENT:.0f} s; Dask gives its parts to others after worker-ttl"
                 note(f"{arg('cluster')}: {address} {text} (5 minutes unless configured)")
-                self.seen[address] = beat, math.inf  # said
-        return {address: int(each["nthreads"]) for address, each in found.items()}
+                self.seen[address] = beat, math.inf  # reported
+        return {address: int(each["nthreads"]) for address, each in workers.items()}
 
     def _send(self, workers: dict[str, int]) -> None:
-        """Hand out parts, to workers that are not left out."""
-        may = {address: n for address, n in workers.items() if address not in self.left_out}
+        """Give parts to the workers that are not left out."""
+        allowed = {address: n for address, n in workers.items() if address not in self.left_out}
         if not workers and not self.waiting:
             text = f"no worker at present; waiting for one ({self.done} of {self.total} parts done)"
             note(f"{arg('cluster')}: {text}")
         self.waiting = not workers
-        if workers and not may:
+        if workers and not allowed:
             reasons = "; ".join(f"{address} {self.left_out[address]}" for address in workers)
             raise StribeckError(f"{arg('cluster')}: no worker can make these numbers: {reasons}")
-        if self.may is not None and not self.may & may.keys():  # those that parts in hand may go to are gone
+        if self.allowed is not None and not self.allowed & allowed.keys():  # all workers of the parts in hand are gone
             self.cancel()
-        self.may = frozenset(may) if self.left_out and may else None
-        while self.todo and len(self.hand) < _AHEAD * max(sum(may.values()), 1):
+        self.allowed = frozenset(allowed) if self.left_out and allowed else None
+        while self.todo and len(self.in_hand) < _AHEAD * max(sum(allowed.values()), 1):
             part = self.todo.popleft()
-            where = sorted(self.may) if self.may is not None else None
-            future = self.client.submit(made_by_worker, *self.sent(part), pure=False, workers=where)
-            self.hand[future] = part
+            where = sorted(self.allowed) if self.allowed is not None else None
+            future = self.client.submit(make_part, *self.sent(part), pure=False, workers=where)
+            self.in_hand[future] = part
 
-    def _taken(self, part: int, future: Future[MadePart | Refusal]) -> MadePart | None:
-        """A part, or None if it is to be made again."""
+    def _result_of(self, part: int, future: Future[MadePart | Refusal]) -> MadePart | None:
+        """The computed part, or None if it must be computed again."""
         if future.status in ("cancelled", "lost"):
             self.todo.append(part)
             return None
         if future.status == "error":
-            raise StribeckError(f"{arg('cluster')}: part {part} failed on a worker: {said_by(future.exception())}")
-        made = future.result()
-        if isinstance(made, MadePart):
-            return made
-        if made.worker not in self.left_out:
-            note(f"{arg('cluster')}: left out: {made.worker} {made.reason}")
-            self.left_out[made.worker] = made.reason
-            self.cancel()  # some of it may go to that worker
+            raise StribeckError(f"{arg('cluster')}: part {part} failed on a worker: {error_text(future.exception())}")
+        result = future.result()
+        if isinstance(result, MadePart):
+            return result
+        if result.worker not in self.left_out:
+            note(f"{arg('cluster')}: left out: {result.worker} {result.reason}")
+            self.left_out[result.worker] = result.reason
+            self.cancel()  # some parts may be queued for that worker
         self.todo.append(part)
         return None

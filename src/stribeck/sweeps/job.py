@@ -1,4 +1,4 @@
-"""A sweep: an ensemble as parts in a folder, which goes on where it was stopped and ends with the same bytes."""
+"""A sweep: an ensemble stored as parts in a folder. An interrupted sweep continues, and ends with the same bytes."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, float], None]
 
-_PART_BYTES = 64e6  # of the columns of one part: what is lost at most when a sweep is killed, some seconds of work
-_MANIFEST = "_manifest.json"  # readers of a folder of Parquet files pass over names that begin with an underscore
+_PART_BYTES = 64e6  # of the columns of one part: some seconds of work, the most that is lost if a sweep is killed
+_MANIFEST = "_manifest.json"  # readers of a folder of Parquet files skip names that begin with an underscore
 
 
 class Sweep:
     """A sweep in a folder: parts of some lanes each, and a manifest.
 
-    The manifest says what the sweep is, and has the SHA-256 of each part that is done and how many of its lanes failed.
+    The manifest describes the sweep, with the SHA-256 and the number of failed lanes of each finished part.
 
     Args:
-        scenario: what the lanes share.
+        scenario: the scenario that the lanes vary.
         values: the values of every lane by path.
-        out: where the files go: a folder, or a URL that fsspec knows.
-        summary: keep one row a lane (peaks, slips, amplitude, period) in place of its trajectory.
+        out: the folder of the files, or a URL that fsspec knows.
+        summary: keep one row for each lane (peaks, slips, amplitude, period) instead of its trajectory.
 
     Raises:
-        InputError: a path cannot be varied, or nothing that is installed can write to the URL.
-        MissingExtra: pyarrow is not installed.
+        InputError: if a path cannot be varied, or no installed library can write to the URL.
+        MissingExtra: if pyarrow is not installed.
     """
 
     def __init__(self, scenario: Scenario, values: Mapping[str, Array], out: Path | str, summary: bool) -> None:
@@ -59,9 +59,9 @@ class Sweep:
         row = 8.0 * (1 + len(scenario.system.columns))
         self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
         self.parts = math.ceil(len(self.lanes) / self.part_size)
-        self.found = 0  # parts that were there before
-        self._digests: dict[str, str] = {}  # of the parts that are done, by their names
-        self._failed: dict[str, int] = {}  # lanes, in the same parts
+        self.found = 0  # number of parts from an earlier run
+        self._digests: dict[str, str] = {}  # SHA-256 of the finished parts, by name
+        self._failed: dict[str, int] = {}  # number of failed lanes in the same parts
         self._about: dict[str, object] = {
             "format": 1,
             "stribeck": __version__,
@@ -76,9 +76,9 @@ class Sweep:
         }
 
     def document(self, seconds: float) -> Document:
-        """What the sweep says to people, which took so many seconds."""
-        found = f", {self.found} of them there already" if self.found else ""
-        lead = f"{len(self.lanes)} lanes in {self.parts} parts{found}, {seconds:.1f} s"
+        """The sweep as a document, with its duration in seconds."""
+        existing = f", {self.found} of them there already" if self.found else ""
+        lead = f"{len(self.lanes)} lanes in {self.parts} parts{existing}, {seconds:.1f} s"
         return Document(self.lanes.scenario.name, lead)
 
     @staticmethod
@@ -93,7 +93,7 @@ class Sweep:
 
     @property
     def failed(self) -> int:
-        """How many lanes failed, of those in parts that are done."""
+        """The number of failed lanes in the finished parts."""
         return sum(self._failed.values())
 
     def lanes_of(self, part: int) -> range:
@@ -111,43 +111,45 @@ class Sweep:
         progress: Progress | None = None,
         cluster: str | Client | None = None,
     ) -> None:
-        """Make the parts that are missing.
+        """Compute the missing parts.
 
         Args:
-            threads: of this machine; all unless given.
-            progress: called with the share of the lanes done and how many of them were done in this run.
+            threads: number of threads of this machine; all cores unless given.
+            progress: called with the share of the lanes done, and the number of lanes done in this run.
             cluster: as for :func:`sweep`.
 
         Raises:
-            InputError: the folder holds another sweep, or another process is at work in it.
-            StribeckError: the place cannot be read or written now, the cluster went away, or none of its workers can make
-                the parts; what was written stays.
+            InputError: if the folder contains another sweep, or another process works in it.
+            StribeckError: if the place cannot be read or written, the cluster is lost, or none of its workers can compute
+                the parts. Written parts stay.
         """
         with self.place.alone():
-            todo = self._todo()
-            before = len(self.lanes) - sum(len(self.lanes_of(part)) for part in todo)
+            todo = self._missing_parts()
+            finished = len(self.lanes) - sum(len(self.lanes_of(part)) for part in todo)
 
             def tell(lanes: float) -> None:
                 if progress is not None:
-                    progress((before + lanes) / len(self.lanes), lanes)
+                    progress((finished + lanes) / len(self.lanes), lanes)
 
             lanes = 0
             with self._connected(cluster if todo else None) as client:
                 self._write_manifest()
-                with closing(self._here(todo, threads, tell) if client is None else self._there(client, todo)) as parts:
-                    for part, made in parts:
-                        self.place.put(self.name(part), made.content)
-                        self._digests[self.name(part)] = sha256(made.content).hexdigest()
-                        self._failed[self.name(part)] = made.failed
+                with closing(
+                    self._make_here(todo, threads, tell) if client is None else self._make_on_cluster(client, todo)
+                ) as parts:
+                    for part, result in parts:
+                        self.place.put(self.name(part), result.content)
+                        self._digests[self.name(part)] = sha256(result.content).hexdigest()
+                        self._failed[self.name(part)] = result.failed
                         self._write_manifest()
                         lanes += len(self.lanes_of(part))
                         tell(lanes)
 
-    def _todo(self) -> list[int]:
-        """The parts that are not there yet, or are not what was written.
+    def _missing_parts(self) -> list[int]:
+        """The parts that are missing or whose content changed.
 
         Raises:
-            InputError: the folder holds another sweep, or a part that is none of this sweep's.
+            InputError: if the folder contains another sweep, or a part of another sweep.
         """
         here = f"{arg('out')}: {str(self.place)!r}"
         names = self.place.names()
@@ -174,11 +176,11 @@ class Sweep:
         return todo
 
     def _manifest(self, here: str) -> tuple[dict[str, object], dict[str, str], dict[str, int]]:
-        """What the manifest says of the sweep, the digests of its parts, and how many of their lanes failed."""
+        """The manifest: description of the sweep, digests of its parts, and their numbers of failed lanes."""
         try:
-            found = json.loads(self.place.get(_MANIFEST) or b"")
-            digests, failed = (dict(found.pop(key)) for key in ("sha256", "failed"))
-            return dict(found), digests, failed
+            manifest = json.loads(self.place.get(_MANIFEST) or b"")
+            digests, failed = (dict(manifest.pop(key)) for key in ("sha256", "failed"))
+            return dict(manifest), digests, failed
         except OSError as error:
             raise InputError(f"{here}: {_MANIFEST} in it cannot be read: {error.strerror or error}") from None
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
@@ -207,9 +209,9 @@ class Sweep:
 
         return connected(cluster)
 
-    def _there(self, client: Client, todo: list[int]) -> Generator[tuple[int, MadePart]]:
-        """The parts, made by the workers of a cluster."""
-        from stribeck.sweeps.cluster import Sent, made_on
+    def _make_on_cluster(self, client: Client, todo: list[int]) -> Generator[tuple[int, MadePart]]:
+        """The parts, computed by the workers of a cluster."""
+        from stribeck.sweeps.cluster import Sent, make_on_cluster
 
         text = self.order.to_text(self.order.probe(self.values_of(0)))
         first_lane = {path: x[:1].tobytes() for path, x in self.values_of(0).items()}
@@ -218,12 +220,12 @@ class Sweep:
             numbers = {path: x.tobytes() for path, x in self.values_of(part).items()}
             return text, first_lane, numbers, self.lanes_of(part).start
 
-        return made_on(client, todo, sent)
+        return make_on_cluster(client, todo, sent)
 
-    def _here(
+    def _make_here(
         self, todo: list[int], threads: int | None, tell: Callable[[float], None]
     ) -> Generator[tuple[int, MadePart]]:
-        """The parts, made on this machine one by one."""
+        """The parts, computed on this machine one by one."""
         done = 0
         for part in todo:
             lanes = self.lanes_of(part)
@@ -235,7 +237,7 @@ class Sweep:
             done += len(lanes)
 
     def _digest(self) -> str:
-        """Of all that decides the numbers: the equations and solver as C, every constant, the signal, the values."""
+        """SHA-256 of all inputs of the numbers: equations and solver as C, all constants, the signal, the values."""
         s, lanes = self.lanes.scenario, self.lanes
         table = s.pieces()
         pieces = [table.start, table.rows, table.restart]
@@ -250,10 +252,10 @@ class Sweep:
 
 
 def check_cluster(cluster: object, threads: int | None) -> None:
-    """Refuse threads beside a cluster, whose workers have their own.
+    """Check that no number of threads is given with a cluster, whose workers have their own.
 
     Raises:
-        InputError: both are given.
+        InputError: if both are given.
     """
     if cluster is not None and threads is not None:
         text = f"does not go with {arg('cluster')}: a cluster's workers have their own"
@@ -277,7 +279,7 @@ def sweep(
     A lane is one simulation of a batch.
 
     Args:
-        scenario: what the lanes share; or ``machine.vary({...})``.
+        scenario: the scenario that the lanes vary; or ``machine.vary({...})``.
         vary: values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
         out: folder, or a URL that fsspec knows (``"s3://bucket/name"`` with s3fs installed).
         t_end, step: as in :func:`stribeck.simulate`.
@@ -300,6 +302,6 @@ def sweep(
     if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **values}
     shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
-    found = Sweep(scenario_of(shared, t_end, step), variations.arrays(values), out, summary)
-    found.run(threads, progress, cluster)
-    return found
+    job = Sweep(scenario_of(shared, t_end, step), variations.arrays(values), out, summary)
+    job.run(threads, progress, cluster)
+    return job

@@ -1,7 +1,7 @@
-"""One part of a sweep: some lanes as the bytes of a Parquet file, made on this machine or by a worker of a cluster.
+"""One part of a sweep: some lanes as the bytes of a Parquet file, computed on this machine or by a worker of a cluster.
 
-A worker is sent the scenario as text, the files that it names, and numbers. Its files must be those of the machine that
-asks, to the last bit: it first makes the file of the sweep's first lane and compares its digest with the one it was sent.
+A worker receives the scenario as text, the files that it refers to, and numbers. Its files must equal those of this
+machine to the last bit. To check this, it first computes the file of the sweep's first lane and compares the digest.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import StribeckError, one_line, said_by
+from stribeck.errors import StribeckError, error_text, one_line
 from stribeck.scenario import Scenario
 from stribeck.scenario.moved import with_files
 from stribeck.simulation import backend
@@ -29,16 +29,16 @@ from stribeck.sweeps import tables
 from stribeck.version import __version__
 
 _building = threading.Lock()  # the threads of a worker build an order once
-_files: list[ExitStack] = []  # that scenarios name: they may be read again, and go with the process
+_files: list[ExitStack] = []  # files of scenarios: they may be read again, and are removed with the process
 
 
 @dataclass(frozen=True)
 class MadePart:
-    """A part that is made.
+    """A computed part.
 
     Attributes:
-        content: of its Parquet file.
-        failed: how many of its lanes failed.
+        content: the bytes of its Parquet file.
+        failed: the number of its lanes that failed.
     """
 
     content: bytes
@@ -47,7 +47,7 @@ class MadePart:
 
 @dataclass(frozen=True)
 class Refusal:
-    """Why a worker cannot make a part, and the worker's address."""
+    """The reason why a worker cannot compute a part, and the worker's address."""
 
     worker: str
     reason: str
@@ -55,11 +55,11 @@ class Refusal:
 
 @dataclass(frozen=True)
 class Order:
-    """What all parts of a sweep share.
+    """The work order that is the same for all parts of a sweep.
 
     Attributes:
-        scenario: what the lanes share.
-        summary: a row a lane in place of its trajectory.
+        scenario: the scenario that the lanes vary.
+        summary: one row for each lane instead of its trajectory.
     """
 
     scenario: Scenario
@@ -72,17 +72,17 @@ class Order:
         threads: int | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> MadePart:
-        """Simulate some lanes, the first of which has the number ``first``."""
-        found = simulate_ensemble(self.scenario, values, threads=threads, progress=progress)
-        columns = tables.summary(found, first) if self.summary else tables.trajectories(found, first)
-        return MadePart(tables.as_parquet(columns), sum(reason is not None for reason in found.reason))
+        """Simulate some lanes; ``first`` is the number of the first one."""
+        ensemble = simulate_ensemble(self.scenario, values, threads=threads, progress=progress)
+        columns = tables.summary(ensemble, first) if self.summary else tables.trajectories(ensemble, first)
+        return MadePart(tables.as_parquet(columns), sum(reason is not None for reason in ensemble.reason))
 
     def probe(self, values: Mapping[str, Array]) -> str:
-        """The digest of the first lane's file: of its numbers' bits, and of how they are written."""
+        """The SHA-256 of the first lane's file, which depends on all bits and on how they are written."""
         return sha256(self.part({path: x[:1] for path, x in values.items()}, 0, threads=1).content).hexdigest()
 
     def to_text(self, probe: str) -> str:
-        """As JSON, with the files that the scenario names and the digest of the first lane's file."""
+        """The order as JSON, with the scenario's files and the digest ``probe`` of the first lane's file."""
         data, files = with_files(self.scenario.data, self.scenario.folder)
         contents = {name: base64.b64encode(content).decode() for name, content in files.items()}
         about = {
@@ -96,16 +96,14 @@ class Order:
         return json.dumps(about)
 
 
-def made_by_worker(
-    text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes], first: int
-) -> MadePart | Refusal:
-    """Make a part, on a worker of a cluster.
+def make_part(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes], first: int) -> MadePart | Refusal:
+    """Compute a part, on a worker of a cluster.
 
     Args:
-        text: of :meth:`Order.to_text`.
-        first_lane: the values of the sweep's first lane by path, float64, in the order of the columns.
-        numbers: those of this part's lanes.
-        first: the number of its first lane.
+        text: the order, by :meth:`Order.to_text`.
+        first_lane: the values of the sweep's first lane by path, as bytes of float64, in the order of the columns.
+        numbers: the values of this part's lanes, likewise.
+        first: the number of the part's first lane.
     """
     from distributed import get_worker
 
@@ -114,7 +112,7 @@ def made_by_worker(
             order = _order(text, tuple(first_lane.items()))
         return order.part(_values(numbers), first, threads=1)
     except (StribeckError, OSError, MemoryError) as error:  # a full disk, no memory: another worker may have them
-        reason = str(error) if isinstance(error, StribeckError) else said_by(error)
+        reason = str(error) if isinstance(error, StribeckError) else error_text(error)
         return Refusal(str(get_worker().address), one_line(reason))
 
 
@@ -123,16 +121,16 @@ _NAMES = {"c": "a C compiler", "wasm": "WebAssembly"}
 
 @lru_cache(maxsize=8)
 def _order(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
-    """The order of a text, built and compared once a process.
+    """The order of a text, built and checked once for each process.
 
     Raises:
-        StribeckError: this worker's numbers would not be the same.
+        StribeckError: if this worker's numbers would not be the same.
     """
     given = json.loads(text)
     if given["stribeck"] != __version__:
         raise StribeckError(f"has Stribeck {__version__}, not {given['stribeck']}")
-    if (own := backend.chosen()) != given["backend"]:
-        raise StribeckError(f"solves by {_NAMES[own]}, not by {_NAMES[given['backend']]}")
+    if (chosen := backend.chosen()) != given["backend"]:
+        raise StribeckError(f"solves by {_NAMES[chosen]}, not by {_NAMES[given['backend']]}")
     with ExitStack() as files:
         folder = Path(files.enter_context(tempfile.TemporaryDirectory(prefix="stribeck-")))
         for name, content in given["files"].items():

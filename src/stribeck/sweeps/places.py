@@ -7,15 +7,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from stribeck.errors import InputError, StribeckError, arg, needed, said_by
+from stribeck.errors import InputError, StribeckError, arg, error_text, needed
 from stribeck.files import read_file, write_with
 from stribeck.platforms import Occupied, locked
 
-_LEFT = (".[0-9]*-????????.tmp",)  # what kill -9 leaves of files.write_with and files.together
+_LEFT = ".[0-9]*-????????.tmp"  # temporary files of files.write_with and files.together that kill -9 leaves
 
 
 class Folder:
-    """A folder of this machine, or one that it shares."""
+    """A local or shared folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -38,7 +38,7 @@ class Folder:
         """The content of a file; None if there is none.
 
         Raises:
-            OSError: it cannot be read; a pipe is not waited for.
+            OSError: if it cannot be read, or is a pipe.
         """
         try:
             return read_file(self.folder / name)
@@ -46,20 +46,20 @@ class Folder:
             return None
 
     def names(self) -> list[str]:
-        """The names of what lies there."""
+        """The names of the folder's entries."""
         return [path.name for path in self.folder.iterdir()]
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Within, another sweep into this folder raises an error; what a killed process left half-written is removed.
+        """Lock the folder against other sweeps, and remove the temporary files of killed processes.
 
         Raises:
-            InputError: another process is at work in the folder.
+            InputError: if another process works in the folder.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
         try:
             with locked(self.folder, wait=False):
-                for left in (path for pattern in _LEFT for path in self.folder.glob(pattern)):
+                for left in self.folder.glob(_LEFT):
                     shutil.rmtree(left) if left.is_dir() and not left.is_symlink() else left.unlink()
                 yield
         except Occupied:
@@ -68,7 +68,7 @@ class Folder:
 
 
 class Store:
-    """A place that fsspec writes to. Credentials, endpoints, time limits and retries are the library's own settings."""
+    """A store that fsspec writes to. Credentials, endpoints, time limits and retries are the library's own settings."""
 
     def __init__(self, url: str) -> None:
         self.url = url.rstrip("/")
@@ -81,7 +81,7 @@ class Store:
         except (ImportError, ValueError) as error:  # the library for s3:// is not installed, or nobody knows foo://
             raise InputError(f"{arg('out')}: {url!r}: must be a folder, or a URL that fsspec knows: {error}") from None
         except Exception as error:  # each library has errors of its own
-            raise InputError(f"{arg('out')}: {url!r}: cannot be opened: {said_by(error)}") from None
+            raise InputError(f"{arg('out')}: {url!r}: cannot be opened: {error_text(error)}") from None
 
     def __str__(self) -> str:
         return self.url
@@ -91,7 +91,7 @@ class Store:
         return f"{self.url}/{name}"
 
     def put(self, name: str, content: bytes) -> None:
-        """Write an object: it appears once all of it was sent."""
+        """Write an object, which appears once it is complete."""
         with self._named("written"):
             self._files.pipe_file(f"{self._path}/{name}", content)
 
@@ -99,7 +99,7 @@ class Store:
         """The content of an object; None if there is none.
 
         Raises:
-            StribeckError: it cannot be read now: no answer, no permission, a server's failure.
+            StribeckError: if it cannot be read: no answer, no permission, a server's failure.
         """
         with self._named(f"read now ({name})"):
             try:
@@ -117,7 +117,7 @@ class Store:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Stores have no locks: two sweeps of one command write the same bytes, and the manifest refuses another one."""
+        """Does nothing: stores have no locks. Two equal sweeps write the same bytes; the manifest excludes a different one."""
         yield
 
     @contextmanager
@@ -125,13 +125,13 @@ class Store:
         try:
             yield
         except Exception as error:  # each library has errors of its own
-            raise StribeckError(f"{arg('out')}: {self.url!r}: cannot be {what}: {said_by(error)}") from None
+            raise StribeckError(f"{arg('out')}: {self.url!r}: cannot be {what}: {error_text(error)}") from None
 
 
 def place_of(out: Path | str) -> Folder | Store:
     """The place of a path or a URL.
 
     Raises:
-        InputError: nothing that is installed can write to such a URL.
+        InputError: if no installed library can write to the URL.
     """
     return Store(out) if isinstance(out, str) and "://" in out else Folder(Path(out))

@@ -1,4 +1,4 @@
-"""What varies in a sweep: ranges of numbers, and the values of every lane."""
+"""Ranges of numbers in a sweep, and the values of every lane."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, refuse_twice
 
-_MOST_LANES = 10**8
+_MOST_LANES = 10**8  # a typing error in COUNT is reported before memory runs out
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,10 @@ class Range:
 
     @classmethod
     def parse(cls, text: str, drawn: bool = False) -> Range:
-        """``PATH=FIRST:LAST:COUNT[:log]``; for a drawn sample ``COUNT`` may be left out.
+        """Read ``PATH=FIRST:LAST:COUNT[:log]``; for a random sample ``COUNT`` may be left out.
 
         Raises:
-            InputError: it is no such range.
+            InputError: if the text is not of this form.
         """
         form = "PATH=FIRST:LAST[:log]" if drawn else "PATH=FIRST:LAST:COUNT[:log]"
         path, sign, rest = text.partition("=")
@@ -57,27 +57,27 @@ class Range:
         return self._scaled(np.linspace(0.0, 1.0, self.count) if self.count > 1 else np.zeros(1))
 
     def drawn(self, random: np.random.Generator, count: int) -> Array:
-        """Values drawn between the ends, uniformly (in the logarithm for ``log``)."""
+        """Random values between the ends, uniform (in the logarithm for ``log``)."""
         return self._scaled(random.random(count))
 
     def _scaled(self, share: Array) -> Array:
         if self.log:
-            ratio = self.last / self.first  # of ends too far apart it is no number, and the decades are less exact
+            ratio = self.last / self.first  # overflows for ends too far apart; the decades are then less exact
             whole = 0 < ratio < math.inf
             decades = math.log10(ratio) if whole else math.log10(self.last) - math.log10(self.first)
-            found = 10 ** (math.log10(self.first) + decades * share)
+            values = 10 ** (math.log10(self.first) + decades * share)
         elif math.isinf(self.last - self.first):
-            found = self.first * (1 - share) + self.last * share
+            values = self.first * (1 - share) + self.last * share
         else:
-            found = self.first + (self.last - self.first) * share
-        return np.where(share == 0, self.first, np.where(share == 1, self.last, found))
+            values = self.first + (self.last - self.first) * share
+        return np.where(share == 0, self.first, np.where(share == 1, self.last, values))
 
 
 def lanes_of(ranges: Sequence[Range], samples: int | None = None, seed: int = 0) -> dict[str, Array]:
     """The values of every lane by path: the grid of the ranges, the last one fastest, or ``samples`` random points.
 
     Raises:
-        InputError: no range, two of one path, or more lanes than a sweep can have.
+        InputError: if there is no range, if two have the same path, or if there are too many lanes.
     """
     paths = [r.path for r in ranges]
     if not ranges:

@@ -1,4 +1,4 @@
-"""The tables of a sweep's parts: a row a lane, or the lanes' trajectories."""
+"""The tables of a sweep's parts: one row for each lane, or the lanes' trajectories."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Values = NDArray[Any]
 Column = tuple[str, str, str, Values]  # name, unit, meaning, values
 
 
-def _about_lanes(e: Ensemble, first: int, lanes: NDArray[np.int64]) -> list[Column]:
-    """The first columns: which lane, its values, what became of it."""
+def _lane_columns(e: Ensemble, first: int, lanes: NDArray[np.int64]) -> list[Column]:
+    """The first columns: number of the lane, its values, status and reason."""
     reasons = np.array([reason or "" for reason in e.reason])[lanes]
     varied = [(path, "", "varied", values[lanes]) for path, values in e.values.items()]
     status = [("status", "", "done or failed", np.where(reasons == "", "done", "failed"))]
@@ -32,33 +32,33 @@ def _about_lanes(e: Ensemble, first: int, lanes: NDArray[np.int64]) -> list[Colu
 
 
 def trajectories(e: Ensemble, first: int) -> list[Column]:
-    """A row for each time that each lane reached; a lane that never began has one row without a time."""
+    """A row for each time that each lane reached; a lane that failed at once has one row without a time."""
     reached = np.isfinite(e[e.columns[0].name])
     begun = reached.copy()
     begun[:, 0] = True
     lanes, rows = np.nonzero(begun)
     t = np.where(reached[lanes, rows], e.t[rows], np.nan)
     columns = [(c.name, c.unit, c.meaning, e[c.name][lanes, rows]) for c in e.columns]
-    return [*_about_lanes(e, first, lanes), ("t", "s", "time", t), *columns]
+    return [*_lane_columns(e, first, lanes), ("t", "s", "time", t), *columns]
 
 
 def summary(e: Ensemble, first: int) -> list[Column]:
     """A row for each lane; peaks and final values over the rows that it reached."""
     lanes = np.arange(len(e))
-    found = _about_lanes(e, first, lanes)
-    found += [("slips", "", "|v| rises through v_s", e.slips), ("sticks", "", "|v| falls through v_s", e.sticks)]
+    columns = _lane_columns(e, first, lanes)
+    columns += [("slips", "", "|v| rises through v_s", e.slips), ("sticks", "", "|v| falls through v_s", e.sticks)]
     last = np.maximum(np.isfinite(e[e.columns[0].name]).sum(axis=1) - 1, 0)
     for c in e.columns:
         largest = np.where(np.isnan(e[c.name]), -np.inf, np.abs(e[c.name])).max(axis=1)
         peak = np.where(np.isinf(largest), np.nan, largest)
-        found.append((f"peak_{c.name}", c.unit, f"largest magnitude: {c.meaning}", peak))
-        found.append((f"final_{c.name}", c.unit, f"at the end: {c.meaning}", e[c.name][lanes, last]))
+        columns.append((f"peak_{c.name}", c.unit, f"largest magnitude: {c.meaning}", peak))
+        columns.append((f"final_{c.name}", c.unit, f"at the end: {c.meaning}", e[c.name][lanes, last]))
     late = e.t >= 0.5 * e.t[-1]
     y = next(column for column in e.columns if column.name.split(".")[-1] == "y")  # of a machine, the first body's
     amplitude, period = amplitude_and_period(e.t[late], e[y.name][:, late])
-    found.append(("amplitude", y.unit, f"half of peak to peak of {y.name} in the second half", amplitude))
+    columns.append(("amplitude", y.unit, f"half of peak to peak of {y.name} in the second half", amplitude))
     return [
-        *found,
+        *columns,
         ("period", "s", f"mean time between upward crossings of {y.name}'s middle in the second half", period),
     ]
 
@@ -80,7 +80,7 @@ def as_parquet(columns: Sequence[Column]) -> bytes:
 
 
 def _array(values: Values) -> pyarrow.Array:
-    """Values as an Arrow array, without Arrow's way through pandas, whose import costs 0.2 s and 40 MB."""
+    """Values as an Arrow array, without pandas, whose import costs 0.2 s and 40 MB."""
     import pyarrow
 
     if values.dtype.kind == "U":

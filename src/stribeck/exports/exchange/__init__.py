@@ -1,4 +1,4 @@
-"""Machines from other programs' files, and back."""
+"""Conversion of other programs' files into machines, and back."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ __all__ = ["from_bam", "from_mujoco_file", "import_", "tables", "to_bam", "to_mu
 
 
 def tables(scenario: Scenario) -> Tables:
-    """The tables of a machine with its laws' parameters written out, as :func:`to_bam` and :func:`to_mujoco` take them.
+    """The tables of a machine with its laws' parameters written out, for :func:`to_bam` and :func:`to_mujoco`.
 
     Raises:
-        InputError: the scenario is no machine.
+        InputError: if the scenario is no machine.
     """
     if "bodies" not in scenario.data:
         raise InputError(f"schema: {scenario.data['schema']}: must be 2, a machine")
-    found = deepcopy(scenario.data)
+    machine = deepcopy(scenario.data)
     for contact in scenario.rig.machine.contacts:
-        found["contacts"][contact.name]["law"]["parameters"] = dict(scenario.rig.laws[contact.law_path].machine)
-    return found
+        machine["contacts"][contact.name]["law"]["parameters"] = dict(scenario.rig.laws[contact.law_path].machine)
+    return machine
 
 
 def import_(kind: str, file: str | Path) -> Scenario:

@@ -15,26 +15,26 @@ from stribeck.constants import Constant, show
 from stribeck.errors import InputError, note
 from stribeck.files import json_of
 
-STEEPNESS = 200.0  # s/rad: BAM's sign is exact, a machine's is smooth: complete within some 0.01 rad/s
+STEEPNESS = 200.0  # s/rad: BAM's sign jumps, a machine's is smooth and complete within some 0.01 rad/s
 _NEEDED = ("armature", "friction_base", "friction_viscous")
 _NUMBERS = (
     "kt", "R", "q_offset", "friction_stribeck", "dtheta_stribeck", "alpha", "load_friction_base", "load_friction_stribeck",
     "load_friction_motor", "load_friction_external", "load_friction_motor_stribeck", "load_friction_external_stribeck",
     "load_friction_motor_quad", "load_friction_external_quad",
 )  # fmt: skip
-_SQUARES = (  # the square of the weaker one raises the Stribeck part
+_SQUARES = (  # the square of the weaker one adds to the Stribeck part
     ("load_friction_external_quad", "gravity", "drive"), ("load_friction_motor_quad", "drive", "gravity"),
 )  # fmt: skip
-_LEAST = 1e-9  # N m: a level of 0 is none
+_LEAST = 1e-9  # N m: laws need a friction level above 0
 
 
 def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
     """The tables of a machine: body ``joint``, motor ``drive``, load ``gravity`` and contact ``friction``.
 
-    The quadratic terms of m6 become entries with ``against``: they count where motor and load pull against each other.
+    The quadratic terms of m6 become entries with ``against``, which act if motor and load oppose each other.
 
     Raises:
-        InputError: it cannot be read, or a number is missing or none; a line for each problem.
+        InputError: if the file cannot be read, or a number is missing or invalid; one line for each problem.
     """
     data = dict(source) if isinstance(source, Mapping) else _read(Path(source))
     problems = [f"{n}: missing: must be given" for n in _NEEDED if n not in data]
@@ -81,14 +81,14 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        found = json_of(path)
+        data = json_of(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except ValueError as error:
         raise InputError(f"{path}: is not JSON: {error}") from None
-    if not isinstance(found, dict):
+    if not isinstance(data, dict):
         raise InputError(f"{path}: must be a table of numbers, as BAM writes it")
-    return found
+    return data
 
 
 def _law(n: Mapping[str, float]) -> dict[str, object]:
@@ -105,46 +105,46 @@ def _law(n: Mapping[str, float]) -> dict[str, object]:
 
 
 def _levels(n: Mapping[str, float]) -> list[dict[str, object]]:
-    """What raises the level: F_s rises by both shares, so that the Stribeck part is their difference."""
-    found: list[dict[str, Any]] = []
+    """The load terms of the friction level; F_s has both parts, so that the Stribeck part is their difference."""
+    levels: list[dict[str, Any]] = []
     if "load_friction_base" in n:
         base, more = n["load_friction_base"], n.get("load_friction_stribeck", 0.0)
-        found.append({"force": {"gravity": 1.0, "drive": -1.0}, "F_c": base, "F_s": base + more})
+        levels.append({"force": {"gravity": 1.0, "drive": -1.0}, "F_c": base, "F_s": base + more})
     for suffix, gains in (("", ("F_c", "F_s")), ("_stribeck", ("F_s",))):
         if f"load_friction_motor{suffix}" in n:
             weights = {"gravity": n[f"load_friction_external{suffix}"], "drive": -n[f"load_friction_motor{suffix}"]}
-            found.append({"force": weights, **dict.fromkeys(gains, 1.0)})
+            levels.append({"force": weights, **dict.fromkeys(gains, 1.0)})
     for name, force, against in _SQUARES:
         if name in n:
-            found.append({"force": force, "against": against, "F_s": n[name]})
-    return found
+            levels.append({"force": force, "against": against, "F_s": n[name]})
+    return levels
 
 
 def to_bam(machine: Mapping[str, Any]) -> dict[str, object]:
-    """BAM's table of a machine of the form that :func:`from_bam` gives (m1 to m6).
+    """BAM's table of a machine in the form of :func:`from_bam` (m1 to m6).
 
     Raises:
-        InputError: the machine has another form, which BAM's models have not.
+        InputError: if the machine has another form.
     """
     try:
         contact = machine["contacts"]["friction"]
         law = contact["law"]
         p, levels = law["parameters"], contact.get("loads", [])
-        found: dict[str, object] = {"armature": machine["bodies"]["joint"]["inertia"]}
+        table: dict[str, object] = {"armature": machine["bodies"]["joint"]["inertia"]}
         if "motors" in machine:
-            found |= {"kt": machine["motors"]["drive"]["K"], "R": machine["motors"]["drive"]["R"]}
+            table |= {"kt": machine["motors"]["drive"]["K"], "R": machine["motors"]["drive"]["R"]}
         elif "gain" in machine.get("loads", {}).get("drive", {}):
-            found["kt"] = machine["loads"]["drive"]["gain"]
+            table["kt"] = machine["loads"]["drive"]["gain"]
         if phase := machine.get("loads", {}).get("gravity", {}).get("phase", 0.0):
-            found["q_offset"] = phase
-        found |= {"friction_base": p["F_c"], "friction_viscous": p["sigma_2"]}
+            table["q_offset"] = phase
+        table |= {"friction_base": p["F_c"], "friction_viscous": p["sigma_2"]}
         if law["name"] not in ("coulomb_viscous", "stribeck"):
             raise InputError(
                 f"contacts.friction.law.name: {show(law['name'])}: BAM has coulomb_viscous and stribeck only"
             )
         stribeck = law["name"] == "stribeck" and p["F_s"] > p["F_c"]
         if stribeck:
-            found |= {
+            table |= {
                 "friction_stribeck": p["F_s"] - p["F_c"],
                 "dtheta_stribeck": p["v_s"],
                 "alpha": law.get("delta", 2.0),
@@ -154,21 +154,21 @@ def to_bam(machine: Mapping[str, Any]) -> dict[str, object]:
                 name = next(
                     n for n, force, against in _SQUARES if (level["force"], level["against"]) == (force, against)
                 )
-                found[name] = level["F_s"]
+                table[name] = level["F_s"]
                 continue
             g, d = level["force"]["gravity"], level["force"]["drive"]
             if (g, d) == (1.0, -1.0):
-                found["load_friction_base"] = level["F_c"]
-                found |= {"load_friction_stribeck": level["F_s"] - level["F_c"]} if level["F_s"] != level["F_c"] else {}
+                table["load_friction_base"] = level["F_c"]
+                table |= {"load_friction_stribeck": level["F_s"] - level["F_c"]} if level["F_s"] != level["F_c"] else {}
             else:
                 suffix = "" if "F_c" in level else "_stribeck"
-                found |= {f"load_friction_external{suffix}": g, f"load_friction_motor{suffix}": -d}
+                table |= {f"load_friction_external{suffix}": g, f"load_friction_motor{suffix}": -d}
     except (KeyError, TypeError, StopIteration) as error:
         missing = error.args[0] if error.args else "contacts.friction.loads"
         raise InputError(f"{missing}: missing: BAM's models have a body 'joint' with a contact 'friction'") from None
-    each = any("load_friction_motor" in name for name in found)
-    load = each or "load_friction_base" in found
+    each = any("load_friction_motor" in name for name in table)
+    load = each or "load_friction_base" in table
     model = {(False, False): "m1", (True, False): "m2", (False, True): "m3", (True, True): "m4"}[stribeck, load]
-    squares = any(name.endswith("_quad") for name in found)
+    squares = any(name.endswith("_quad") for name in table)
     model = "m6" if squares else "m5" if each else model
-    return {**found, "model": model, "actuator": str(machine.get("name", "servo"))}
+    return {**table, "model": model, "actuator": str(machine.get("name", "servo"))}

@@ -10,8 +10,8 @@ from stribeck.constants import Column, Constant, show
 from stribeck.expressions.ops import Value, atan, both, clip, cos, sin, where
 
 Own = tuple[Value, ...]  # the pressures
-_LEAST_GAIN = 1.0  # Pa/s by opening; an open valve gives some 1e6
-_AT_COVER = 1e-6  # share of the stroke within which the piston is at a cover
+_LEAST_GAIN = 1.0  # Pa/s by opening, against a division by zero; an open valve gives some 1e6
+_AT_COVER = 1e-6  # share of the stroke within which the piston is at a cover: well above the solver's error
 
 
 class Cylinder:
@@ -45,19 +45,19 @@ class Cylinder:
 
     @staticmethod
     def rates(p: SimpleNamespace, y: Value, v: Value, u: Value, F: Value, x: Own) -> Own:
-        """dp_1/dt and dp_2/dt at the valve voltage u, Pa/s; ``p.supply_droop`` where the supply is not constant."""
+        """dp_1/dt and dp_2/dt at the valve voltage u, Pa/s; with ``p.supply_droop`` if the supply is not constant."""
         p_1, p_2 = x
         q_1, q_2 = Cylinder.flows(p, p_1, p_2, u, getattr(p, "supply_droop", 0.0))
         return Cylinder.pressure_rates(p, y, v, p_1, p_2, q_1, q_2)
 
     @staticmethod
     def inside(p: SimpleNamespace, y: Value) -> Value | None:
-        """The equations end where the piston meets a cover."""
+        """Whether the piston is between the covers, where the equations are valid."""
         return both(y >= 0, y <= p.stroke)
 
     @staticmethod
     def ended(p: SimpleNamespace, t: float, y: float, v: float) -> str | None:
-        """At which cover the piston is."""
+        """Why a run ends, if the piston is at a cover."""
         cover = 0.0 if v < 0 else p.stroke
         if abs(y - cover) > _AT_COVER * p.stroke:
             return None
@@ -65,16 +65,16 @@ class Cylinder:
 
     @staticmethod
     def problems(p: SimpleNamespace, initial: Mapping[str, float]) -> list[tuple[str, str]]:
-        """A start outside the stroke, and pressures that cannot be."""
-        found = []
+        """Key and message of each invalid value: a start outside the stroke, impossible pressures."""
+        problems = []
         for name, highest in (("y", p.stroke), ("p_1", float("inf")), ("p_2", float("inf"))):
             if not 0 <= initial[name] <= highest:
                 allowed = f"within the stroke, 0 to {p.stroke:g} m" if name == "y" else "an absolute pressure >= 0 Pa"
-                found.append((f"initial.{name}", f"{show(initial[name])}: must be {allowed}"))
+                problems.append((f"initial.{name}", f"{show(initial[name])}: must be {allowed}"))
         if p.supply_pressure <= p.atmospheric_pressure:
             text = f"must be above atmospheric_pressure ({p.atmospheric_pressure:g} Pa)"
-            found.append(("supply_pressure", f"{show(p.supply_pressure)}: {text}"))
-        return found
+            problems.append(("supply_pressure", f"{show(p.supply_pressure)}: {text}"))
+        return problems
 
     @staticmethod
     def volumes(p: SimpleNamespace, y: Value) -> tuple[Value, Value]:
@@ -83,12 +83,12 @@ class Cylinder:
 
     @staticmethod
     def opening(u: Value) -> Value:
-        """How far the valve opens at the voltage u."""
+        """The valve's opening at the voltage u, arctan(2 u)."""
         return atan(2 * u)
 
     @staticmethod
     def flows(p: SimpleNamespace, p_1: Value, p_2: Value, u: Value, droop: Value = 0.0) -> tuple[Value, Value]:
-        """The mass flows into the chambers in kg/s; ``droop`` is what the supply loses by flow, Pa s/kg."""
+        """The mass flows into the chambers, kg/s; ``droop`` is the supply's loss of pressure by flow, Pa s/kg."""
         o = Cylinder.opening(u)
 
         def filling(o: Value, inside: Value) -> Value:
@@ -120,7 +120,7 @@ class Cylinder:
 
     @staticmethod
     def voltage(p: SimpleNamespace, y: Value, p_1: Value, p_2: Value, u_hat: Value, u_max: Value) -> Value:
-        """The valve voltage within +-u_max that adds u_hat (Pa/s) to the rate of p_1 - p_2, or comes nearest to it."""
+        """The valve voltage within +-u_max that adds u_hat (Pa/s) to the rate of p_1 - p_2, or the nearest possible."""
         volume_1, volume_2 = Cylinder.volumes(p, y)
         gas = p.heat_ratio * p.gas_constant * p.temperature
         fill_1 = p.beta_fill * (p.supply_pressure - p_1) / volume_1
@@ -128,7 +128,7 @@ class Cylinder:
         empty_1 = p.beta_empty * (p_1 - p.atmospheric_pressure) / volume_1
         empty_2 = p.beta_empty * (p_2 - p.atmospheric_pressure) / volume_2
         gain = gas * where(u_hat >= 0, fill_1 + empty_2, fill_2 + empty_1)
-        # a chamber above the supply can turn the gain round: the valve then stays at its limit
+        # if a chamber is above the supply, the gain can change sign: the valve then stays at its limit
         o = u_hat / where(gain > _LEAST_GAIN, gain, _LEAST_GAIN)
         o = clip(o, -Cylinder.opening(u_max), Cylinder.opening(u_max))
-        return clip(sin(o) / cos(o) / 2, -u_max, u_max)  # rounding must not carry it over, least of all in float
+        return clip(sin(o) / cos(o) / 2, -u_max, u_max)  # rounding must not exceed the limit, above all in float
