@@ -61,7 +61,7 @@ class _Controllers:
             while self.sampled[i] * timing["period"] <= now:
                 k = self.sampled[i]
                 noise = self.noise[i][k] if k < self.noise.shape[1] else 0.0
-                at = self.equations.at(k * timing["period"], x)
+                at = self.equations.arguments(k * timing["period"], x)
                 u, *self.memory[i] = (float(v) for v in self._functions[i](*at, noise, *self.memory[i]))
                 self.waiting[i].append(u)
                 self.sampled[i] += 1

@@ -87,10 +87,10 @@ def _listed(summary: Path) -> set[Path]:
     """The files in the list of an older result's summary that are in its folder, relative to it."""
     try:
         files = [Path(name) for name in json_of(summary)["files"]]
-        there = next(path.parent for path in reversed(files) if path.name == summary.name)
+        folder = next(path.parent for path in reversed(files) if path.name == summary.name)
     except (OSError, ValueError, KeyError, TypeError, StopIteration):
         return set()
-    relative = {path.relative_to(there) for path in files if path.is_relative_to(there)}
+    relative = {path.relative_to(folder) for path in files if path.is_relative_to(folder)}
     return {path for path in relative if ".." not in path.parts and (summary.parent / path).is_file()}
 
 

@@ -117,8 +117,8 @@ def find_class(name: str, folder: Path | None, base: type[T]) -> type[T]:
     if isinstance(value, type) and issubclass(value, base):
         return value
     if isinstance(value, type):
-        room = base.__module__.rpartition(".")[0]
-        raise InputError(f"{name!r}: {wanted} must be derived from {room}'s {base.__name__}")
+        package = base.__module__.rpartition(".")[0]
+        raise InputError(f"{name!r}: {wanted} must be derived from {package}'s {base.__name__}")
     others = [n for n, x in vars(module).items() if isinstance(x, type) and issubclass(x, base) and x is not base]
     what = base.__name__.removesuffix("Element").lower()
     raise InputError(f"{name!r}: {path} has no {what} '{wanted}' (it has {', '.join(others) or 'none'})")

@@ -49,7 +49,7 @@ class Collected:
         return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, *forces, self.moved, *samples]
 
     @property
-    def every(self) -> list[Expr]:
+    def all_expressions(self) -> list[Expr]:
         """The expressions of all lists."""
         return [node for part in self.parts for node in part]
 

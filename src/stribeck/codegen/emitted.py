@@ -437,11 +437,11 @@ class Emitted:
         return f
 
     def _find_timing(self) -> Function:
-        f, every = Function("i"), self.system.samples()
+        f, samples = Function("i"), self.system.samples()
         for k, what in enumerate(("period", "delay")):
-            for i, each in enumerate(every):
+            for i, each in enumerate(samples):
                 value = load(None, self.addresses[f"{each.timing}.{what}"])
-                f.code += store(0, 8 * (k * len(every) + i), value)
+                f.code += store(0, 8 * (k * len(samples) + i), value)
         return f
 
 

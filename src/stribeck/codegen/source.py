@@ -76,7 +76,7 @@ class SystemCode:
         collected = collect(system, as_written=not lanes)
         self.called = collected.called
         reserved = {*_RESERVED, *self.fields}
-        flat, self.coefficients = hoist(collected.every, self.parameter_text.keys(), reserved, self.called)
+        flat, self.coefficients = hoist(collected.all_expressions, self.parameter_text.keys(), reserved, self.called)
         collected.put(flat)
         n = len(self.names)
         self.rates, self.by_time, self.watched = collected.rates, collected.by_time, collected.watched
@@ -232,7 +232,7 @@ class SystemCode:
         function stores."""
         known = {*self.parameter_text, *(f"coefficient.{name}" for name in self.coefficients)}
 
-        def kept(name: str, entry: Expr) -> Expr:
+        def stored(name: str, entry: Expr) -> Expr:
             if symbols([entry]) <= known:
                 return entry
             while name in self.jacobian:
@@ -240,12 +240,12 @@ class SystemCode:
             self.jacobian[name] = entry
             return symbol(f"jacobian.{name}")
 
-        entries = [(f"force[{k}]", kept(f"F_{k}", force)) for k, force in enumerate(self.forces)]
+        entries = [(f"force[{k}]", stored(f"F_{k}", force)) for k, force in enumerate(self.forces)]
         for k, row in enumerate(self.forces_by):
             total = size = ZERO
             for i, entry in enumerate(row):
                 if not is_zero(entry):
-                    term = kept(f"F_{k}_{self.c_names[i]}", entry) * symbol(f"error.{i}")
+                    term = stored(f"F_{k}_{self.c_names[i]}", entry) * symbol(f"error.{i}")
                     total, size = total + term, size + abs(term)
             entries += [(f"force_error[{k}]", total), (f"force_terms[{k}]", size)]
         return entries

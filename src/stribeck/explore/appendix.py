@@ -32,17 +32,17 @@ def appendix(scenario: Scenario) -> dict[str, Added]:
     (contact,) = system.contacts
     law, q = contact.friction.kind, contact.friction.p
     p = [f"{group}.{name}" for group, name in system.parameters]
-    whole = system.with_energy()  # the page always shows the stored energy
-    values = whole.outputs
+    with_energy = system.with_energy()  # the page always shows the stored energy
+    values = with_energy.outputs
     outputs = [wrap(values[column.name]) for column in columns(system)]
-    now = {
+    inputs = {
         "p": p,
         "s": ["segment.start", "segment.value", "segment.slope"],
         "x": [state.name for state in system.states],
     }
     steady = wrap(steady_force(law, q, symbol("v"), symbol("side")))
     return {
-        "system_columns": Added("p s t x out", "iidii", outputs, now),
+        "system_columns": Added("p s t x out", "iidii", outputs, inputs),
         "system_steady": Added("p v side out", "iddi", [steady], {"p": p}),
         "system_setup": Added("p rtol out", "idi", _setup(scenario), {"p": p}),
         "system_claims": Added("p out", "ii", _claims(law, q), {"p": p}),
@@ -57,9 +57,9 @@ def machine_appendix(machine: MachineSystem) -> dict[str, Added]:
     states += [f"memory.{name}" for name in machine.shown]
     values = machine.outputs
     held = [_holds(relation, contact.friction.p) for contact, relation in machine_relations(machine)]
-    now = {"p": p, "s": [f"segment.{name}" for name in machine.piece_fields], "x": states}
+    inputs = {"p": p, "s": [f"segment.{name}" for name in machine.piece_fields], "x": states}
     return {
-        "system_columns": Added("p s t x out", "iidii", [values[c.name] for c in machine.columns], now),
+        "system_columns": Added("p s t x out", "iidii", [values[c.name] for c in machine.columns], inputs),
         "system_relations": Added("p out", "ii", held, {"p": p}),
     }
 

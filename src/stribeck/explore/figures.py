@@ -98,8 +98,11 @@ def figures(charts: dict[str, Chart], measured: Collection[str] = ()) -> dict[st
         name: _figure(name, panel, time if name in together else None, name not in together[1:], measured)
         for name, panel in charts.items()
     }
-    whole = column(*(figures_of[name] for name in together), sizing_mode="stretch_width")
-    return {"trajectories": json_item(whole), **{n: json_item(x) for n, x in figures_of.items() if n not in together}}
+    trajectories = column(*(figures_of[name] for name in together), sizing_mode="stretch_width")
+    return {
+        "trajectories": json_item(trajectories),
+        **{n: json_item(x) for n, x in figures_of.items() if n not in together},
+    }
 
 
 def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool, measured: Collection[str]) -> Any:

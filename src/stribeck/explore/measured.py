@@ -166,13 +166,13 @@ def _same_shape(base: Arrays, other: Arrays | None) -> bool:
 
 
 def _measure(scenario: Scenario, base: Arrays, path: str, value: float, given: Number | None = None) -> Number | None:
-    whole = _declared(scenario, path, value) if given is None else given
+    full = _declared(scenario, path, value) if given is None else given
     for reach in _REACHES:
-        number = _narrower(whole, reach)
+        number = _narrower(full, reach)
         effects = _effects(scenario, base, number)
         if effects is not None:
-            of_law = scenario.called.to_machine(whole.group.removesuffix(".parameters")) in scenario.rig.laws
-            slider = whole if of_law else replace(number, closed=True)  # the page tests a law's own conditions
+            of_law = scenario.called.to_machine(full.group.removesuffix(".parameters")) in scenario.rig.laws
+            slider = full if of_law else replace(number, closed=True)  # the page tests a law's own conditions
             return replace(slider, effects=effects) if effects or path in _COUNTS else None
     return None
 

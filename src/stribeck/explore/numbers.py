@@ -94,8 +94,8 @@ def of_run(scenario: Scenario) -> Iterator[Number]:
     steps = Constant("", str(Solve.model_fields["max_steps"].description), at_least=1)
     number = number_of("solve", "max_steps", scenario.solve.max_steps, steps, 0.0, "", 1e4)
     yield replace(number, whole=True)
-    every = Constant("s", str(step.description).partition(",")[0], above=0)
-    yield number_of("output", "step", scenario.output.step, every, 0.0, "", 10)
+    row_spacing = Constant("s", str(step.description).partition(",")[0], above=0)
+    yield number_of("output", "step", scenario.output.step, row_spacing, 0.0, "", 10)
 
 
 def _of_signal(scenario: Scenario) -> Iterator[Number]:
@@ -105,10 +105,8 @@ def _of_signal(scenario: Scenario) -> Iterator[Number]:
     table = scenario.data["drive"]["signal"]
     for name, constant in signal.constants.items():
         value = float(table.get(name, constant.default if constant.default is not None else 0.0))
-        own = Constant(
-            constant.unit.replace("signal", unit), constant.meaning, constant.above, constant.at_least
-        )  # fmt: skip
-        yield number_of(group, name, value, own, 1.0, f"{use.path}.{name}" if signal.smooth else "")
+        with_unit = replace(constant, unit=constant.unit.replace("signal", unit))
+        yield number_of(group, name, value, with_unit, 1.0, f"{use.path}.{name}" if signal.smooth else "")
     if isinstance(signal, PointsSignal) and not isinstance(signal, FileSignal) and len(signal.t) <= MOST_POINTS:
         for i, (t, value) in enumerate(zip(signal.t, signal.value, strict=True)):
             size = float(max(abs(signal.value))) or 1.0

@@ -334,13 +334,13 @@ def _root_derivative(node: Expr, falls: Expr) -> Expr:
     return _Graph.where(slope < 0, -change / slope, ZERO)
 
 
-def derivative(of: Expr, by: Expr, known: dict[Expr, Expr] | None = None) -> Expr:
+def derivative(expression: Expr, variable: Expr, known: dict[Expr, Expr] | None = None) -> Expr:
     """The derivative of a node by a symbol; ``known`` keeps results between calls with the same ``by``."""
     known = {} if known is None else known
-    for node in ordered([of]):
+    for node in ordered([expression]):
         if node in known:
             continue
-        if node is by:
+        if node is variable:
             known[node] = ONE
         elif node.op == "where":
             known[node] = _Graph.where(node.args[0], known[node.args[1]], known[node.args[2]])
@@ -353,14 +353,14 @@ def derivative(of: Expr, by: Expr, known: dict[Expr, Expr] | None = None) -> Exp
             known[node] = total
         else:
             known[node] = ZERO
-    return known[of]
+    return known[expression]
 
 
-def total_derivative(of: Expr, rates: Mapping[Expr, Expr]) -> Expr:
+def total_derivative(expression: Expr, rates: Mapping[Expr, Expr]) -> Expr:
     """The derivative of a node along a motion: its partial derivatives times the rates of the symbols."""
     total = ZERO
     for by, rate in rates.items():
-        total = total + derivative(of, by) * rate
+        total = total + derivative(expression, by) * rate
     return total
 
 

@@ -248,8 +248,8 @@ def _sums(a: Array, b: Array) -> tuple[Array, Array]:
     s = a + b
     b_ = s - a
     low, high = _ends_of(s, (a - (s - b_)) + (b - b_))
-    lost = np.isnan(s)
-    return np.where(lost, -np.inf, low), np.where(lost, np.inf, high)
+    undefined = np.isnan(s)
+    return np.where(undefined, -np.inf, low), np.where(undefined, np.inf, high)
 
 
 def _product_error(a: Array, b: Array, p: Array) -> Array:

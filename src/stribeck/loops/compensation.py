@@ -204,10 +204,10 @@ class _Remedy:
 
     def holds(self, share: float) -> bool:
         """Whether a share is quiet with every sample; the first samples that are not are added to the worst."""
-        every = np.arange(len(self.without))
-        bad = np.flatnonzero(~(self.without if share == 0 else self.quiet(np.array([share]), every)[0]))
-        self.worst = np.unique(np.concatenate([self.worst, bad[:_FIRST]]))
-        return not len(bad)
+        all_samples = np.arange(len(self.without))
+        failing = np.flatnonzero(~(self.without if share == 0 else self.quiet(np.array([share]), all_samples)[0]))
+        self.worst = np.unique(np.concatenate([self.worst, failing[:_FIRST]]))
+        return not len(failing)
 
     def largest(self, shares: Array, rounds: int) -> float | None:
         """The largest share that is quiet with every sample, or None; searched with the worst samples, checked with all."""

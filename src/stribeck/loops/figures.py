@@ -119,5 +119,5 @@ def unbeaten(results: Sequence[CompensationResult]) -> list[tuple[float, float]]
         (c.largest_quiet_share, c.worst_error)
         for c in results if c.largest_quiet_share is not None and c.kind != "dither"
     ]  # fmt: skip
-    kept = [p for p in quiet if not any(q[0] >= p[0] and q[1] <= p[1] and q != p for q in quiet)]
-    return sorted(set(kept))
+    front = [p for p in quiet if not any(q[0] >= p[0] and q[1] <= p[1] and q != p for q in quiet)]
+    return sorted(set(front))

@@ -14,27 +14,27 @@ from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.loops.shaken import swings
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 
-TRAVEL = 1e-6  # of its travel: rest of a body without an encoder
-# Slowest time constants that are simulated at first once the signals rest: in the first half, every linear mode falls to
-# e**-12 = 6e-6 of itself, about what counts as rest.
+TRAVEL = 1e-6  # of its travel: the rest band of a body without an encoder
+# Slowest time constants that are simulated first after the signals rest: in the first half, every linear mode decays to
+# e**-12 = 6e-6 of itself, about the rest band.
 SHORTEST = 24
-LONGEST = 49152  # the same at last: eleven times twice as long; a loop that sticks takes few steps
-_WAITS = 50_000  # steps of a lane that rests while friction is charged so slowly that it never breaks away in its time
-_ROWS = 1000  # of the half that is judged
-_ENOUGH_CYCLES = 8  # of an oscillation that is called sustained: two in each quarter of what is judged
-_KEEPS = 0.003  # from the first quarter to the last: an oscillation that changes by less keeps its size
-_COUNTS = 0.2  # of what counts as rest, such as an encoder's step: by so much more the quarters may differ
-_ALIKE = 0.01  # the quarters of a regular oscillation, among each other
-_STEADY = 0.98  # the second half over the first: creep that slows down more than this may come to rest
-_SLOWS = 0.9  # the same of a contact's force: one that slows down less is taken to go on as it does
-_MOVES_ON = 1e-3  # of F_s, in what is judged: a contact's force that changes by less is constant up to LONGEST
-_NEAR = 0.9  # of F_s: a contact whose force comes nearer may break away
-_FAR = 100.0  # of the move: nothing but instability goes so far
-_AT_LIMIT = 0.999
-_OFTEN = 0.02  # of the time at both limits: the limit is what holds the oscillation
-_ONE_WAY = 0.9  # of all that moved, gone one way
-_FEW, _GREW = 6, 10.0  # rows of a run that ended early; how far it had grown from its first third to its last
-_GROWS = 1.15  # from one third to the next, at the end of the longest run
+LONGEST = 49152  # the same at last, eleven doublings; a loop that sticks takes few steps
+_WAITS = 50_000  # steps of a resting lane whose friction force grows too slowly to break away within LONGEST
+_ROWS = 1000  # of the judged half
+_ENOUGH_CYCLES = 8  # of a sustained oscillation: two in each judged quarter
+_KEEPS = 0.003  # relative change of a sustained oscillation from the first judged quarter to the last
+_COUNTS = 0.2  # of the rest band, such as an encoder's step: an additional allowance for the quarters' differences
+_ALIKE = 0.01  # relative spread of the quarters of a regular oscillation
+_STEADY = 0.98  # motion in the second half over that in the first: creep that slows down more may come to rest
+_SLOWS = 0.9  # the same of a contact's force: one that slows down less is extrapolated linearly
+_MOVES_ON = 1e-3  # of F_s, in the judged time: a contact's force that changes less counts as constant up to LONGEST
+_NEAR = 0.9  # of F_s: a contact whose force settles above may break away
+_FAR = 100.0  # of the move: only an unstable loop goes so far
+_AT_LIMIT = 0.999  # of the limit: an output above it saturates, up to rounding and interpolation
+_OFTEN = 0.02  # of the time, at each limit: with more, the limit bounds the oscillation
+_ONE_WAY = 0.9  # net over total motion: with more, the body creeps
+_FEW, _GREW = 6, 10.0  # rows of a run that ended early; growth from its first third to its last that means instability
+_GROWS = 1.15  # growth from one third to the next, at the end of the longest run
 
 WINDS = "an integral still winds up behind friction that holds"
 SHAKEN = "rest is what its dither alone moves it"
@@ -93,9 +93,9 @@ def judge(
     count = max((len(x) for x in given.values()), default=1)
     tau = np.full(count, loop.slowest) if slowest is None else np.asarray(slowest, float)
     judging = _Judging(loop, given, tau, swings(loop, given, count), most_steps)
-    left = np.arange(count)
-    while len(left):
-        left = judging.further(left)
+    pending = np.arange(count)
+    while len(pending):
+        pending = judging.further(pending)
         if tell is not None:
             tell(judging.share_done())
     return [each for each in judging.judgements if each is not None]
@@ -109,9 +109,8 @@ class _Judging:
     ) -> None:
         self.loop, self.values, self.tau, self.swing, self.most_steps = loop, values, tau, swing, most_steps
         self.judgements: list[Judgement | None] = [None] * len(tau)
-        self.length = np.maximum(
-            SHORTEST * tau, loop.rest / 4
-        )  # no shorter, lest the rows of what comes before are many
+        # at least a quarter of the time until the signals rest, which would otherwise take most of the rows
+        self.length = np.maximum(SHORTEST * tau, loop.rest / 4)
         self.open = np.ones(len(tau), bool)
         self.steps = np.zeros(len(tau), np.int64)
 
@@ -120,38 +119,39 @@ class _Judging:
         doublings = np.log2(np.maximum(self.length / (SHORTEST * self.tau), 1.0)) / np.log2(LONGEST / SHORTEST)
         return float(np.where(self.open, np.minimum(doublings, 0.95), 1.0).mean())
 
-    def further(self, left: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Simulate these lanes to their present lengths, judge them, and choose the lengths of those that stay open."""
-        octave = np.ceil(2 * np.log2(self.length[left])).astype(int)  # lanes of about one length go together
+    def further(self, pending: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Simulate these lanes to their present lengths and judge them; the lanes that need a longer run."""
+        octave = np.ceil(2 * np.log2(self.length[pending])).astype(int)  # lanes of about one length go together
         for each in np.unique(octave):
-            some, length = left[octave == each], float(2.0 ** (each / 2))  # the same, whichever other lanes there are
+            group = pending[octave == each]
+            length = float(2.0 ** (each / 2))  # independent of the other lanes
             lanes = _simulate_lanes(
-                self.loop, {p: x if len(x) == 1 else x[some] for p, x in self.values.items()}, length, len(some)
+                self.loop, {p: x if len(x) == 1 else x[group] for p, x in self.values.items()}, length, len(group)
             )
-            for lane, place in enumerate(some):
+            for lane, place in enumerate(group):
                 self._judge(int(place), lanes, lane, length)
-        return left[self.open[left]]
+        return pending[self.open[pending]]
 
     def _judge(self, place: int, lanes: Ensemble, lane: int, length: float) -> None:
         steps, tau = int(lanes.accepted[lane] + lanes.rejected[lane]), float(self.tau[place])
         gave_up = lanes.reason[lane] is not None and steps >= MOST_STEPS
-        longer = min(length * self.most_steps / max(steps, 1), LONGEST * tau)  # as far as it may go
+        longer = min(length * self.most_steps / max(steps, 1), LONGEST * tau)  # the longest run allowed
         last = gave_up or longer < 1.5 * length
         record = _LaneRecord(self.loop, lanes, lane, tau, self.swing[place], last)
         self.steps[place] += steps
         judgement, wanted = record.judge()
         self.judgements[place] = replace(judgement, steps=int(self.steps[place]))
-        if record.waits and wanted > longer:  # it would break away later than can be simulated
+        if record.waits and wanted > longer:  # break-away is later than the longest run
             wanted = 2 * length if 2 * steps < _WAITS else 0.0
         self.open[place] = wanted > length and not last
         self.length[place] = min(max(wanted, 2 * length), longer)
 
 
 def _simulate_lanes(loop: Loop, values: Mapping[str, ArrayLike], length: float, count: int) -> Ensemble:
-    """The lanes until ``length`` after the signals rest, with :data:`_ROWS` rows in the second half of that."""
+    """Simulate lanes until ``length`` after the signals rest, with :data:`_ROWS` rows in the second half of that."""
     step = length / 2 / _ROWS
     end = float(np.ceil((loop.rest + length) / step) * step)
-    if not values:  # one lane: any number that is there stands for it
+    if not values:  # one lane: a batch needs a path, so any number is given its own value
         path, x = next(iter(some_parameter(loop.lean).items()))
         values = {path: np.full(count, x)}
     return simulate_ensemble(loop.lean, values, t_end=end, step=step)
@@ -169,8 +169,8 @@ class _LaneRecord:
         self.moving = [b.name for b in machine.bodies if b.free]
         reached = int(np.isfinite(self.column(f"{self.main}.y")).sum())
         self.reached = slice(0, reached)
-        kept = _ROWS // 4 if last else _ROWS + 1  # where nothing longer can be asked, the end alone tells
-        self.rows = slice(max(reached - kept, 0), reached)
+        last_rows = _ROWS // 4 if last else _ROWS + 1  # if the run cannot be longer, only its end is judged
+        self.rows = slice(max(reached - last_rows, 0), reached)
         self.t = lanes.t
         self.waits = False  # at rest, for friction to break away
 
@@ -186,9 +186,9 @@ class _LaneRecord:
         if (reason := self.lanes.reason[self.lane]) is not None and not self.last:
             return Judgement("unstable" if self._grew() else "failed", self.main, np.nan, np.nan, reason), 0.0
         rest = self._rest_bands()
-        excess = {name: self._spread(name) / rest[name] if rest[name] else 0.0 for name in self.moving}
+        excess = {name: self._peak_to_peak(name) / rest[name] if rest[name] else 0.0 for name in self.moving}
         body = self.main if excess.get(self.main, 0.0) > 1 else max(excess, key=excess.__getitem__)
-        breaks = self._breaks_away()
+        breaks = self._break_away_time()
         if max(excess.values()) <= 1:
             return self._judge_rest(rest, breaks, length)
         y = self.column(f"{body}.y")[self.rows]
@@ -200,10 +200,12 @@ class _LaneRecord:
         return self._judge_oscillation(body, y, rest[body], length)
 
     def _judge_rest(self, rest: dict[str, float], breaks: float | None, length: float) -> tuple[Judgement, float]:
-        """Quiet; longer where what moves within rest grows, or friction that is charged may break away."""
+        """Quiet; simulated longer if the motion within the rest band grows, or if friction may still break away."""
         main = f"{self.main}.y"
         note = WINDS if breaks is not None else SHAKEN if self.swing else ""
-        judgement = Judgement("quiet", self.main, self._spread(self.main) / 2, np.nan, note, self._rest_time(rest))
+        judgement = Judgement(
+            "quiet", self.main, self._peak_to_peak(self.main) / 2, np.nan, note, self._rest_time(rest)
+        )
         y = self.column(main)[self.rows]
         before, after = (float(np.ptp(part)) for part in np.array_split(y, 2))
         grows = after > 2 * before and after > 0.1 * rest[self.main]
@@ -211,7 +213,7 @@ class _LaneRecord:
         return judgement, self._next_length(breaks, length) if breaks is not None or grows else 0.0
 
     def _judge_oscillation(self, body: str, y: Array, rest: float, length: float) -> tuple[Judgement, float]:
-        """Hunting or unstable; longer until it keeps its size."""
+        """Hunting or unstable; simulated longer until the oscillation keeps its size."""
         amplitude, period = (float(x) for x in amplitude_and_period(self.t[self.rows], y))
         quarters = [float(np.ptp(part)) for part in np.array_split(y, 4)]
         spread = max(quarters) - min(quarters)
@@ -228,10 +230,10 @@ class _LaneRecord:
         return Judgement("hunting", body, amplitude, period), wanted
 
     def _next_length(self, breaks: float | None, length: float) -> float:
-        """Twice as long, or until a cycle after friction may have broken away."""
+        """Twice the length, or the time until a cycle after friction may have broken away, s."""
         return max(2 * length, 0.0 if breaks is None else 1.5 * (breaks + length))
 
-    def _spread(self, name: str) -> float:
+    def _peak_to_peak(self, name: str) -> float:
         return float(np.ptp(self.column(f"{name}.y")[self.rows]))
 
     def _rest_bands(self) -> dict[str, float]:
@@ -241,7 +243,7 @@ class _LaneRecord:
         return {name: x + self.swing.get(name, 0.0) for name, x in rest.items()}
 
     def _rest_time(self, rest: dict[str, float]) -> float:
-        """Slowest time constants from the rest of the signals until no body leaves the place where it rests."""
+        """Slowest time constants from the rest of the signals until all bodies stay in their rest bands."""
         last = 0.0
         for name in self.moving:
             y = self.column(f"{name}.y")[self.reached]
@@ -249,7 +251,7 @@ class _LaneRecord:
             last = max(last, float(self.t[away[-1]]) if len(away) else 0.0)
         return max(last - self.loop.rest, 0.0) / self.tau
 
-    def _breaks_away(self) -> float | None:
+    def _break_away_time(self) -> float | None:
         """Time until a contact under growing force may break away, s, extrapolated from its mean force; None if no
         contact's force changes, or if it settles below F_s."""
         rig, times = self.loop.scenario.rig, list[float]()
@@ -261,11 +263,11 @@ class _LaneRecord:
             first, second = means[1] - means[0], means[3] - means[2]
             if not abs(means[3] - means[0]) > _MOVES_ON * most:
                 continue
-            falls = (
+            slowing = (
                 second / first if first else np.inf
-            )  # over half of the time judged: the square of that over a quarter
-            if 0 < falls < _SLOWS:
-                settled = means[3] + second * np.sqrt(falls) / (1 - np.sqrt(falls))
+            )  # over half of the judged time; its root is that over a quarter
+            if 0 < slowing < _SLOWS:
+                settled = means[3] + second * np.sqrt(slowing) / (1 - np.sqrt(slowing))
                 if abs(settled) < _NEAR * most:
                     continue
             force_left = (most - abs(means[3])) if second * means[3] > 0 else most + abs(means[3])

@@ -221,4 +221,4 @@ def some_parameter(scenario: Scenario) -> dict[str, float]:
     from stribeck.simulation.variations import machine_places
 
     places = machine_places(scenario)
-    return next({path: scenario.rig.values[at]} for path, at in places.items() if at in scenario.rig.values)
+    return next({path: scenario.rig.values[key]} for path, key in places.items() if key in scenario.rig.values)

@@ -146,7 +146,7 @@ def _bound(solution: Solution, observer: Law, gains: Mapping[str, float]) -> Arr
     with needed("the proof of a servo's gains"):
         import sympy
 
-    w, sigma_1 = (at_speed(observer, of)(solution["v"]) for of in (decay(observer), damping(observer)))
+    w, sigma_1 = (at_speed(observer, expression)(solution["v"]) for expression in (decay(observer), damping(observer)))
     expr = derive().derivative
     names = sorted(map(str, expr.free_symbols - set(sympy.symbols((*ERRORS, "w"), real=True))))
     known = {**gains, **observer.p.numbers, "sigma_1": sigma_1}

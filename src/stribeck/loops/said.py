@@ -89,9 +89,9 @@ def _boundaries(result: Design) -> Chapter:
 
 def along_sentences(line: PathVerdicts) -> list[str]:
     """Boundaries and mixed intervals along one varied path, one sentence each, in order."""
-    whole, missed = line.turned, f"stretches narrower than {100 * line.resolution:.1g} % may be missed"
+    varied, missed = line.turned, f"stretches narrower than {100 * line.resolution:.1g} % may be missed"
     if not line.boundaries and not line.mixed:
-        return [f"{line.found[0].verdict} from {whole.path} = {whole.low:g} to {whole.high:g}; {missed}"]
+        return [f"{line.found[0].verdict} from {varied.path} = {varied.low:g} to {varied.high:g}; {missed}"]
     sentences = [
         (b.low, f"{b.below} below {b.path} = {b.value:.4g}, {b.above} above (between {b.low:.4g} and {b.high:.4g})")
         for b in line.boundaries

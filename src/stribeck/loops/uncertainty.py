@@ -31,7 +31,7 @@ def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple
     places = machine_places(scenario)
     rig = scenario.rig
     laws = {c.law_path for c in rig.machine.contacts}
-    nominal = {path: rig.values[at] for path, at in places.items() if at[0] in laws and at in rig.values}
+    nominal = {path: rig.values[key] for path, key in places.items() if key[0] in laws and key in rig.values}
     if file is None:
         return {
             path: (min(x * (1 - SHARE), x), max(x * (1 + SHARE), x))

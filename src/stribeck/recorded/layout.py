@@ -72,8 +72,8 @@ def thousands(cells: Sequence[str]) -> str:
     texts = [cell.strip() for cell in cells if cell.strip()]
     marked = [text for text in texts if "," in text or "." in text]
     grouped = all(re.fullmatch(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", text) for text in marked)
-    whole = all(re.fullmatch(r"[+-]?\d{1,3}", text) for text in texts if text not in marked)
-    return marked[0] if marked and len(marked) < len(texts) and grouped and whole else ""
+    others_whole = all(re.fullmatch(r"[+-]?\d{1,3}", text) for text in texts if text not in marked)
+    return marked[0] if marked and len(marked) < len(texts) and grouped and others_whole else ""
 
 
 def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:

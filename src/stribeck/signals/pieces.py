@@ -154,9 +154,8 @@ def _turns(signal: Signal, table: Pieces, t_end: float) -> Array:
         p = signal.values
         first = (0.5 - p["phase"] / np.pi) / (2 * p["frequency"])
         half = 0.5 / p["frequency"]
-        return np.arange(
-            first % half, t_end + half, half
-        )  # beyond the end, since the sign of the last piece is taken at its middle
+        # beyond the end, since the sign of the last piece is taken at its middle
+        return np.arange(first % half, t_end + half, half)
     return np.zeros(0)
 
 

@@ -112,13 +112,13 @@ class Signal:
 
 def _drop_touches(crossings: list[tuple[float, bool]]) -> list[tuple[float, bool]]:
     """The crossings without pairs at the same instant, where the signal only touches the level."""
-    kept: list[tuple[float, bool]] = []
+    remaining: list[tuple[float, bool]] = []
     for t, rises in crossings:
-        if kept and math.isclose(t, kept[-1][0], rel_tol=1e-14, abs_tol=0.0):
-            kept.pop()
+        if remaining and math.isclose(t, remaining[-1][0], rel_tol=1e-14, abs_tol=0.0):
+            remaining.pop()
         else:
-            kept.append((t, rises))
-    return [(t, rises) for t, rises in kept if t > 0]
+            remaining.append((t, rises))
+    return [(t, rises) for t, rises in remaining if t > 0]
 
 
 class RampSignal(Signal):

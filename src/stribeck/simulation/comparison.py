@@ -97,8 +97,8 @@ def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], N
         solutions[label] = simulate(scenario, progress=tell)
     labels = list(solutions)
     reference = solutions[labels[0]]
-    apart = {label: deviations(reference, solutions[label]) for label in labels[1:]}
-    return Comparison(reference.scenario.name, solutions, apart)
+    deviations_by_label = {label: deviations(reference, solutions[label]) for label in labels[1:]}
+    return Comparison(reference.scenario.name, solutions, deviations_by_label)
 
 
 def compare(

@@ -116,8 +116,8 @@ def find() -> Compiler | None:
         if _state(chosen.command[0]) == state:
             return chosen
     compiler = _search()
-    if compiler is not None and (now := _state(compiler.command[0])) is not None:
-        _found[environment] = compiler, now
+    if compiler is not None and (state_now := _state(compiler.command[0])) is not None:
+        _found[environment] = compiler, state_now
     return compiler
 
 

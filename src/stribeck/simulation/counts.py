@@ -23,8 +23,8 @@ _FINEST = 1e-11  # below, rounding is the larger error (native.py)
 
 def reads_counts(scenario: Scenario) -> bool:
     """Whether a sampled controller reads an encoder's counts."""
-    every = scenario.system.elements.controllers.values()
-    return any(each.sampling is not None and each.sampling.resolution is not None for each in every)
+    controllers = scenario.system.elements.controllers.values()
+    return any(each.sampling is not None and each.sampling.resolution is not None for each in controllers)
 
 
 def settled(scenario: Scenario, solve: Callable[[Scenario], Result]) -> Result:
@@ -48,8 +48,8 @@ def settled(scenario: Scenario, solve: Callable[[Scenario], Result]) -> Result:
         finer = solve_at(finer_rtol)
         if finer.reason is not None:
             break
-        apart, result = _differ(scenario, finer, result), finer
-        if not apart:
+        differ, result = _differ(scenario, finer, result), finer
+        if not differ:
             return result
     text = f"accuracy not reached: runs at solve.rtol = {rtol:g} and less differ by more than {MOTION * rtol:g} of the peak"
     result.remarks.append(f"{text}; counts of an encoder, or a contact near break-away, make small errors large")

@@ -91,8 +91,8 @@ def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption
         names = first.scenario.rig.compared
         reference, *others = shown.items()
         for label, solution in others:
-            apart = deviation_rows(reference[1], solution, names)
-            shown[label] = {**solution, **{n: q for n, q in apart.items() if n != "t"}}
+            deviation = deviation_rows(reference[1], solution, names)
+            shown[label] = {**solution, **{n: q for n, q in deviation.items() if n != "t"}}
         wanted = []
         for panel in panels(first):
             wanted.append(panel)
@@ -141,11 +141,11 @@ def deviation_rows(
 def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tuple[Scale, Scale]:
     """Draw column ``y`` over column ``x``, one line for each solution; the scales of the two axes, for further lines."""
     shown = {label: quantities(solution) for label, solution in solutions.items()}
-    of_x, of_y = (scale([q[name] for q in shown.values()]) for name in (x, y))
+    x_scale, y_scale = (scale([q[name] for q in shown.values()]) for name in (x, y))
     for i, (label, q) in enumerate(shown.items()):
-        plots.line(axis, i, *plots.thin(of_x.of(q[x].values), of_y.of(q[y].values)), label)
-    axis.set(xlabel=of_x.label, ylabel=of_y.label)
-    return of_x, of_y
+        plots.line(axis, i, *plots.thin(x_scale.of(q[x].values), y_scale.of(q[y].values)), label)
+    axis.set(xlabel=x_scale.label, ylabel=y_scale.label)
+    return x_scale, y_scale
 
 
 def _slow_speed(solution: Solution) -> float:
@@ -184,28 +184,28 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
     first = next(iter(lines.values()))
     beside = [first[n] for n in panel.beside if n in first and not (panel.alone and len(shown) > 1)]
     words = rotary_words if "rad" in first[panel.y].unit else str
-    of_y = scale(
+    y_scale = scale(
         [*(q[panel.y] for q in lines.values()), *beside],
         plain=panel.log,
         name=words(panel.axis) if beside else "",
     )
-    of_x = scale([q[panel.x] for q in lines.values()])
+    x_scale = scale([q[panel.x] for q in lines.values()])
     numbers = {label: i for i, label in enumerate(shown)}
     for i, other in enumerate(beside):
         x = first[panel.x].values
         colour, dashes = (plots.COLOURS[1 + i], plots.DASHES[1 + i]) if panel.alone else (plots.GREY, plots.DASHES[0])
         axis.plot(
-            *plots.thin(of_x.of(x), of_y.of(other.values[: len(x)])), color=colour, linestyle=dashes, label=other.name,
+            *plots.thin(x_scale.of(x), y_scale.of(other.values[: len(x)])), color=colour, linestyle=dashes, label=other.name,
             linewidth=1.0, zorder=2.5 if panel.alone else 1.5,
         )  # fmt: skip
     for label, q in lines.items():
         x, y = q[panel.x].values, q[panel.y].values
         rows = min(len(x), len(y))
-        given = of_x.of(x[:rows]), of_y.of(y[:rows])
+        given = x_scale.of(x[:rows]), y_scale.of(y[:rows])
         if panel.x == "t":
             plots.line(axis, numbers[label], *plots.thin(*given), label)
             continue
-        slowest = slow / of_x.factor if panel.near_rest and _reaches_far(lines, panel.x, slow) else 0.0
+        slowest = slow / x_scale.factor if panel.near_rest and _reaches_far(lines, panel.x, slow) else 0.0
         far = _gaps(np.arcsinh(given[0] / slowest) if slowest else given[0], given[1])
         plots.line(axis, numbers[label], *plots.broken(*given, far), label)
         beside_gaps = np.append(far, False) | np.insert(far, 0, False)
@@ -213,8 +213,8 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
             dots = (plots.drawable(values[beside_gaps]) for values in given)
             axis.plot(*dots, ".", markersize=2.0, color=plots.COLOURS[numbers[label] % len(plots.COLOURS)])
     axis.set(
-        xlabel=of_x.label,
-        ylabel=of_y.label,
+        xlabel=x_scale.label,
+        ylabel=y_scale.label,
         title=words(panel.title + (panel.also if beside else "")),
     )
     if beside:
@@ -223,9 +223,9 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
     if panel.log:
         plots.logarithmic(axis, x=False)
     if panel.settled:
-        _zoom_late_half(axis, lines, panel, of_y)
+        _zoom_late_half(axis, lines, panel, y_scale)
     if panel.near_rest and slow > 0:
-        _stretch_near_rest(axis, lines, panel.x, of_x, slow)
+        _stretch_near_rest(axis, lines, panel.x, x_scale, slow)
 
 
 def _gaps(x: Array, y: Array) -> NDArray[np.bool_]:
@@ -242,7 +242,7 @@ def _reaches_far(lines: Mapping[str, Quantities], name: str, slow: float) -> boo
     return slow > 0 and fastest > _FAST * slow
 
 
-def _zoom_late_half(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, of_y: Scale) -> None:
+def _zoom_late_half(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, y_scale: Scale) -> None:
     """Show the range of the second half of the time, in its own unit."""
     late = []
     for q in lines.values():
@@ -250,7 +250,7 @@ def _zoom_late_half(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, o
         late.append(Quantity(panel.y, q[panel.y].unit, "", y[t >= 0.5 * t[-1]] if len(t) else y))
     late_scale = scale(late)
     for drawn in axis.get_lines():
-        drawn.set_ydata(late_scale.of(np.asarray(drawn.get_ydata(), float) * of_y.factor + of_y.base))
+        drawn.set_ydata(late_scale.of(np.asarray(drawn.get_ydata(), float) * y_scale.factor + y_scale.base))
     low, high = (
         f([f(late_scale.of(q.values), initial=s) for q in late]) for f, s in ((np.min, np.inf), (np.max, -np.inf))
     )
@@ -259,22 +259,22 @@ def _zoom_late_half(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, o
     axis.set_ylabel(late_scale.label)
 
 
-def _stretch_near_rest(axis: Axes, lines: Mapping[str, Quantities], name: str, of_x: Scale, slow: float) -> None:
+def _stretch_near_rest(axis: Axes, lines: Mapping[str, Quantities], name: str, x_scale: Scale, slow: float) -> None:
     """If the speed reaches far beyond ``slow``, make the axis linear below it and logarithmic beyond."""
     fastest = max(float(np.max(np.abs(q[name].values), initial=0.0)) for q in lines.values())
     if not _reaches_far(lines, name, slow):
         return
-    width, top = slow / of_x.factor, fastest / of_x.factor
+    width, top = slow / x_scale.factor, fastest / x_scale.factor
     axis.set_xscale("asinh", linear_width=width)
     low, high = math.floor(math.log10(width)), math.floor(math.log10(top))
     ends = axis.get_xlim()
-    room = _APART * (math.asinh(ends[1] / width) - math.asinh(ends[0] / width))
+    spacing = _APART * (math.asinh(ends[1] / width) - math.asinh(ends[0] / width))
     decades: list[float] = []
     for k in range(high, low - 1, -1):  # from the outside in, as far as the numbers have room
         place = math.asinh(10.0**k / width)
-        if place > room and (not decades or math.asinh(decades[-1] / width) - place > room):
+        if place > spacing and (not decades or math.asinh(decades[-1] / width) - place > spacing):
             decades.append(10.0**k)
     ticks = [t for t in (*(-d for d in decades), 0.0, *reversed(decades)) if ends[0] <= t <= ends[1]]
     axis.set_xticks(ticks, [plots.number(t) for t in ticks])
     axis.set_xticks([], minor=True)
-    axis.set_xlabel(f"{of_x.label}, logarithmic beyond v_s")
+    axis.set_xlabel(f"{x_scale.label}, logarithmic beyond v_s")

@@ -147,18 +147,22 @@ def compiled(system: Equations) -> ctypes.CDLL:
 def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
     """Integrate every lane, and repeat lanes whose motion needs tighter tolerances for the promised accuracy
     (:mod:`stribeck.simulation.promise`)."""
-    result, promise, now = once(library, lanes, threads, progress), Promise(lanes.scenario), Tolerances(lanes.atol())
+    result, promise, tolerances = (
+        once(library, lanes, threads, progress),
+        Promise(lanes.scenario),
+        Tolerances(lanes.atol()),
+    )
     width = len(lanes.scenario.system.states)
-    loose, wrong = promise.broken(now, MeasuredMotion(result.largest, width))
+    loose, wrong = promise.broken(tolerances, MeasuredMotion(result.largest, width))
     places = np.flatnonzero((result.counts["status"] == 0) & (loose.any(axis=1) | wrong.any(axis=1)))
     for _ in range(MOST_PASSES):
         if not len(places):
             break
-        wanted = promise.tightened(promise.part(now, places), MeasuredMotion(result.largest[places], width))
+        wanted = promise.tightened(promise.part(tolerances, places), MeasuredMotion(result.largest[places], width))
         again = once(library, lanes.part(places), threads, progress, wanted)
         better = again.counts["status"] == 0
         result.put(places[better], again, better)
-        now.atol[places[better]] = wanted.atol[better]
+        tolerances.atol[places[better]] = wanted.atol[better]
         loose, wrong = promise.broken(wanted, MeasuredMotion(again.largest, width))
         places = places[better & (loose.any(axis=1) | wrong.any(axis=1))]
     return result

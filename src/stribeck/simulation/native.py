@@ -97,7 +97,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
         return _once(library, scenario, progress, tolerances, most)
 
-    return promise.kept(scenario, once)
+    return promise.solve_to_promise(scenario, once)
 
 
 def _once(
@@ -187,12 +187,12 @@ class Solving:
 
     def to_the_end(self, progress: Callable[[float], None] | None, most: int) -> Result:
         """Integrate from t = 0 to the end, slice by slice, in at most ``most`` attempted steps."""
-        run, end, left = self.run, self.scenario.end, most
+        run, end, attempts_left = self.run, self.scenario.end, most
         status, run.restart, run.t_end = _MORE, 1, end
-        while status in (_MORE, _EVENTS_FULL) and left > 0:
-            run.attempts_left = attempts = min(_SLICE, left)
+        while status in (_MORE, _EVENTS_FULL) and attempts_left > 0:
+            run.attempts_left = attempts = min(_SLICE, attempts_left)
             status = self.advance()
-            left -= attempts - max(run.attempts_left, 0)
+            attempts_left -= attempts - max(run.attempts_left, 0)
             if count := run.events:
                 times, what = (self.views[name][:count].tolist() for name in ("event_time", "event_what"))
                 self.events += zip(times, what, strict=True)

@@ -177,7 +177,7 @@ def _most_attempts(accepted: int, rows: int) -> int:
     return 100 * (accepted + rows) + 10_000
 
 
-def kept(scenario: Scenario, once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]]) -> Result:
+def solve_to_promise(scenario: Scenario, once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]]) -> Result:
     """The result of a scenario, solved again if its motion needs tighter tolerances.
 
     Args:

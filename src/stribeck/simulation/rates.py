@@ -36,22 +36,22 @@ class RateFunctions:
         self.piece: Array = np.zeros(len(system.piece_fields))
         self.held = np.zeros(len(system.held))
 
-    def at(self, t: float, x: Array) -> tuple[object, ...]:
+    def arguments(self, t: float, x: Array) -> tuple[object, ...]:
         """The arguments of the functions: parameters, pieces, held outputs, the time, the states."""
         return (*self._values, *self.piece, *self.held, t, *x)
 
     def rates(self, t: float, x: Array) -> Array:
         """The time derivatives of the states."""
-        return np.array(self._rates(*self.at(t, x)), float)
+        return np.array(self._rates(*self.arguments(t, x)), float)
 
     def jacobian(self, t: float, x: Array) -> Array:
         """The derivatives of the rates by the states."""
-        return np.array(self._jacobian(*self.at(t, x)), float).reshape(len(x), len(x))
+        return np.array(self._jacobian(*self.arguments(t, x)), float).reshape(len(x), len(x))
 
     def watch(self, t: float, x: Array) -> Array:
         """The quantities whose zeros are events."""
-        return np.array(self._watch(*self.at(t, x)), float)
+        return np.array(self._watch(*self.arguments(t, x)), float)
 
     def moved(self, t: float, x: Array) -> float:
         """The energy that changes where a signal jumps."""
-        return float(self._moved(*self.at(t, x))[0])
+        return float(self._moved(*self.arguments(t, x))[0])

@@ -58,11 +58,11 @@ def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tup
         end: end of the run, s.
         lanes: the sampling of each controller, in each lane.
     """
-    every = [each for lane in lanes for each in lane]
-    if not every:
+    samplings = [each for lane in lanes for each in lane]
+    if not samplings:
         return 1, np.zeros((0, 0))
-    room = max(ceil(min(each["delay"], end) / each["period"]) for each in every) + 2  # later ones never act
-    count = max((floor(end / each["period"]) + 2 for each in every if each["noise"]), default=0)
+    room = max(ceil(min(each["delay"], end) / each["period"]) for each in samplings) + 2  # later ones never act
+    count = max((floor(end / each["period"]) + 2 for each in samplings if each["noise"]), default=0)
     noise = [np.random.default_rng(int(each["seed"])).standard_normal(count) for each in lanes[0]]
     return room, np.array(noise)
 

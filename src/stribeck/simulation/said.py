@@ -104,12 +104,12 @@ def comparison(result: Comparison) -> Document:
     reference, first = next(iter(result.solutions.items()))
     names = first.scenario.rig.compared
     units = {c.name: c.unit for c in first.columns}
-    apart: list[list[Cell]] = [
+    deviations: list[list[Cell]] = [
         [label if not i else "", n, Amount(d["max"], units[n], 4), Share(d["max_relative"])]
         for label, each in result.deviations.items()
         for i, (n, d) in enumerate(each.items())
     ]
-    about: list[list[Cell]] = [
+    statistics: list[list[Cell]] = [
         [label, sum(len(times) for n, times in _flat(s.events) if n.endswith("slip")), *(s.peaks[n] for n in names),
          s.stats["accepted"]]
         for label, s in result.solutions.items()
@@ -122,8 +122,8 @@ def comparison(result: Comparison) -> Document:
         else of_scenario.laws(first.scenario)
     )
     tables = [
-        Table(["law", "of", "deviation", "share"], apart),
-        Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in names), "steps"], about, on=PAGE),
+        Table(["law", "of", "deviation", "share"], deviations),
+        Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in names), "steps"], statistics, on=PAGE),
     ]
     return Document(
         f"{result.name}, {len(result.solutions)} laws",

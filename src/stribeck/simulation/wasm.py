@@ -26,7 +26,7 @@ from stribeck.simulation import cache, compiler
 from stribeck.simulation.engine import Compiled, Instance, identity
 from stribeck.simulation.layout import struct_fields
 from stribeck.simulation.native import EVENT_ROOM, Solving, solver_input
-from stribeck.simulation.promise import MeasuredMotion, Tolerances, kept, measures
+from stribeck.simulation.promise import MeasuredMotion, Tolerances, measures, solve_to_promise
 from stribeck.simulation.result import Result
 
 _KEPT = 2**23  # bytes of memory of an instance that a thread keeps: a new one costs 0.2 ms, most of them for its pages
@@ -100,7 +100,7 @@ def solve(
     def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
         return _once(code, system, scenario, progress, tolerances, most)
 
-    return kept(scenario, once)
+    return solve_to_promise(scenario, once)
 
 
 def _instance(code: Compiled) -> Instance:

@@ -43,7 +43,7 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
         f"{n}: {show(x)}: must be a finite number" for n, x in data.items() if n in known and Constant("", "").problem(x)
     ]  # fmt: skip
     strange = [n for n in data if n not in known and n not in ("model", "actuator")]
-    lost = [n for n in strange if "friction" not in n]
+    omitted = [n for n in strange if "friction" not in n]
     problems += [f"{n}: unknown key: a machine has no such thing" for n in strange if "friction" in n]
     for suffix in ("", "_stribeck"):
         pair = {f"load_friction_motor{suffix}", f"load_friction_external{suffix}"}
@@ -59,8 +59,8 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
         ]
     if problems:
         raise InputError(problems)
-    if lost:
-        note(f"{', '.join(lost)}: left out: a machine has no such number (of BAM's firmware or bench)")
+    if omitted:
+        note(f"{', '.join(omitted)}: left out: a machine has no such number (of BAM's firmware or bench)")
     n = {name: float(data[name]) for name in known if name in data}
     machine: dict[str, Any] = {
         "schema": 2, "name": str(data.get("actuator", "servo")), "bodies": {"joint": {"inertia": n["armature"]}},

@@ -277,10 +277,8 @@ def _model_text(name: str, bodies: Read, joints: Mapping[str, dict[str, float]],
         attributes = ({"armature": armature} if armature else {}) | words
         text = "".join(f' {n}="{x:.9g}"' for n, x in attributes.items())
         table = bodies[body]
-        moment, mass = (
-            table.get("inertia", table.get("mass")),
-            table.get("mass", 1.0),
-        )  # the mass of a hinge's body has no effect
+        moment = table.get("inertia", table.get("mass"))
+        mass = table.get("mass", 1.0)  # without effect on a hinge
         lines += [
             f'    <body name="{body}">',
             f'      <inertial pos="0 0 0" mass="{mass:.9g}" diaginertia="{moment:.9g} {moment:.9g} {moment:.9g}"/>',
