@@ -32,7 +32,7 @@ def write_with(path: Path, write: Callable[[Path], object]) -> None:
     path = path.resolve()
     beside = path.with_name(f".{os.getpid()}-{os.urandom(4).hex()}.tmp")  # short, since the name itself may be long
     try:
-        with _named(beside, path):
+        with _user_path_in_errors(beside, path):
             write(beside)
             beside.replace(path)
     except BaseException:
@@ -57,7 +57,7 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
     existed = folder.exists()
     beside = folder / f".{os.getpid()}-{os.urandom(4).hex()}.tmp"
     try:
-        with _named(beside, folder):
+        with _user_path_in_errors(beside, folder):
             folder.mkdir(parents=True, exist_ok=True)
             beside.mkdir()
             state = folder.stat()
@@ -66,7 +66,7 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
             with locked(folder):
                 if not beside.is_dir() or not os.path.samestat(state, folder.stat()):
                     raise OSError(errno.ESTALE, "was replaced by another folder meanwhile", str(folder))
-                obsolete = (_listed(folder / last) | _marked(folder, older or {})) - files
+                obsolete = (_summary_files(folder / last) | _older_files(folder, older or {})) - files
                 for path in (folder / name for name in {*files, *obsolete, Path(last)}):
                     if path.is_file():
                         refuse_open(path)
@@ -83,7 +83,7 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
                 folder.rmdir()
 
 
-def _listed(summary: Path) -> set[Path]:
+def _summary_files(summary: Path) -> set[Path]:
     """The files in the list of an older result's summary that are in its folder, relative to it."""
     try:
         files = [Path(name) for name in json_of(summary)["files"]]
@@ -94,7 +94,7 @@ def _listed(summary: Path) -> set[Path]:
     return {path for path in relative if ".." not in path.parts and (summary.parent / path).is_file()}
 
 
-def _marked(folder: Path, older: Mapping[str, str]) -> set[Path]:
+def _older_files(folder: Path, older: Mapping[str, str]) -> set[Path]:
     """The files of these names that a command wrote, by the beginning of their text."""
     return {
         path.relative_to(folder)
@@ -113,7 +113,7 @@ def _head(path: Path) -> str:
 
 
 @contextmanager
-def _named(beside: Path, path: Path) -> Iterator[None]:
+def _user_path_in_errors(beside: Path, path: Path) -> Iterator[None]:
     """A context in which errors contain the user's path instead of the temporary one."""
     try:
         yield

@@ -68,7 +68,7 @@ if sys.platform == "win32":
         process.kill()
 
     def user_name() -> str:
-        """What tells this machine's users from each other."""
+        """A name that is different for each user of this machine."""
         return os.environ.get("USERNAME", "user")
 
     def _lock(handle: int, wait: bool) -> None:
@@ -97,7 +97,7 @@ else:
             os.killpg(process.pid, signal.SIGKILL)
 
     def user_name() -> str:
-        """What tells this machine's users from each other."""
+        """A name that is different for each user of this machine."""
         return str(os.geteuid())
 
     def _open_lock(folder: Path) -> int:

@@ -1,3 +1,3 @@
-"""The version, for what the modules write; pyproject.toml and ``stribeck.__version__`` take it from here."""
+"""The version of the package, also for pyproject.toml and ``stribeck.__version__``."""
 
 __version__ = "0.1.0"

@@ -1,4 +1,4 @@
-"""Collects all expressions of a system's code with their derivatives, and separates those that are constant in a run."""
+"""All expressions of a system's code with their derivatives; those that are constant in a run are separated."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ class Beside:
     def as_data(self) -> dict[str, object]:
         """The data for the page; evenly spaced times are given by their step."""
         lists = {
-            name: {"t": _even(t) or short(t), "x": short(x, float(abs(x).max(initial=0)))}
+            name: {"t": _even_step(t) or short(t), "x": short(x, float(abs(x).max(initial=0)))}
             for name, (t, x) in self.columns.items()
         }
         return {"about": self.about, "columns": lists, "given": self.given}
@@ -48,6 +48,6 @@ def short(x: Array, size: float = 0.0) -> list[float]:
     return [round(float(value), digits) for value in x]
 
 
-def _even(t: Array) -> float | None:
+def _even_step(t: Array) -> float | None:
     step = float(t[-1]) / max(len(t) - 1, 1)
     return step if step > 0 and np.allclose(t, step * np.arange(len(t)), rtol=0, atol=1e-6 * step) else None

@@ -49,7 +49,7 @@ class Measured:
 
 def measured(scenario: Scenario) -> Measured:
     """Every number of a machine's file, with its effect on the solver's input."""
-    scenario = _written_out(scenario)
+    scenario = _without_sets(scenario)
     base = arrays_of(scenario)
     numbers: list[Number] = []
     fixed: dict[str, float] = {}
@@ -91,16 +91,16 @@ def moved(arrays: Arrays, numbers: list[Number], values: Mapping[str, float]) ->
     return moved_arrays
 
 
-def _written_out(scenario: Scenario) -> Scenario:
+def _without_sets(scenario: Scenario) -> Scenario:
     """The scenario with the constants of its parameter sets written out."""
     rig = scenario.rig
     paths = {scenario.called.to_file(path): law for path, law in rig.laws.items()}
     changes = {f"{path}.parameters.{n}": x for path, law in paths.items() for n, x in law.machine.items()}
-    named = {path: x for path, x in changes.items() if isinstance(_table(scenario.data, path), str)}
+    named = {path: x for path, x in changes.items() if isinstance(_table_of(scenario.data, path), str)}
     return scenario.with_changes(named) if named else scenario
 
 
-def _table(data: Mapping[str, object], path: str) -> object:
+def _table_of(data: Mapping[str, object], path: str) -> object:
     entry: object = data
     for word in path.split(".")[:-1]:
         entry = entry.get(word) if isinstance(entry, Mapping) else None
@@ -119,7 +119,7 @@ def _leaves(table: object, path: str = "") -> Iterator[tuple[str, float]]:
         yield path, float(table)
 
 
-def _declared(scenario: Scenario, path: str, value: float) -> Number:
+def _declared_number(scenario: Scenario, path: str, value: float) -> Number:
     """The number with its unit and meaning, if a table of the machine declares them."""
     words = path.split(".")
     cut = len(words) - 1
@@ -166,7 +166,7 @@ def _same_shape(base: Arrays, other: Arrays | None) -> bool:
 
 
 def _measure(scenario: Scenario, base: Arrays, path: str, value: float, given: Number | None = None) -> Number | None:
-    full = _declared(scenario, path, value) if given is None else given
+    full = _declared_number(scenario, path, value) if given is None else given
     for reach in _REACHES:
         number = _narrower(full, reach)
         effects = _effects(scenario, base, number)

@@ -29,8 +29,8 @@ class Dialect:
     where: str
     statement_end: str
     where_precedence: int = TERNARY
-    value: str = "{0}"  # a number that stands alone, not beside an operator
-    variable: str = ""  # declares what is assigned more than once
+    value: str = "{0}"  # a number that is no operand of an operator
+    variable: str = ""  # declares a variable that is assigned more than once
     loop: tuple[str, str] = ("while ({reach} > 1) {{", "}")  # ends after ROOT_STEPS square roots of ROOT_REACH
 
 

@@ -102,7 +102,7 @@ _lock = threading.Lock()
 
 
 def _node(op: str, *args: Expr, value: float | str | None = None) -> Expr:
-    # repr tells 0.0 from -0.0, which compare equal
+    # repr distinguishes 0.0 and -0.0, which compare equal
     key = (op, args, repr(value), value.tree if isinstance(value, Exact) else None)
     with _lock:  # two threads must not make the same symbol twice
         node = _nodes.get(key)

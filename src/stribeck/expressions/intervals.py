@@ -25,7 +25,7 @@ from stribeck.expressions.ops import Value
 Range = tuple[float, float]
 INF = math.inf
 EVERYTHING: Range = (-INF, INF)
-_BITS = 80  # of arb: 27 more than a float's
+_BITS = 80  # of arb: 27 more than a float's, so that its error is far below the outward rounding
 _SPLIT = 134217729.0  # 2^27 + 1: halves a float's digits (Dekker)
 
 
@@ -358,7 +358,7 @@ def interval(low: ArrayLike, high: ArrayLike) -> Interval:
     return Interval(np.asarray(low, float), np.asarray(high, float))
 
 
-def _each(function: Callable[..., Range], *args: Interval) -> Interval:
+def _by_box(function: Callable[..., Range], *args: Interval) -> Interval:
     """A function of single ranges, box by box; equal boxes once."""
     ends = np.broadcast_arrays(*(end for x in args for end in (x.low, x.high)))
     rows = np.stack([end.ravel() for end in ends], axis=-1)
@@ -395,8 +395,8 @@ def _root(x: Interval) -> Interval:
 _OF_ARRAYS: dict[str, Callable[..., Value]] = {
     "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b, "div": lambda a, b: a / b,
     "neg": lambda a: -a, "abs": abs, **{name: _rising(name) for name in ("exp", "atan", "tanh", "log")}, "sqrt": _root,
-    "sin": lambda a: _each(lambda x: _wave("sin", x), a), "cos": lambda a: _each(lambda x: _wave("cos", x), a),
-    "sign": lambda a: Interval(np.sign(a.low), np.sign(a.high)), "pow": lambda a, b: _each(power, a, b),
+    "sin": lambda a: _by_box(lambda x: _wave("sin", x), a), "cos": lambda a: _by_box(lambda x: _wave("cos", x), a),
+    "sign": lambda a: Interval(np.sign(a.low), np.sign(a.high)), "pow": lambda a, b: _by_box(power, a, b),
     "lt": lambda a, b: Truth(a.high < b.low, a.low < b.high),
     "le": lambda a, b: Truth(a.high <= b.low, a.low <= b.high),
     "both": lambda a, b: Truth(a.must & b.must, a.may & b.may),
@@ -507,24 +507,24 @@ def _meet(a: Range, b: Range) -> Range:
     return (low, high) if low <= high else a
 
 
-def _chosen(truth: bool | None, if_true: Callable[[], Range], if_false: Callable[[], Range]) -> Range:
+def _choose(truth: bool | None, if_true: Callable[[], Range], if_false: Callable[[], Range]) -> Range:
     if truth is not None:
         return if_true() if truth else if_false()
     x, y = if_true(), if_false()
     return min(x[0], y[0]), max(x[1], y[1])
 
 
-def _chosen_each(truth: Truth, if_true: Callable[[], Interval], if_false: Callable[[], Interval]) -> Interval:
+def _choose_each(truth: Truth, if_true: Callable[[], Interval], if_false: Callable[[], Interval]) -> Interval:
     x, y = if_true(), if_false()
     either = x.hull(y)
     low = np.where(truth.must, x.low, np.where(truth.may, either.low, y.low))
     return Interval(low, np.where(truth.must, x.high, np.where(truth.may, either.high, y.high)))
 
 
-_SINGLE = _Carrier(INF, number, _apply, lambda low, high: (low, high), lambda x: x, _meet, _chosen)
+_SINGLE = _Carrier(INF, number, _apply, lambda low, high: (low, high), lambda x: x, _meet, _choose)
 _MANY = _Carrier(
     np.asarray(np.inf), lambda x: interval(*number(x)), lambda op, args: _OF_ARRAYS[op](*args), Interval,
-    lambda x: (x.low, x.high), Interval.within, _chosen_each,
+    lambda x: (x.low, x.high), Interval.within, _choose_each,
 )  # fmt: skip
 
 

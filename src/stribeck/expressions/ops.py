@@ -18,7 +18,7 @@ from stribeck.expressions.exact import Exact, function
 from stribeck.expressions.exact import pi as pi
 
 # A number, an array, a graph node, an interval, a SymPy expression, a JAX, PyTorch or Warp value: whatever a backend works
-# on. A protocol of its operators would refuse what the foreign ones return.
+# on. A protocol of its operators would reject the results of foreign ones.
 Value = Any
 
 

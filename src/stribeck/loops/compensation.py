@@ -27,7 +27,7 @@ _ROUNDS = 4  # of bisection between two shares: to 0.25/2**4 = 0.016
 MOST_STEPS = 50_000  # of one lane, of which there are hundreds: some 200 slowest time constants of a sampled axis
 _DITHERED = 4 * MOST_STEPS  # under a dither the steps are short, and a body creeps to its target
 _FIRST = 4  # samples that a search begins with: middle, all low, all high and one more; a failed check adds as many
-_BELOW = np.geomspace(1e-3, 1.0, 31)  # of v_s: speeds at which the largest friction is looked for
+_BELOW = np.geomspace(1e-3, 1.0, 31)  # of v_s: the speeds among which the largest friction is searched
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ class Excess:
 
 
 def excess(scenario: Scenario, controller: str, samples: dict[str, Array]) -> Excess:
-    """The share above which the law as an observer at the measured speed supplies more than the contact takes.
+    """The share above which the law as an observer at the measured speed exceeds the contact's friction.
 
     At constant speed the controller adds ``share`` times its own law's steady force, and the contact takes its steady
     friction. If the first is larger, net friction is negative, and the two together are not passive. A feedforward at the

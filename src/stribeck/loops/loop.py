@@ -74,7 +74,7 @@ def loop_of(scenario: Scenario) -> Loop:
 
 
 def rests_at(signal: Signal) -> float:
-    """When a signal has come to rest for good, s; inf where it never does."""
+    """The time from which a signal is constant, s; inf if it never is."""
     if isinstance(signal, Curve):
         return max(0.0, signal.pieces[-1][0])
     if isinstance(signal, SumSignal):
@@ -128,7 +128,7 @@ def time_constant(scenario: Scenario) -> tuple[float, bool]:
     """The slowest time constant while all contacts slide, s, and whether a mode grows.
 
     The eigenvalues of the machine without limits, sampling and compensation, at speeds far above those of the contacts'
-    Stribeck curves and with their deflections steady: what is left of friction there is its viscous part.
+    Stribeck curves and with steady deflections, where the derivative of friction is its viscous part.
     """
     roots = np.linalg.eigvals(SlidingLoop(scenario).jacobian)
     size = float(np.abs(roots).max(initial=0.0))
@@ -179,7 +179,7 @@ def _sliding(scenario: Scenario) -> Array:
     gaps = [rig.values[link.path, "gap"] for link in machine.links if link.gap is not None]
     state = dict.fromkeys((s.name for s in machine.states), 0.0)
     for i, body in enumerate(machine.bodies):
-        share = 1 + 0.377 * i  # so that no two move alike
+        share = 1 + 0.377 * i  # so that no two bodies have the same speed
         if f"{body.name}.v" in state:
             state[f"{body.name}.v"] = _FAST * share * rig.scales[body.name].speed
         if f"{body.name}.y" in state:

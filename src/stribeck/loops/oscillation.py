@@ -23,7 +23,7 @@ def amplitude_and_period(t: Array, y: Array) -> tuple[Array, Array]:
 
     def crossing(i: NDArray[np.intp]) -> Array:
         before, after = over[lanes, i], over[lanes, i + 1]
-        with np.errstate(all="ignore"):  # where there is none
+        with np.errstate(all="ignore"):  # lanes without a crossing
             return np.asarray(t[i] + (t[i + 1] - t[i]) * before / (before - after))
 
     first, last = crossing(up.argmax(axis=1)), crossing(up.shape[1] - 1 - up[:, ::-1].argmax(axis=1))

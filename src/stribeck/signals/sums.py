@@ -18,7 +18,7 @@ from stribeck.signals.piecewise import Signal, SineSignal
 from stribeck.signals.trajectories import COEFFICIENTS, Curve
 
 _SINE = tuple(SineSignal.constants)
-_LOOKS = (
+_SAMPLES = (
     4  # samples for each longest step that cannot miss a wave, to find changes of sign; 8 times as many for each piece
 )
 _ROUNDING = 1e-12  # relative: well above the rounding of values
@@ -117,7 +117,7 @@ class SumSignal(Signal):
         """Times at which a quantity passes through 0 within a piece, bisected to rounding, and whether it rises."""
         starts = [start for start, _ in self.pieces if start < t_end]
         for i, (begin, end) in enumerate(zip(starts, [*starts[1:], t_end], strict=True)):
-            count = int(np.ceil((end - begin) / self.longest_step * _LOOKS)) + 8 * _LOOKS
+            count = int(np.ceil((end - begin) / self.longest_step * _SAMPLES)) + 8 * _SAMPLES
             t = np.linspace(begin, end, count + 1)
             side = np.sign(quantity(i, t) + 0.0 * t)
             for k in np.flatnonzero(side[1:] * side[:-1] < 0):

@@ -15,7 +15,7 @@ from pathlib import Path
 from stribeck.errors import BuildError
 from stribeck.platforms import OWN_GROUP, POSITION_INDEPENDENT, end_with_children
 
-# Rounding may differ in the last bit from what is written; nan, inf and the order of evaluation of calls do not change.
+# Results may differ by rounding; nan, inf and the order of calls do not change.
 # One trajectory has no vectors: numbers that the compiler joins into vectors are stored and reloaded late (5 % slower).
 _FLAGS = (
     "-O3", "-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros", "-fassociative-math", "-freciprocal-math",
@@ -42,7 +42,7 @@ class Compiler:
     command: tuple[str, ...]
     identity: str
     options: tuple[str, ...] = _FOR_ONE
-    extra: tuple[str, ...] = _NARROW  # left out where the compiler does not know them
+    extra: tuple[str, ...] = _NARROW  # left out if the compiler rejects them
 
     @property
     def key(self) -> str:
@@ -61,7 +61,7 @@ class Compiler:
         """
         complaint = ""
         native = "-march=native"
-        for target in dict.fromkeys([(native, *self.extra), (native,), ()]):  # some compilers do not know -march=native
+        for target in dict.fromkeys([(native, *self.extra), (native,), ()]):  # some compilers reject -march=native
             command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
             limit = _FIRST_OF_ZIG if "ziglang" in self.command else _TIME_LIMIT
             result = called(command, self.command[0], limit, library.parent)

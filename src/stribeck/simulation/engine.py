@@ -99,7 +99,7 @@ def identity() -> str:
     return f"wasmtime {version('wasmtime')}"
 
 
-def _checked(error: int | None) -> None:
+def _raise_error(error: int | None) -> None:
     if error:
         message, library = _Bytes(), _library()
         library.wasmtime_error_message(error, byref(message))
@@ -123,7 +123,7 @@ class Compiled:
             BuildError: if it is not valid.
         """
         handle = c_void_p()
-        _checked(_library().wasmtime_module_new(_engine(), module, len(module), byref(handle)))
+        _raise_error(_library().wasmtime_module_new(_engine(), module, len(module), byref(handle)))
         return cls(int(handle.value or 0))
 
     @classmethod
@@ -134,13 +134,13 @@ class Compiled:
             BuildError: if it is damaged, or was written by another version or for another processor.
         """
         handle = c_void_p()
-        _checked(_library().wasmtime_module_deserialize(_engine(), code, len(code), byref(handle)))
+        _raise_error(_library().wasmtime_module_deserialize(_engine(), code, len(code), byref(handle)))
         return cls(int(handle.value or 0))
 
     def written(self) -> bytes:
         """The machine code as bytes."""
         content = _Bytes()
-        _checked(_library().wasmtime_module_serialize(self.handle, byref(content)))
+        _raise_error(_library().wasmtime_module_serialize(self.handle, byref(content)))
         code = ctypes.string_at(content.data, content.size)
         _library().wasm_byte_vec_delete(byref(content))
         return code
@@ -164,7 +164,7 @@ class Instance:
         self._store = library.wasmtime_store_new(_engine(), None, None)
         self._context = library.wasmtime_store_context(self._store)
         self._instance, trap = (c_uint64 * 2)(), c_void_p()
-        _checked(
+        _raise_error(
             library.wasmtime_instance_new(self._context, compiled.handle, None, 0, byref(self._instance), byref(trap))
         )
         self._memory = self._export("memory")
@@ -196,7 +196,9 @@ class Instance:
         self._raw.i32 = argument
         function = byref(self._functions[name], _Extern.content.offset)
         library = _library()
-        _checked(library.wasmtime_func_call_unchecked(self._context, function, byref(self._raw), 1, byref(self._trap)))
+        _raise_error(
+            library.wasmtime_func_call_unchecked(self._context, function, byref(self._raw), 1, byref(self._trap))
+        )
         if self._trap:
             library.wasm_trap_delete(self._trap)
             self._trap = c_void_p()
@@ -214,7 +216,7 @@ class Instance:
         if missing > 0:
             before = c_uint64()
             try:
-                _checked(library.wasmtime_memory_grow(self._context, item, -(-missing // _PAGE), byref(before)))
+                _raise_error(library.wasmtime_memory_grow(self._context, item, -(-missing // _PAGE), byref(before)))
             except BuildError as error:
                 raise MemoryError(str(error)) from None
         length = library.wasmtime_memory_data_size(self._context, item)

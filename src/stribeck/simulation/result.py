@@ -81,5 +81,5 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
 
 
 def ended(scenario: Scenario, t: float, x: Array) -> str | None:
-    """Why equations are no longer finite, if the plant knows the reason."""
+    """Why equations are no longer finite, if the system can report it."""
     return scenario.system.ended(scenario.values(), t, x)

@@ -68,9 +68,9 @@ class Solution:
         states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
         with np.errstate(all="ignore"):
             values = self.scenario.columns(self.t, states, self.held)
-        return {column.name: self._filled(values[column.name]) for column in self.columns}
+        return {column.name: self._as_rows(values[column.name]) for column in self.columns}
 
-    def _filled(self, value: object) -> Array:
+    def _as_rows(self, value: object) -> Array:
         """A column as an array of the rows, also if it is a single number."""
         given = np.array(value, float)
         return given if given.shape == self.t.shape else np.array(np.broadcast_to(given, self.t.shape))
@@ -170,8 +170,8 @@ class Solution:
         """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
         rig = self.scenario.rig
         if rig.machine.elements.unnamed:
-            return {"law": _about(rig.law)}
-        return {"contacts": {name: {"law": _about(law)} for name, law in rig.named_laws.items()}}
+            return {"law": _law_entry(rig.law)}
+        return {"contacts": {name: {"law": _law_entry(law)} for name, law in rig.named_laws.items()}}
 
     def summary(self) -> dict[str, object]:
         """The JSON of ``stribeck run --json``, without the files."""
@@ -182,18 +182,18 @@ class Solution:
             **self.laws,
             "rows": len(self.t),
             "steps": self.stats,
-            "events": _lists(self.events),
+            "events": _as_lists(self.events),
             "peaks": self.peaks,
             "final": self.final,
         }
 
 
-def _about(law: Law) -> dict[str, object]:
+def _law_entry(law: Law) -> dict[str, object]:
     return {"name": law.name, "constants": {**law.values, **law.choices}}
 
 
-def _lists(events: Mapping[str, Any]) -> dict[str, object]:
-    return {name: _lists(x) if isinstance(x, dict) else x.tolist() for name, x in events.items()}
+def _as_lists(events: Mapping[str, Any]) -> dict[str, object]:
+    return {name: _as_lists(x) if isinstance(x, dict) else x.tolist() for name, x in events.items()}
 
 
 def _events(scenario: Scenario, instants: list[tuple[float, int]]) -> dict[str, Any]:

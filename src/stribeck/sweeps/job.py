@@ -43,7 +43,7 @@ class Sweep:
     Args:
         scenario: the scenario that the lanes vary.
         values: the values of every lane by path.
-        out: the folder of the files, or a URL that fsspec knows.
+        out: the folder of the files, or a URL that fsspec supports.
         summary: keep one row for each lane (peaks, slips, amplitude, period) instead of its trajectory.
 
     Raises:
@@ -281,7 +281,7 @@ def sweep(
     Args:
         scenario: the scenario that the lanes vary; or ``machine.vary({...})``.
         vary: values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
-        out: folder, or a URL that fsspec knows (``"s3://bucket/name"`` with s3fs installed).
+        out: folder, or a URL that fsspec supports (``"s3://bucket/name"`` with s3fs installed).
         t_end, step: as in :func:`stribeck.simulate`.
         summary: keep one row for each lane (peaks, events, amplitude, period) instead of its trajectory.
         threads: number of threads; all cores unless given.
@@ -293,7 +293,7 @@ def sweep(
         The sweep; ``files`` lists the manifest and the parts, ``failed`` counts failed lanes.
 
     Raises:
-        InputError: if a path cannot be varied, or the folder holds another sweep.
+        InputError: if a path cannot be varied, or the folder contains another sweep.
         StribeckError: if the place cannot be written, the cluster is lost, or no worker can compute the parts. Written parts
             stay, and the same call continues.
     """

@@ -1,4 +1,4 @@
-"""Where a sweep's files go: a folder of this machine, or a URL that fsspec knows (s3://, gs://, memory://, ...)."""
+"""The place of a sweep's files: a folder of this machine, or a URL that fsspec supports (s3://, gs://, memory://, ...)."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Store:
             import fsspec
         try:
             self._files, self._path = fsspec.core.url_to_fs(self.url, use_listings_cache=False)
-        except (ImportError, ValueError) as error:  # the library for s3:// is not installed, or nobody knows foo://
+        except (ImportError, ValueError) as error:  # the library for s3:// is not installed, or foo:// is unknown
             raise InputError(f"{arg('out')}: {url!r}: must be a folder, or a URL that fsspec knows: {error}") from None
         except Exception as error:  # each library has errors of its own
             raise InputError(f"{arg('out')}: {url!r}: cannot be opened: {error_text(error)}") from None
@@ -92,7 +92,7 @@ class Store:
 
     def put(self, name: str, content: bytes) -> None:
         """Write an object, which appears once it is complete."""
-        with self._named("written"):
+        with self._reported("written"):
             self._files.pipe_file(f"{self._path}/{name}", content)
 
     def get(self, name: str) -> bytes | None:
@@ -101,7 +101,7 @@ class Store:
         Raises:
             StribeckError: if it cannot be read: no answer, no permission, a server's failure.
         """
-        with self._named(f"read now ({name})"):
+        with self._reported(f"read now ({name})"):
             try:
                 return bytes(self._files.cat_file(f"{self._path}/{name}"))
             except FileNotFoundError:
@@ -109,7 +109,7 @@ class Store:
 
     def names(self) -> list[str]:
         """The names of the objects there."""
-        with self._named("listed"):
+        with self._reported("listed"):
             try:
                 return [str(path).rpartition("/")[2] for path in self._files.ls(self._path, detail=False)]
             except FileNotFoundError:
@@ -121,7 +121,7 @@ class Store:
         yield
 
     @contextmanager
-    def _named(self, what: str) -> Iterator[None]:
+    def _reported(self, what: str) -> Iterator[None]:
         try:
             yield
         except Exception as error:  # each library has errors of its own
