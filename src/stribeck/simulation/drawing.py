@@ -14,7 +14,7 @@ from stribeck.constants import rotary_words
 from stribeck.mouth import plots
 from stribeck.mouth.document import Figure as Picture
 from stribeck.mouth.quantities import Quantity, Scale, scale
-from stribeck.simulation.panels import ENERGY, Panel, machine_panels
+from stribeck.simulation.panels import ENERGY, Panel, choose_panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,7 +50,7 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     """The panels of a solution, in reading order."""
     known = {"t", *(column.name for column in solution.columns)}
     if not solution.scenario.elements.unnamed:
-        return machine_panels(solution.scenario.rig.machine)
+        return choose_panels(solution.scenario.rig.machine)
     if "V" in known:
         return _CASCADE
     if "I" in known:

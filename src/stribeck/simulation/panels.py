@@ -39,7 +39,7 @@ ENERGY = Panel(
 )
 
 
-def machine_panels(machine: MachineSystem) -> tuple[Panel, ...]:
+def choose_panels(machine: MachineSystem) -> tuple[Panel, ...]:
     """What is worth seeing of a machine, in the order of reading: two panels for each body, contact, motor and controller,
     one for each link and load."""
     found: list[Panel] = []

@@ -27,7 +27,9 @@ _WORDS = {"slip": "|v| rises through v_s (slip)", "stick": "|v| falls through v_
 def run(solution: Solution) -> Document:
     """The document of a run: summary, peaks and final values, events, plots, laws and the file."""
     scenario, stats = solution.scenario, solution.stats
-    subject = f"law {scenario.law.name}, drive {scenario.called.drive}" if scenario.elements.unnamed else scenario.subject
+    subject = (
+        f"law {scenario.law.name}, drive {scenario.called.drive}" if scenario.elements.unnamed else scenario.subject
+    )
     facts = [
         f"{solution.status}: {subject}; {len(solution.t)} rows of {scenario.rows}",
         f"{stats['accepted']} steps ({stats['rejected']} rejected) in {1e3 * stats['seconds']:.1f} ms, {stats['solver']}",
