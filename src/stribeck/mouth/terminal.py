@@ -13,6 +13,7 @@ from stribeck.mouth.document import Chapter, Document, Table
 _WIDEST = 100  # columns: longer lines are hard to read
 _LEAST = 24  # columns, of a folded cell
 _APART, _NEAR = 3, 2  # blanks between two columns; where the room is short
+_ONE_LINE = 10_000  # columns
 _BRIEF = 5  # facts of a brief chapter: what one reads
 
 
@@ -40,7 +41,8 @@ def tell(document: Document, files: Sequence[str] = (), verbose: bool = False) -
 
 def lines(document: Document, files: Sequence[str] = (), verbose: bool = False) -> Iterator[str]:
     """The lines of a document."""
-    yield from _said(f"{document.title}: {document.lead}", 4, wide=width(_WIDEST))
+    whole = shutil.get_terminal_size((_ONE_LINE, 24)).columns  # a headline in a file is one line
+    yield from _said(f"{document.title}: {document.lead}", 4, wide=max(40, whole))
     for text in document.facts:
         yield from _said(text, 4, "  ")
     for chapter in document.chapters:
