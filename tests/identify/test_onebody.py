@@ -24,24 +24,33 @@ def full():
     return rig.measured([*rig.LOOPS, *rig.STROKES])
 
 
-@pytest.fixture(scope="module")
-def pushed():
-    """A body of 2 kg under a force that holds back 1 N all the time; 0.1 um of noise on the position."""
-    fine = np.arange(0, 2.4, STEP / 8)
-    force = (16 + 6 * np.sin(2 * np.pi * 1.3 * fine)) * np.sin(2 * np.pi * 0.8 * fine)
-    t = fine[::8]
+def driven(t, offset=0.0):
+    """A body of 2 kg under a force, measured at times ``t``, that runs straight between these: the force, and what is seen."""
+    force = (16 + 6 * np.sin(2 * np.pi * 1.3 * t)) * np.sin(2 * np.pi * 0.8 * t)
     found = stribeck.simulate(
         stribeck.Scenario(
             law={"name": "lugre", "parameters": MACHINE}, plant={"mass": 2.0},
-            drive={"kind": "force", "signal": {"kind": "points", "t": fine.tolist(), "value": (force - 1.0).tolist()}},
+            drive={"kind": "force", "signal": {"kind": "points", "t": t.tolist(), "value": (force - offset).tolist()}},
             solve={"t_end": float(t[-1])}, output={"step": STEP},
         )
     )  # fmt: skip
-    noise = np.random.default_rng(0).standard_normal((2, len(t)))
+    return force, found
+
+
+def logged(found, force, position=0.0, velocity=0.0):
+    """The log of such a body, with these deviations of noise."""
+    t, noise = found.t, np.random.default_rng(0).standard_normal((2, len(found.t)))
     return Log(
-        time=t, position=found["y"] + 1e-7 * noise[0], velocity=found["v"] + 1e-4 * noise[1],
-        acceleration=np.gradient(found["v"], STEP), force=force[::8], run=np.zeros(len(t), np.int32), step=STEP,
+        time=t, position=found["y"] + position * noise[0], velocity=found["v"] + velocity * noise[1],
+        acceleration=np.gradient(found["v"], STEP), force=force, run=np.zeros(len(t), np.int32), step=STEP,
     )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def pushed():
+    """A body under a force that holds back 1 N all the time; 0.1 um of noise on the position."""
+    force, found = driven(np.arange(0, 2.4, STEP / 8), 1.0)
+    return logged(found, force[::8][: len(found.t)], 1e-7, 1e-4)
 
 
 def test_every_parameter_of_lugre_is_found(full):
@@ -101,6 +110,41 @@ def test_the_motion_under_a_measured_force_is_met(pushed, output):
         assert fit[name].value == pytest.approx(truth, rel=0.01), name
     assert fit.details["output"] == output
     assert fit.details["output_error"] < 3e-3
+
+
+def test_a_drive_that_runs_straight_between_samples_is_within_the_intervals():
+    """So little noise that the intervals would tell a cubic spline from chords."""
+    force, found = driven(np.arange(0, 1.3, STEP))
+    held = {n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s")} | {"offset": 0.0}
+    fit = fitted(logged(found, force, 1e-9), output="position", mass=2.0, constants=held, starts=2)
+    for name in ("sigma_2", "F_c", "F_s"):
+        assert fit[name].low < MACHINE[name] < fit[name].high, name
+        assert fit[name].value == pytest.approx(MACHINE[name], rel=2e-4), name
+
+
+def test_noise_and_filter_of_the_motion_are_known_noise_of_the_force(tmp_path):
+    """They leave four times what the force's own noise leaves, which is no sign of a better minimum."""
+    force, found = driven(np.arange(0, 4.0, STEP / 4))
+    draw = np.random.default_rng(0)
+    y = found["y"] + 1e-6 * draw.standard_normal(len(found.t))
+    measured = force[::4][: len(y)] + 0.05 * draw.standard_normal(len(y))
+    np.savez(tmp_path / "log.npz", t=found.t, y=y, F=measured)
+    fit = stribeck.fit(
+        tmp_path / "log.npz", "lugre", time="t", position="y", force="F", method="dynamic", mass=2.0, starts=3,
+        constants={n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s")},
+    )  # fmt: skip
+    assert not any("better one" in note for note in fit.notes), fit.notes
+    for name in ("sigma_2", "F_c", "F_s"):
+        assert fit[name].state == "identified", name
+        assert fit[name].low < MACHINE[name] < fit[name].high, name
+
+
+def test_starts_that_were_given_up_on_their_way_are_no_disagreement():
+    """A spring that the model lacks leaves much more than noise, at a minimum that every start comes to."""
+    log = rig.measured(rig.STROKES, body=Slider(mass=2.0, stiffness=500.0))
+    held = {n: rig.TRUTH[n] for n in ("sigma_1", "v_s")} | {"offset": 0.0}
+    fit = fitted(log, mass=2.0, constants=held, starts=6)
+    assert not any("few starts" in note for note in fit.notes), fit.notes
 
 
 @pytest.mark.parametrize(

@@ -30,6 +30,7 @@ class Log:
         quality: what was found in the raw data and what was done about it, a line each.
         noise: standard deviation of a measured column's noise, where it could be told.
         bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
+        acceleration_bandwidth: that of the acceleration, where it is filtered once more, Hz.
         files: the name of the file that each run is from.
         hashes: SHA-256 of each file that it was read from.
         rotary: whether the machine turns: rad, N m and kg m^2 in the place of m, N and kg.
@@ -51,6 +52,7 @@ class Log:
     quality: tuple[str, ...] = ()
     noise: dict[str, float] = field(default_factory=dict)
     bandwidth: float | None = None
+    acceleration_bandwidth: float | None = None
     files: tuple[str, ...] = ()
     hashes: tuple[str, ...] = ()
     spectrum: tuple[Array, Array, float] | None = None

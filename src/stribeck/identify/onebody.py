@@ -6,7 +6,7 @@ belongs to the rig. Where the motion is met, the measured force drives the body.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -177,8 +177,12 @@ def _searched(
     problem = MachineProblem(runs, [*own, *begun], noise, work=work, step=FAR_STEP)
     first = point_of(problem, {path: begin[n] for path, n in paths.items()})
     found = search(problem, starts, options.seed, first)
-    values, met = problem.values(found.u), not found.stopped and not beyond_noise(problem, found.u, 1)
-    return _Near({n: values[path] for path, n in paths.items()}, found.cost, found.stopped, met)
+    stopped, met, values = found.stopped, False, problem.values(found.u)
+    try:
+        met = not stopped and not beyond_noise(problem, found.u, 1)
+    except KeyboardInterrupt:
+        stopped = True
+    return _Near({n: values[path] for path, n in paths.items()}, found.cost, stopped, met)
 
 
 def _window(log: Log) -> float:
@@ -206,14 +210,7 @@ def _fitted(
 ) -> tuple[MachineFit, dict[str, str]]:
     """The machine fit of a model, and the name of each of its paths."""
     sought, paths = _sought(model, log, options)
-    as_well = _as_well(log, model)
-    recordings = tuple(
-        replace(
-            _recording(log, rows, model, i),
-            as_well={cause: [_recording(x, rows, model, i) for x in same] for cause, same in as_well.items()},
-        )
-        for i, rows in enumerate(_runs(log))
-    )
+    recordings = tuple(_doubted_recordings(log, model))
     found = fit_machine(
         _scenario(model, log.rotary), Logs(recordings, sought), starts=starts, seed=options.seed, baselines=False,
         progress=progress,
@@ -481,17 +478,29 @@ def _without_curve(estimates: dict[str, Estimate], log: Log, used: Values) -> di
     return found
 
 
+def _doubted_recordings(log: Log, model: OneBody) -> Iterator[Recording]:
+    """The runs, each with what errors may have made of it. Nobody measured what drives the body between two samples: it may run
+    straight as well."""
+    as_well = _as_well(log, model)
+    for i, rows in enumerate(_runs(log)):
+        own = _recording(log, rows, model, i)
+        same = {cause: [_recording(x, rows, model, i) for x in logs] for cause, logs in as_well.items()}
+        if model.output != "force":
+            straight = {path: replace(each, smooth=False) for path, each in own.inputs.items()}
+            same["drive between samples"] = [replace(own, inputs=straight)]
+        yield replace(own, as_well=same)
+
+
 def _as_well(log: Log, model: OneBody) -> dict[str, list[Log]]:
-    """By cause, the record as it might be as well, where the fit takes a motion that was filtered: filtered lower, with its
-    noise once more, with the acceleration of the whole band."""
+    """By cause, the record as it might be as well, where the fit takes a motion that was filtered: with its noise once more, and
+    filtered lower."""
     if log.bandwidth is None or (model.output != "force" and log.sources.get("unfiltered") == model.output):
         return {}
     rng, deviation = np.random.default_rng(0), _noise(log)
-    found = {
+    return {
         "noise of the motion": [_noisier(log, deviation, rng) for _ in range(_DRAWS)],
         "filter of the motion": [smoother_log(log)],
     }
-    return found | ({"filter of the acceleration": [_full_band(log)]} if model.output == "force" else {})
 
 
 def _noise(log: Log) -> float:
@@ -506,21 +515,18 @@ def _noise(log: Log) -> float:
 def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
     """The record with the noise of its motion once more, behind the same filter."""
     assert log.bandwidth is not None
-    position, velocity = log.position.copy(), log.velocity.copy()
+    position, velocity, acceleration = log.position.copy(), log.velocity.copy(), log.acceleration.copy()
     by_position = log.sources.get("unfiltered") == "position"
     for rows in _runs(log):
         noise = low_pass(deviation * rng.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
+        of_velocity = spline_derivative(noise, log.step) if by_position else noise
+        of_acceleration = spline_derivative(of_velocity, log.step)
+        if log.acceleration_bandwidth is not None:
+            of_acceleration = low_pass(of_acceleration, log.acceleration_bandwidth, log.step)
         position[rows] += noise if by_position else 0.0
-        velocity[rows] += spline_derivative(noise, log.step) if by_position else noise
-    return log.with_columns(position=position, velocity=velocity)
-
-
-def _full_band(log: Log) -> Log:
-    """The record with the acceleration that its velocity has."""
-    acceleration = log.acceleration.copy()
-    for rows in _runs(log):
-        acceleration[rows] = spline_derivative(log.velocity[rows], log.step)
-    return log.with_columns(acceleration=acceleration)
+        velocity[rows] += of_velocity
+        acceleration[rows] += of_acceleration
+    return log.with_columns(position=position, velocity=velocity, acceleration=acceleration)
 
 
 def _in_names(text: str, names: Mapping[str, str]) -> str:

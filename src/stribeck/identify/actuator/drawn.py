@@ -33,12 +33,38 @@ def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
     return [x for x in found if x is not None and np.isfinite(x).all()]
 
 
-def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array]:
-    """The recordings as they might be as well: by cause, the residuals that would move the numbers as fitting those does."""
+def carried(problem: MachineProblem, u: Array) -> dict[str, float]:
+    """By column, the root mean square of what these errors make of it at a point, without fitting again."""
+    r = problem.residuals(u[None])[0]
+    draws = [*_as_well(problem, u, r), _by_gaps(problem, u, r), _by_noise(problem, u, r, PILOT)]
+    square = sum((np.mean(x**2, axis=0) for x in draws if x is not None and np.isfinite(x).all()), np.zeros(len(r)))
+    of: dict[str, list[Array]] = {}
+    for k, run in enumerate(problem.runs):
+        at = int(problem.first[k])
+        for target in run.targets:
+            of.setdefault(target.column, []).append(square[at : at + len(target.t)])
+            at += len(target.t)
+    return {n: float(np.sqrt(np.mean(np.concatenate(parts)))) * problem.noise[n] for n, parts in of.items()}
+
+
+def _alternatives(problem: MachineProblem) -> Iterator[list[list[RecordedRun]]]:
+    """By cause, the recordings as they might be as well."""
     for cause in dict.fromkeys(cause for run in problem.runs for cause in run.as_well):
+        count = max(len(run.as_well[cause]) for run in problem.runs)
+        yield [[run.instead(run.as_well[cause][n]) for run in problem.runs] for n in range(count)]
+
+
+def _as_well(problem: MachineProblem, u: Array, r: Array) -> Iterator[Array]:
+    """How far the residuals are off with the recordings as they might be as well, by cause."""
+    for same in _alternatives(problem):
+        yield np.array([_moved(problem, u, r, runs) for runs in same])
+
+
+def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array]:
+    """By cause, the residuals that would move the numbers as fitting the recordings as they might be as well does."""
+    for same in _alternatives(problem):
         found = []
-        for n in range(max(len(run.as_well[cause]) for run in problem.runs)):
-            runs = [run.instead(run.as_well[cause][n]) for run in problem.runs]
+        for runs in same:
             own = replace(problem, runs=runs, noise=dict(problem.noise))
             found.append(J @ (search(own, 1, 0, u, steps=STEPS).u - u))
         yield np.array(found)

@@ -10,11 +10,12 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.continuation import continued
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
+from stribeck.identify.actuator.drawn import carried
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.runs import RecordedRun, roughness, unshifted
 from stribeck.identify.actuator.shooting import joined_stretches, relayed
-from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
+from stribeck.identify.actuator.solve import Found, agreeing, half_squares, scanned, search
 from stribeck.identify.actuator.starts import begun, stretches
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
@@ -73,14 +74,20 @@ class BestPoint:
 
 
 def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
-    """The columns of which more is left than their noise where few starts agree on the minimum, in words: there may be a better
-    one."""
-    told = []
-    for column, (left, _) in leftovers(problem, u).items() if agreeing < _AGREEING else ():
-        least = noise_of(problem, column)
-        if least > 0 and not left <= _DOUBTED * least:  # nan: it cannot be simulated there
-            told.append(f"{column}: {left:.2g} is left, {left / least:.3g} times what changes from sample to sample")
-    return told
+    """The columns of which more is left than their noise, and what errors of the inputs make of them, where few starts agree on
+    the minimum, in words: there may be a better one."""
+    if agreeing >= _AGREEING:
+        return []
+    least = {column: noise_of(problem, column) for column in problem.noise}
+    more = {
+        n: left for n, (left, _) in leftovers(problem, u).items() if least[n] > 0 and not left <= _DOUBTED * least[n]
+    }
+    if more and np.isfinite(list(more.values())).all():  # nan: it cannot be simulated there
+        least = {n: float(np.hypot(least[n], x)) for n, x in carried(problem, u).items()}
+    return [
+        f"{n}: {left:.2g} is left, {left / least[n]:.3g} times the noise of what is measured"
+        for n, left in more.items() if not left <= _DOUBTED * least[n]
+    ]  # fmt: skip
 
 
 def unstable(problem: MachineProblem, u: Array) -> bool:
@@ -203,7 +210,7 @@ def estimate(
     starts = starts if sought else 1  # the machine without friction may have nothing that is sought
     begin, many = dict(first or {}), starts > 1
     loose = loosened(scenario)
-    agreeing, others = 0, list[dict[str, float]]()
+    agreed, others = 0, list[dict[str, float]]()
     whole_only, led = remembers(scenario, recordings), not any(x.free for x in scenario.rig.machine.bodies)
     if not whole_only and not led and many:
         rough = _roughly(loose, recordings, sought, named, noise, work)
@@ -215,7 +222,7 @@ def estimate(
         others = [rough.values(u) for u in found.others]
         if found.stopped:
             return BestPoint(rough, found.u, found, notes, True)
-        agreeing, starts = found.agreeing, 1
+        agreed, starts = found.agreeing, 1
     runs, own = prepared(loose, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work, step=FAR_STEP)
     points = [begin, *others] if thorough else [begin]
@@ -223,13 +230,13 @@ def estimate(
         found = search(problem, starts, seed, point_of(problem, begin), _kept(problem, keep), wide=True, small=_NEAR)
     else:
         found = _whole(problem, points, starts, seed, {i for i, _ in _some(recordings)}, keep)
-    if thorough and not led and many and not found.stopped and beyond_noise(problem, found.u, found.agreeing):
-        found = search(problem, 1, seed, found.u, _kept(problem, keep), scanned(problem, found), small=_NEAR)
+    if thorough and many and not found.stopped:
+        found = _confirmed(problem, found, seed, keep)
     runs, own = prepared(scenario, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
     if not found.stopped:
         found = replace(search(problem, 1, seed, found.u, _kept(problem, keep)), agreeing=found.agreeing)
-    whole = BestPoint(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
+    whole = BestPoint(problem, found.u, replace(found, agreeing=max(agreed, found.agreeing)), notes, asked)
     if found.stopped or whole_only:
         return _weighted(whole, given, keep)
     grows = not asked and unstable(problem, found.u)
@@ -237,6 +244,25 @@ def estimate(
         whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep, grows)
     whole = _weighted(whole, given, keep)
     return _joined(whole, given, keep) if whole.windowed and not whole.stopped else whole
+
+
+def _confirmed(problem: MachineProblem, found: Found, seed: int, keep: Keep | None) -> Found:
+    """The best point, if more than noise is left there, beside where other starts end, which were given up on their way; or,
+    where no other start was on its way, points elsewhere."""
+    kept = _kept(problem, keep)
+    try:
+        if not beyond_noise(problem, found.u, found.agreeing):
+            return found
+        if found.others:
+            ends = [search(problem, 1, seed, u, kept, small=_NEAR) for u in (found.u, *found.others)]
+            best = min(ends, key=lambda each: each.cost)
+            return replace(best, agreeing=agreeing(np.array([each.cost for each in ends]), best.cost))
+        again = search(problem, 1, seed, found.u, kept, scanned(problem, found), small=_NEAR)
+    except (KeyboardInterrupt, Stopped):
+        problem.work.stop()
+        return replace(found, stopped=True)
+    before = found.agreeing if agreeing(np.array([found.cost]), again.cost) else 0
+    return replace(again, agreeing=max(again.agreeing, before))
 
 
 def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:

@@ -83,7 +83,7 @@ def search(
         damping, quiet = np.full(len(U), 1e-2), np.zeros(len(U), int)
         for step in range(steps):
             i = int(np.argmin(costs))
-            best = Found(U[i].copy(), float(costs[i]), _agreeing(costs, i), True)
+            best = Found(U[i].copy(), float(costs[i]), agreeing(costs, costs[i]), True)
             if keep is not None:
                 keep(best.u, best.cost)
             if costs[i] >= _HUGE and step:
@@ -99,15 +99,15 @@ def search(
                 break
         i = int(np.argmin(costs))
         rest = tuple(U[j] for j in np.argsort(costs)[1:])
-        return Found(U[i], float(costs[i]), max(best.agreeing, _agreeing(costs, i)), False, rest)
+        return Found(U[i], float(costs[i]), max(best.agreeing, agreeing(costs, costs[i])), False, rest)
     except (KeyboardInterrupt, Stopped):
         problem.work.stop()
         return best
 
 
-def _agreeing(costs: Array, i: int) -> int:
+def agreeing(costs: Array, least: float) -> int:
     """How many starts came as low: where the data leave a direction open, to other points of one valley."""
-    return int(np.sum(costs < 1.01 * costs[i] + 1e-12))
+    return int(np.sum(costs < 1.01 * least + 1e-12))
 
 
 def _step(problem: MachineProblem, U: Array, costs: Array, damping: Array) -> tuple[Array, Array, Array]:

@@ -126,25 +126,24 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
     columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, spline)
     notes += _too_short(parts, lengths, trim)
-    if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
+    again = chosen if chosen and "acceleration" not in roles else None
+    if again:  # the acceleration's noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
             rows = slice(last - count, last)
-            columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], chosen, step)
+            columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], again, step)
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if spline else "central differences")
     sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if how.trim is None and cutoff > 0:
-        lowest = (
-            chosen if chosen and "acceleration" not in roles else cutoff
-        )  # the acceleration's filter goes astray too
+        lowest = again or cutoff  # the acceleration's filter goes astray too
         rows_kept, said = _without_ends(columns, lengths, round(_ENDS / (lowest * step)), how)
         notes += said
         parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
-        files=tuple(names[i] for i in files) if names else (), spectrum=seen,
+        acceleration_bandwidth=again, files=tuple(names[i] for i in files) if names else (), spectrum=seen,
     )  # fmt: skip
 
 
