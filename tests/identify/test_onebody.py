@@ -88,6 +88,17 @@ def test_a_law_constant_is_fitted_when_it_is_freed():
     assert fit["z_ba"].value == pytest.approx(5e-6, rel=0.05)
 
 
+@pytest.mark.parametrize(("given", "other"), [("F_s", "F_c"), ("F_c", "F_s")])
+def test_a_level_that_is_given_moves_where_the_other_begins(given, other):
+    """Most of the friction that is seen is viscous: F_c is guessed above the F_s that is given."""
+    force, found = driven(np.arange(0, 1.3, STEP))
+    level = {"F_s": 14.0, "F_c": 30.0}[given]
+    held = {n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s", "sigma_2")} | {"offset": 0.0, given: level}
+    fit = fitted(logged(found, force, 1e-7), mass=2.0, constants=held, starts=1)
+    assert fit.used["F_c"] <= fit.used["F_s"]
+    assert fit[other].value == pytest.approx(level if given == "F_c" else MACHINE[other], rel=0.05)
+
+
 def test_runs_begin_with_bristles_of_their_own(full):
     half = len(full) // 2
     both = full.with_columns(run=np.repeat(np.arange(2, dtype=np.int32), [half, len(full) - half]))

@@ -303,6 +303,9 @@ def _first(model: OneBody, log: Log) -> None:
     sizes = sizes_of(log.with_columns(force=force - beside))
     known = ranges(model.law, sizes)
     model.first.update({n: known[n] for n in model.free})
+    for n, other, nearer in (("F_c", "F_s", min), ("F_s", "F_c", max)):  # no law has F_c above F_s
+        if n in model.free and other in model.fixed:
+            model.first[n] = replace(known[n], value=nearer(known[n].value, float(model.fixed[other])))
     for n in model.wanted:
         if n == "delay":
             most = 50 * log.step

@@ -17,11 +17,11 @@ class Relations:
     def __init__(self, sought: Sequence[MachineCoordinate], number: Callable[[str], float | None]) -> None:
         self.sought = sought
         at = {path: i for i, c in enumerate(sought) for path in c.targets if ".law." in path}
-        self.above = [
-            (i, at[low])
-            for path, i in at.items()
-            if path.endswith(".F_s") and (low := f"{path.removesuffix('F_s')}F_c") in at
-        ]
+        self.above: list[tuple[int | float, int | float]] = []
+        for path in dict.fromkeys(f"{path[:-3]}F_s" for path in at if path.endswith((".F_s", ".F_c"))):
+            high, low = (at.get(p, number(p)) for p in (path, f"{path.removesuffix('F_s')}F_c"))
+            if high is not None and low is not None:
+                self.above.append((high, low))
         self.below: list[tuple[int, int | float, int | float]] = []
         for path, i in at.items():
             if path.endswith(".z_ba"):
@@ -32,17 +32,17 @@ class Relations:
 
     def lower(self) -> list[int]:
         """The coordinates that have another above them: they are moved down where slopes are taken."""
-        return [j for _, j in self.above]
+        return [j for _, j in self.above if isinstance(j, int)]
 
     def repaired(self, U: Array) -> Array:
         """The points (lanes, coordinates), within their bounds, moved to where the relations hold."""
-        for i, j in self.above:
+        for high, low in self.above:
             for row in U:
-                level = self.sought[j].outer(row[j]) * (1 + _ABOVE)
-                if self.sought[i].outer(row[i]) < level:
-                    row[i] = self.sought[i].inner(level)
-                    if self.sought[i].outer(row[i]) < level * (1 - 1e-12):  # its bound
-                        row[j] = self.sought[j].inner(self.sought[i].outer(row[i]) / (1 + 2 * _ABOVE))
+                level = self._number(low, row) * (1 + _ABOVE)
+                if isinstance(high, int) and self._number(high, row) < level:
+                    row[high] = self.sought[high].inner(level)
+                if isinstance(low, int) and self._number(high, row) < level * (1 - 1e-12):  # a bound, or fixed
+                    row[low] = self.sought[low].inner(self._number(high, row) / (1 + 2 * _ABOVE))
         for i, level_at, stiffness_at in self.below:
             for row in U:
                 most = _BELOW * self._number(level_at, row) / self._number(stiffness_at, row)
