@@ -35,7 +35,7 @@ def test_a_complete_law_is_identified_and_its_intervals_hold_the_truth():
 
 def test_an_open_end_is_none_in_json():
     bound = Estimate(1.5, (0.5, np.inf), (0.25, np.inf), EstimateState.AT_LEAST, unit="N", why="no slow rows")
-    told = bound.to_json()
+    told = bound.to_dict()
     assert (told["interval"], told["range"], told["low"], told["high"]) == ([0.5, None], [0.25, None], 0.5, None)
     assert (told["state"], told["why"], "experiment" in told) == ("at least", "no slow rows", False)
 
