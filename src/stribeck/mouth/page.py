@@ -24,11 +24,12 @@ def in_script(data: object) -> str:
 
 
 def _whole(text: str) -> str:
-    """The text as HTML; options of commands are not broken behind their dashes."""
+    """The text as HTML; options of commands are not broken behind their dashes, paths of keys are behind their dots."""
     from markupsafe import Markup
     from markupsafe import escape as safe
 
     shown = str(safe(text)).replace("\n", "<br>")
+    shown = re.sub(r"\b[A-Za-z]\w*(?:\.\w+){2,}", lambda path: path[0].replace(".", ".<wbr>"), shown)
     return Markup(re.sub(r"--[\w-]+", r'<span class="whole">\g<0></span>', shown))
 
 
