@@ -34,8 +34,9 @@ def test_a_body_that_rests_throughout_has_no_friction_to_fit(stribeck, tmp_path)
     assert not (tmp_path / "out").exists()
 
 
-def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path):
+def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path, monkeypatch):
     """A sensor of the wrong sign: F_c is not identifiable, and the advice names motion in both directions."""
+    monkeypatch.setenv("COLUMNS", "120")  # on a narrow terminal the names stand above their rows
     t = 0.01 * np.arange(600)
     one_way = written(
         tmp_path / "one_way.csv", t, 0.1 * t - 0.02 * np.cos(3 * t), -1 - 3 * (0.1 + 0.06 * np.sin(3 * t))

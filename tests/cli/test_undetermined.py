@@ -35,8 +35,8 @@ def test_every_parameter_is_written_and_what_is_open_is_marked(fitted):
     for name, estimate in fit.estimates.items():
         row = table["parameters"][name]
         assert row["value"] == pytest.approx(fit.used[name])
-        assert row.get("determined", True) is estimate.identifiable
-        assert (name in table.get("unknown", {})) is not estimate.identifiable
+        assert row.get("determined", True) is estimate.usable
+        assert (name in table.get("unknown", {})) is not estimate.usable
 
 
 def commands(folder):

@@ -184,7 +184,7 @@ def load(folder: Path | str, trust: bool = False) -> Fit:
     try:
         data = json_of(path)
     except OSError as error:
-        raise InputError(f"{place}: cannot be read: {error.strerror} (stribeck fit --out DIR writes it)") from None
+        raise InputError(f"{place}: cannot be read: {error.strerror} ('stribeck fit' writes it)") from None
     except ValueError:
         raise InputError(f"{place}: is not JSON") from None
     if not isinstance(data, dict) or type(data.get("format")) is not int or data["format"] != _FORMAT:
