@@ -18,6 +18,7 @@ class Page(HTMLParser):
         assert re.findall(r'(?:src|href)="(?!#)([^"]+)"|url\((?!#)([^)]+)\)|@import', source) == []  # it stands alone
         ids = re.findall(r'\bid="([^"]+)"', source)
         assert len(ids) == len(set(ids))
+        source = source.replace("<wbr>", "")  # where a word may break, not where it ends
         self.feed(source if section is None else re.search(rf'<section id="{section}">.*?</section>', source, re.S)[0])
 
     @property

@@ -49,6 +49,7 @@ def test_it_leaves_table_motion_and_plot(stribeck, tmp_path):
     assert (tmp_path / "rig" / "programme.svg").read_text().startswith("<?xml")
 
 
+@pytest.mark.thorough  # minutes of simulation: each number is sought from three starts
 @needs_compiler
 def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
     out = tmp_path / "rig"
