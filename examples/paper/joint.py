@@ -90,10 +90,10 @@ def _contacts() -> tuple[dict[str, tuple[Varied, Verdict]], Verdict]:
     """Each contact for all that its load can do, and the mesh without v_d while its level doubles."""
     scenario = Scenario(_machine(_ELASTIC))
     found = {}
-    for contact in scenario.rig.machine.contacts:
-        varied = of_contact(scenario.rig, contact, scenario.end, {})
+    for contact in scenario.system.contacts:
+        varied = of_contact(scenario.elements, contact, scenario.end, {})
         found[contact.name] = varied, CheckedAlways(varied, None, WORK, {}).passive()
-    law = scenario.rig.laws["contacts.mesh.law"]
+    law = scenario.elements.laws["contacts.mesh.law"]
     bare = type(law)({**law.values, **law.choices, "v_d": None}, law.rotary)
     return found, CheckedAlways(Varied.by_level(bare, 1.0, _SWING), None, WORK, {}).passive()
 

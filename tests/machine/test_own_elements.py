@@ -147,7 +147,7 @@ def test_a_link_with_a_state(folder):
 def test_a_drawing_has_the_units_of_a_machine_that_turns(folder):
     """Also of constants that do not say what they are where it turns."""
     data = machine({"a": {"inertia": 0.5}}, links={"k": {**LINK, "kind": "own.py:Maxwell", "viscosity": 3.0}})
-    assert "viscosity 3 N m s/rad" in schematic.text(Scenario(data, folder=folder, trust=True).rig, "m")
+    assert "viscosity 3 N m s/rad" in schematic.text(Scenario(data, folder=folder, trust=True).elements, "m")
 
 
 def test_a_load_and_a_controller(folder):

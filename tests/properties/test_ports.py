@@ -37,8 +37,8 @@ def machine(law=None, **contact):
 
 
 def ranges(**contact):
-    rig = Scenario(machine(**contact)).rig
-    return of_contact(rig, rig.machine.contacts[0], 2.0, {}).to_dict()
+    made = Scenario(machine(**contact)).elements
+    return of_contact(made, made.system.contacts[0], 2.0, {}).to_dict()
 
 
 @pytest.mark.parametrize(("kind", "given"), [
@@ -50,7 +50,7 @@ def ranges(**contact):
 ])  # fmt: skip
 def test_signals_stay_within_their_range(kind, given):
     table = {**machine(), "loads": {"push": {"on": "rotor", "kind": "signal", "signal": {"kind": kind, **given}}}}
-    (signal,) = Scenario(table).rig.signals.values()
+    (signal,) = Scenario(table).elements.signals.values()
     low, high = (float(x) for x in of_signal(signal, 2.0))
     values = signal.at(np.linspace(0, 2.0, 20001))
     assert low <= values.min() + 1e-12
@@ -69,17 +69,17 @@ def test_signals_stay_within_their_range(kind, given):
 def test_a_range_is_that_of_the_run_and_hardly_more(kind, given, t_end):
     """A counterexample at a level that the signal does not reach in the run would not be one."""
     table = {**machine(), "loads": {"push": {"on": "rotor", "kind": "signal", "signal": {"kind": kind, **given}}}}
-    (signal,) = Scenario(table).rig.signals.values()
+    (signal,) = Scenario(table).elements.signals.values()
     values = signal.at(np.linspace(0, t_end, 20001))
     size = np.ptp(values)
     assert [float(x) for x in of_signal(signal, t_end)] == pytest.approx([values.min(), values.max()], abs=1e-5 * size)
 
 
 def test_forces():
-    rig = Scenario(machine()).rig
+    made = Scenario(machine()).elements
     for name, expected in {"gravity": (-3, 3), "push": (-7, -3), "teeth": (-0.75, 0.75), "gear": (None, None)}.items():
-        assert of_force(rig, name, 2.0, {}) == expected
-    assert of_force(rig, "gear", 2.0, {"gear": 40.0}) == (-40, 40)
+        assert of_force(made, name, 2.0, {}) == expected
+    assert of_force(made, "gear", 2.0, {"gear": 40.0}) == (-40, 40)
 
 
 def test_ranges_of_constants():
@@ -123,10 +123,10 @@ def test_a_load_that_is_held_raises_the_level(sigma_2, holds):
 
 
 def test_a_level_without_end_is_swung_above_its_lowest():
-    rig = Scenario(
+    made = Scenario(
         machine(loads=[{"force": "push", "F_c": 100.0, "F_s": 200.0}, {"force": "gear", "F_c": 0.1, "F_s": 0.1}])
-    ).rig
-    varied = of_contact(rig, rig.machine.contacts[0], 2.0, {})
+    ).elements
+    varied = of_contact(made, made.system.contacts[0], 2.0, {})
     assert varied.range("F_c") == (301, None)
     assert varied.extreme(1, Fraction(3)).p.F_c > varied.extreme(-1).p.F_c == 301
 
@@ -187,9 +187,11 @@ def varying(law, **factors):
 
 def test_the_elastic_range_is_the_smallest_that_there_is():
     law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
-    rig = Scenario(varying(law, z_ba=(1.0, 0.5))).rig
+    made = Scenario(varying(law, z_ba=(1.0, 0.5))).elements
     proofs = {}
-    found = CheckedAlways(of_contact(rig, rig.machine.contacts[0], 2.0, {}), None, 2400.0, proofs).decided("drift_free")
+    found = CheckedAlways(of_contact(made, made.system.contacts[0], 2.0, {}), None, 2400.0, proofs).decided(
+        "drift_free"
+    )
     assert found.holds
     assert found.evidence["z_0"] == pytest.approx(4e-5)
     assert refusals(found.certificate, proofs["drift_free"], "drift_free") == []

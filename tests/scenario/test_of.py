@@ -111,9 +111,9 @@ def test_a_scenario_does_not_change():
         scenario.law.p.F_c = 2.0
     again = pickle.loads(pickle.dumps(scenario))
     assert again.law.p == copy.deepcopy(scenario.law).p == scenario.law.p
-    heavier = scenario.with_values({("bodies", "mass"): 2.0}, initial={"y": 0.1})
+    heavier = scenario.elements.with_values({("bodies", "mass"): 2.0})
     assert (scenario.mass, heavier.mass) == (1.0, 2.0)
-    assert (scenario.initial, heavier.initial) == ({}, {"y": 0.1})
+    assert heavier.system is scenario.system
 
 
 def test_a_path_in_place_of_tables_is_one_line(tmp_path):

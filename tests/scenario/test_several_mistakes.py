@@ -70,7 +70,7 @@ def test_constants_of_another_law_and_in_the_wrong_place():
 
 def test_what_the_law_does_not_use_is_allowed_and_checked():
     data = edited(VALID["velocity_sine"], "law", value={"name": "coulomb_viscous", "parameters": CANUDAS})
-    assert Scenario(data).threshold == CANUDAS["v_s"]
+    assert Scenario(data).elements.contacts[""].level() == CANUDAS["v_s"]
     data["law"]["parameters"] = {**CANUDAS, "v_s": 0.0}
     assert problems(data) == ["law.parameters.v_s: 0.0: must be a finite number > 0"]
 

@@ -48,10 +48,10 @@ def test_files_are_executed_last_and_from_the_own_folder(tmp_path, law, element,
     file = home / "machine.toml"
     file.write_text(MACHINE.format(t_end=0.01 if valid else -1.0, **names))
     if valid and not outside:
-        assert Scenario.load(file).rig is not None
+        assert Scenario.load(file).elements is not None
     else:
         with pytest.raises(stribeck.InputError, match="folder" if valid else "t_end"):
             Scenario.load(file)
     assert mark.exists() is (valid and not outside)
     if valid:
-        assert Scenario.load(file, trust=True).rig is not None
+        assert Scenario.load(file, trust=True).elements is not None

@@ -214,5 +214,5 @@ def _of(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
     """The law of a scenario, of a machine that of a contact, and whether it turns there."""
     from stribeck.simulation.comparison import law_path
 
-    law = rig.rig.laws[rig.called.to_machine(law_path(rig, contact))]
+    law = rig.elements.laws[rig.called.to_machine(law_path(rig, contact))]
     return law, law.rotary

@@ -161,11 +161,11 @@ def _draw(scenario: Scenario, out: Path | None, json: bool) -> int:
     with OutputFolder(out):
         if out is not None:
             files.append(str(out / "machine.svg"))
-            write_text(out / "machine.svg", schematic.svg(machine.rig, machine.name))
+            write_text(out / "machine.svg", schematic.svg(machine.elements, machine.name))
     if json:
-        print_json({"scenario": machine.name, **schematic.describe(machine.rig), "files": files})
+        print_json({"scenario": machine.name, **schematic.describe(machine.elements), "files": files})
         return 0
-    print(schematic.text(machine.rig, machine.name))
+    print(schematic.text(machine.elements, machine.name))
     for file in files:
         print(f"wrote {file}")
     return 0

@@ -82,16 +82,18 @@ def relations(law: type[Law]) -> list[Relation]:
 def _setup(scenario: Scenario) -> list[Expr]:
     """The absolute tolerance of each state, the share of the tolerances for one step, and the longest step (s)."""
     system, rtol = scenario.system, symbol("rtol")
-    rig = scenario.rig.with_values({(path, name): symbol(f"{path}.{name}") for path, name in system.parameters})
-    share = share_of(rig.damping())
+    machine = scenario.elements.with_values(
+        {(path, name): symbol(f"{path}.{name}") for path, name in system.parameters}
+    )
+    share = share_of(machine.damping())
     least = 1e-13 / rtol  # _RTOL_SMALLEST of simulation/native.py: below, rounding is the larger error
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
     atol: Mapping[str, Expr | float]
     try:
-        atol = scenario.atol(rig, rtol)
+        atol = scenario.atol(machine, rtol)
     except TypeError:  # a user's law whose scales are no equations: they stay those of the file
         atol = {n: x / scenario.solve.rtol * rtol for n, x in scenario.atol().items()}
-    ((use, signal),) = scenario.rig.signals.items()
+    ((use, signal),) = scenario.elements.signals.items()
     longest: Value = signal.longest_step
     if use.kind:
         constants: dict[str, Value] = {name: symbol(f"{use.path}.{name}") for name in use.constants()}

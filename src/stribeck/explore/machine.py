@@ -25,7 +25,7 @@ _ROTARY = {"position": "angle", "force": "torque", "friction": "friction torque"
 
 def machine_panels(scenario: Scenario) -> dict[str, Chart]:
     """The charts by name: all columns over time by kind and unit, each contact's friction, and the energies."""
-    machine = scenario.rig.machine
+    machine = scenario.system
     order = list(dict.fromkeys([*_LABELS.values(), *_BY_UNIT.values()]))
     contacts = [_contact(machine, contact) for contact in machine.contacts]
     sliding = {speed.name for speed, _ in contacts}
@@ -52,7 +52,7 @@ def machine_panels(scenario: Scenario) -> dict[str, Chart]:
 
 def machine_sections(scenario: Scenario) -> list[tuple[str, str]]:
     """Name and heading of each chart that is not over time."""
-    machine = scenario.rig.machine
+    machine = scenario.system
     sections = [
         (f"loop-{i}", f"Friction{f' in {contact.name}' if contact.name else ''} against its sliding speed")
         for i, contact in enumerate(machine.contacts)
@@ -77,7 +77,7 @@ def _column(machine: MachineSystem, name: str) -> Column:
 
 def machine_law(scenario: Scenario) -> dict[str, object]:
     """The page's data in the place of a law: parameters, states, columns and conditions."""
-    machine = scenario.rig.machine
+    machine = scenario.system
     conditions = []
     for contact, each in machine_relations(machine):
         path = _path(scenario, contact.law_path, each.key)
@@ -91,13 +91,13 @@ def machine_law(scenario: Scenario) -> dict[str, object]:
 
 
 def _path(scenario: Scenario, law: str, key: str) -> str:
-    inside = ".parameters" if key in scenario.rig.laws[law].machine else ""
+    inside = ".parameters" if key in scenario.elements.laws[law].machine else ""
     return f"{scenario.called.to_file(law)}{inside}.{key}"
 
 
 def machine_data(measured: Measured) -> dict[str, object]:
     """The solver's input at the file's numbers, and the numbers without a slider."""
-    machine, arrays = measured.scenario.rig.machine, measured.arrays
+    machine, arrays = measured.scenario.system, measured.arrays
     return {
         "arrays": {name: array.tolist() for name, array in arrays.items() if name not in ("restart", "queue_room")},
         "restart": [int(x) for x in arrays["restart"]],

@@ -93,8 +93,7 @@ def moved(arrays: Arrays, numbers: list[Number], values: Mapping[str, float]) ->
 
 def _without_sets(scenario: Scenario) -> Scenario:
     """The scenario with the constants of its parameter sets written out."""
-    rig = scenario.rig
-    paths = {scenario.called.to_file(path): law for path, law in rig.laws.items()}
+    paths = {scenario.called.to_file(path): law for path, law in scenario.elements.laws.items()}
     changes = {f"{path}.parameters.{n}": x for path, law in paths.items() for n, x in law.machine.items()}
     named = {path: x for path, x in changes.items() if isinstance(_table_of(scenario.data, path), str)}
     return scenario.with_changes(named) if named else scenario
@@ -134,12 +133,10 @@ def _constant(scenario: Scenario, group: str, name: str) -> tuple[Constant, floa
     constant = declared(scenario, f"{group}.{name}")
     if constant is not None:
         return constant, 1.0
-    rig = scenario.rig
-    machine = rig.machine
     column, words = f"{group.split('.')[1]}.{name}" if "." in group else "", {"y": "position", "v": "velocity"}
     if group.endswith(".initial") and name in words:
-        unit = next((c.unit for c in machine.columns if c.name == column), "")
-        return Constant(unit, f"{words[name]} at t = 0"), 10 * rig.natural().get(column, 0.1)
+        unit = next((c.unit for c in scenario.system.columns if c.name == column), "")
+        return Constant(unit, f"{words[name]} at t = 0"), 10 * scenario.elements.natural().get(column, 0.1)
     first, _, index = name.partition(".")
     if index.isdigit() and ".signal" in f".{group}":
         words = {"t": "time of point", "value": "the signal at point"}
@@ -171,7 +168,7 @@ def _measure(scenario: Scenario, base: Arrays, path: str, value: float, given: N
         number = _narrower(full, reach)
         effects = _effects(scenario, base, number)
         if effects is not None:
-            of_law = scenario.called.to_machine(full.group.removesuffix(".parameters")) in scenario.rig.laws
+            of_law = scenario.called.to_machine(full.group.removesuffix(".parameters")) in scenario.elements.laws
             slider = full if of_law else replace(number, closed=True)  # the page tests a law's own conditions
             return replace(slider, effects=effects) if effects or path in _COUNTS else None
     return None

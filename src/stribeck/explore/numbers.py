@@ -52,7 +52,7 @@ def numbers(scenario: Scenario) -> list[Number]:
 
 def of_law(scenario: Scenario) -> list[Number]:
     """The numbers of the scenario's law: its own constants, then the machine's."""
-    law, rotary, (path,) = scenario.law, scenario.rotary, scenario.rig.laws
+    law, rotary, (path,) = scenario.law, scenario.rotary, scenario.elements.laws
     values = {**law.values, **law.machine}
     declared = {**law.own_constants(), **PARAMETERS}
     law_numbers = []
@@ -99,7 +99,7 @@ def of_run(scenario: Scenario) -> Iterator[Number]:
 
 
 def _of_signal(scenario: Scenario) -> Iterator[Number]:
-    signal, group, (use,) = scenario.signal, "drive.signal", scenario.rig.signals
+    signal, group, (use,) = scenario.signal, "drive.signal", scenario.elements.signals
     speed = next(c.unit for c in scenario.system.columns if c.name == "v")
     unit = next((column.unit for column, _ in scenario.called.columns), speed)
     table = scenario.data["drive"]["signal"]

@@ -103,7 +103,7 @@ def _machine(
     if laws:
         what = "a machine" if not scenario.elements.unnamed else "a servo, or a drive that follows a curve,"
         raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
-    measured_machine, machine, shown = measured(scenario), scenario.rig.machine, machine_panels(scenario)
+    measured_machine, machine, shown = measured(scenario), scenario.system, machine_panels(scenario)
     module = with_functions(machine, machine_appendix(machine))
     return {
         "name": scenario.name,

@@ -34,15 +34,15 @@ def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
     Raises:
         InputError: there is no such contact, or none is named where there are several.
     """
-    path, rig = scenario.called.to_machine(law_path(scenario, contact)), scenario.rig
-    law = rig.laws[path]
-    (part,) = (each for each in rig.machine.contacts if each.law_path == path)
-    if (ratio := rig.values.get((part.path, "ratio"), 1.0)) != 1:
+    path, machine = scenario.called.to_machine(law_path(scenario, contact)), scenario.elements
+    law = machine.laws[path]
+    (part,) = (each for each in machine.system.contacts if each.law_path == path)
+    if (ratio := machine.values.get((part.path, "ratio"), 1.0)) != 1:
         note(f"{part.path}.ratio: {ratio:g}: v and F are those of the contact: F acts on the body by {ratio:g} times")
     if not part.loads and not part.factors:
         return law
     kind, places = _with_inputs(type(law), part)
-    own = {name: rig.values[place] for place, name in places.items() if place[0] != path}
+    own = {name: machine.values[place] for place, name in places.items() if place[0] != path}
     return kind({**law.machine, **law.p.numbers, **law.p.words, **own}, law.rotary)
 
 

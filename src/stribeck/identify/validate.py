@@ -127,7 +127,7 @@ def validate(
 
 def _driven_until(scenario: Scenario) -> float:
     """When the first recorded signal ends, s; one value alone is a constant."""
-    recorded = [x for x in scenario.rig.signals.values() if isinstance(x, FileSignal) and len(x.t) > 1]
+    recorded = [x for x in scenario.elements.signals.values() if isinstance(x, FileSignal) and len(x.t) > 1]
     return min((float(x.t[-1]) * (1 + 1e-9) for x in recorded), default=np.inf)
 
 

@@ -193,7 +193,7 @@ def _share_callback(tell: Tell | None, text: str) -> Callable[[float], None] | N
 
 
 def _controller(loop: Loop, name: str | None) -> str:
-    known = [c.name for c in loop.scenario.rig.machine.controllers]
+    known = [c.name for c in loop.scenario.system.controllers]
     if name is not None and name not in known:
         raise InputError(f"{arg('controller')}: {name!r}: must be one of {', '.join(known)}")
     return name or known[0]

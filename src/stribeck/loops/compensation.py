@@ -74,10 +74,10 @@ def contact_of(scenario: Scenario, controller: str) -> str:
     Raises:
         InputError: if there is none.
     """
-    rig = scenario.rig
+    machine = scenario.elements
     each = controller_of(scenario, controller)
-    for contact in rig.machine.contacts:
-        if contact.ends == (each.measures,) and rig.values.get((contact.path, "ratio"), 1.0) == 1:
+    for contact in machine.system.contacts:
+        if contact.ends == (each.measures,) and machine.values.get((contact.path, "ratio"), 1.0) == 1:
             return contact.name
     raise InputError(
         f"controllers.{controller}.measures: {each.measures}: no contact between it and the ground whose friction could be "
@@ -87,22 +87,22 @@ def contact_of(scenario: Scenario, controller: str) -> str:
 
 def kinds_of(loop: Loop, controller: str, contact: str) -> list[str]:
     """The remedies that suit the machine; an inner loop needs a lag, a smooth law and a signal with a second derivative."""
-    rig = loop.scenario.rig
+    machine = loop.scenario.elements
     each = controller_of(loop.scenario, controller)
-    law = rig.laws[f"contacts.{contact}.law"]
-    smooth = law.differentiable and (rig.signals[each.use].smooth or rig.signals[each.use].kind == "ramp")
+    law = machine.laws[f"contacts.{contact}.law"]
+    smooth = law.differentiable and (machine.signals[each.use].smooth or machine.signals[each.use].kind == "ramp")
     return [kind for kind in KINDS if kind != "inner_loop" or (smooth and lag_of(loop.scenario, controller) > 0)]
 
 
 def lag_of(scenario: Scenario, controller: str) -> float:
     """Lag of the force behind the controller's output, s: the motor's current, the delay, and half a sampling period."""
-    rig = scenario.rig
+    machine = scenario.elements
     each = controller_of(scenario, controller)
-    motor = next((m for m in rig.machine.motors if m.name == each.on), None)
-    lag = rig.values[motor.path, "current_time"] if motor is not None and motor.L is not None else 0.0
+    motor = next((m for m in machine.system.motors if m.name == each.on), None)
+    lag = machine.values[motor.path, "current_time"] if motor is not None and motor.L is not None else 0.0
     if each.sampling is not None:
         sampling = f"{each.path}.sampling"
-        lag += rig.values[sampling, "delay"] + rig.values[sampling, "period"] / 2
+        lag += machine.values[sampling, "delay"] + machine.values[sampling, "period"] / 2
     return lag
 
 
@@ -126,7 +126,7 @@ def with_compensation(scenario: Scenario, controller: str, contact: str, kind: s
 
 def level_of(scenario: Scenario, contact: str) -> float:
     """The largest steady friction of a contact up to v_s, N or N m, which a dither has to overcome."""
-    law = scenario.rig.laws[f"contacts.{contact}.law"]
+    law = scenario.elements.laws[f"contacts.{contact}.law"]
     return float(np.max(law.steady_force(law.scales(law.p).speed * _BELOW)))
 
 

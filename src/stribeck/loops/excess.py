@@ -65,8 +65,8 @@ def excess(scenario: Scenario, controller: str, samples: dict[str, Array]) -> Ex
     compensated = with_compensation(scenario, controller, contact, "measured", 1.0)
     each = controller_of(compensated, controller)
     assert each.compensation is not None
-    law = compensated.rig.laws[f"contacts.{contact}.law"]
-    observer = compensated.rig.laws[each.friction_path]
+    law = compensated.elements.laws[f"contacts.{contact}.law"]
+    observer = compensated.elements.laws[each.friction_path]
     scale = law.scales(law.p).speed
     v = scale * np.geomspace(*_DECADES, _SPEEDS)
     added = np.asarray(observer.steady_force(v))
@@ -83,7 +83,7 @@ def excess(scenario: Scenario, controller: str, samples: dict[str, Array]) -> Ex
 def _ratios(scenario: Scenario, contact: str, sample: dict[str, float], v: Array, added: Array) -> Array:
     """Steady friction of the contact over the added force, at each speed; inf where no force is added."""
     changed = scenario.with_changes(sample) if sample else scenario
-    taken = np.asarray(changed.rig.laws[f"contacts.{contact}.law"].steady_force(v))
+    taken = np.asarray(changed.elements.laws[f"contacts.{contact}.law"].steady_force(v))
     return np.asarray(np.where(added > 0, taken / np.where(added > 0, added, 1.0), np.inf))
 
 
@@ -92,7 +92,7 @@ def _counterexample(
 ) -> tuple[Scenario | None, float, float]:
     """The body released at a speed with only friction and compensation; its first and last speed."""
     each = controller_of(compensated, controller)
-    gains, rig = _OFF.get(type(each)), compensated.rig
+    gains, machine = _OFF.get(type(each)), compensated.elements
     if gains is None:
         return None, speed, speed
     data = deepcopy(compensated.with_changes(sample).data)
@@ -112,7 +112,7 @@ def _counterexample(
     table["compensation"]["share"] = share
     data["contacts"][contact].pop("loads", None)
     inertia = body.get("mass", body.get("inertia", 1.0))
-    law = rig.laws[f"contacts.{contact}.law"]
+    law = machine.laws[f"contacts.{contact}.law"]
     end = 20 * inertia * speed / max(BEYOND * float(law.steady_force(speed)), 1e-300)
     data["name"] = f"{compensated.name}_overcompensated"
     data["solve"], data["output"] = {"t_end": end}, {"step": end / 400, "energy": True}

@@ -164,7 +164,7 @@ class _LaneRecord:
         self, loop: Loop, lanes: Ensemble, lane: int, tau: float, swing: dict[str, float], last: bool = False
     ) -> None:
         self.loop, self.lanes, self.lane, self.tau, self.swing, self.last = loop, lanes, lane, tau, swing, last
-        machine = loop.scenario.rig.machine
+        machine = loop.scenario.system
         self.main = machine.leader(machine.controllers[0].body).name
         self.moving = [b.name for b in machine.bodies if b.free]
         reached = int(np.isfinite(self.column(f"{self.main}.y")).sum())
@@ -254,9 +254,9 @@ class _LaneRecord:
     def _break_away_time(self) -> float | None:
         """Time until a contact under growing force may break away, s, extrapolated from its mean force; None if no
         contact's force changes, or if it settles below F_s."""
-        rig, times = self.loop.scenario.rig, list[float]()
-        for contact in rig.machine.contacts:
-            law = rig.laws[contact.law_path]
+        machine, times = self.loop.scenario.elements, list[float]()
+        for contact in machine.system.contacts:
+            law = machine.laws[contact.law_path]
             most = float(law.scales(law.p).force)
             force = self.column(f"{contact.name}.F")[self.rows]
             means = [float(part.mean()) for part in np.array_split(force, 4)]
@@ -277,7 +277,7 @@ class _LaneRecord:
 
     def _diverged(self) -> bool:
         """Whether the error exceeds :data:`_FAR` times the move of signal and start."""
-        each = self.loop.scenario.rig.machine.controllers[0]
+        each = self.loop.scenario.system.controllers[0]
         y, r = (self.column(name)[self.reached] for name in (f"{each.measures}.y", f"{each.name}.r"))
         if not len(y):
             return False
@@ -292,14 +292,14 @@ class _LaneRecord:
 
     def _saturates(self) -> bool:
         """Whether an output saturates on both sides for part of the time."""
-        rig = self.loop.scenario.rig
+        machine = self.loop.scenario.elements
         outputs = [
-            (self.column(f"{each.name}.u"), rig.values[each.path, "limit"])
-            for each in rig.machine.controllers if each.limit is not None
+            (self.column(f"{each.name}.u"), machine.values[each.path, "limit"])
+            for each in machine.system.controllers if each.limit is not None
         ]  # fmt: skip
         outputs += [
-            (self.column(f"{motor.name}.V"), rig.values[motor.path, "voltage"])
-            for motor in rig.machine.motors if motor.voltage is not None
+            (self.column(f"{motor.name}.V"), machine.values[motor.path, "voltage"])
+            for motor in machine.system.motors if motor.voltage is not None
         ]  # fmt: skip
         return any(_saturates_both_ways(x[self.rows], limit) for x, limit in outputs)
 
@@ -309,11 +309,11 @@ def rest_bands(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
 
     It is a millionth of the travel, or the encoder's step, carried over to the other bodies by the ratio of their travels.
     """
-    rig = loop.scenario.rig
+    machine = loop.scenario.elements
     rest = {name: TRAVEL * max(x, loop.travel.get(name, 0.0)) for name, x in travel.items()}
-    for each in rig.machine.controllers:
+    for each in machine.system.controllers:
         step = resolution_of(loop.scenario, each)
-        name = rig.machine.leader(each.body).name
+        name = machine.system.leader(each.body).name
         if step and travel.get(name):
             for other, x in travel.items():
                 rest[other] = max(rest[other], step if other == name else step * x / travel[name])

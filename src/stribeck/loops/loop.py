@@ -64,11 +64,11 @@ def loop_of(scenario: Scenario) -> Loop:
     if (kind := scenario.called.drive) not in ("", "pid"):
         raise InputError(f"drive.kind: {kind!r}: must be 'pid': this asks about a position controller's loop")
     scenario = as_machine(scenario)
-    if not scenario.rig.machine.controllers:
+    if not scenario.system.controllers:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")
     given = scenario
     scenario, held = with_rest(scenario)
-    rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
+    rest = max([0.0, *(rests_at(signal) for signal in scenario.elements.signals.values())])
     slowest, unstable = time_constant(scenario)
     return Loop(scenario, rest, slowest, held, unstable, given)
 
@@ -92,8 +92,8 @@ def rests_at(signal: Signal) -> float:
 
 def with_rest(scenario: Scenario) -> tuple[Scenario, tuple[str, ...]]:
     """The scenario with the signals that go on for ever held from ``t_end`` on, and which these are."""
-    rig = scenario.rig
-    endless = {use.path: signal for use, signal in rig.signals.items() if not rests_at(signal) < math.inf}
+    machine = scenario.elements
+    endless = {use.path: signal for use, signal in machine.signals.items() if not rests_at(signal) < math.inf}
     if not endless:
         return scenario, ()
     data = deepcopy(scenario.data)
@@ -174,24 +174,23 @@ class SlidingLoop:
 
 def _sliding(scenario: Scenario) -> Array:
     """A state in which every contact slides fast with its steady deflection, and every play is taken up."""
-    rig = scenario.rig
-    machine = rig.machine
-    gaps = [rig.values[link.path, "gap"] for link in machine.links if link.gap is not None]
-    state = dict.fromkeys((s.name for s in machine.states), 0.0)
-    for i, body in enumerate(machine.bodies):
+    machine, system = scenario.elements, scenario.system
+    gaps = [machine.values[link.path, "gap"] for link in system.links if link.gap is not None]
+    state = dict.fromkeys((s.name for s in system.states), 0.0)
+    for i, body in enumerate(system.bodies):
         share = 1 + 0.377 * i  # so that no two bodies have the same speed
         if f"{body.name}.v" in state:
-            state[f"{body.name}.v"] = _FAST * share * rig.scales[body.name].speed
+            state[f"{body.name}.v"] = _FAST * share * machine.scales[body.name].speed
         if f"{body.name}.y" in state:
             state[f"{body.name}.y"] = 10 * share * max([0.0, *gaps])
     arrays = {name: np.array([x]) for name, x in state.items()}
-    held = {name: np.zeros(1) for name in machine.held}
-    columns = rig.columns(np.zeros(1), arrays, held, rig.pieces(scenario.end))
-    for contact in machine.contacts:
+    held = {name: np.zeros(1) for name in system.held}
+    columns = machine.columns(np.zeros(1), arrays, held, machine.pieces(scenario.end))
+    for contact in system.contacts:
         if contact.has_z:
             w = float(np.ravel(columns[f"{contact.name}.w"])[0])
-            state[f"{contact.name}.z"] = float(rig.laws[contact.law_path].steady_deflection(w))
-    return np.array([state[s.name] for s in machine.states])
+            state[f"{contact.name}.z"] = float(machine.laws[contact.law_path].steady_deflection(w))
+    return np.array([state[s.name] for s in system.states])
 
 
 def replaced(scenario: Scenario, controller: str, signal: dict[str, object]) -> Scenario:
@@ -208,12 +207,12 @@ def replaced(scenario: Scenario, controller: str, signal: dict[str, object]) -> 
 
 def controller_of(scenario: Scenario, name: str) -> Controller:
     """The controller of that name."""
-    return next(c for c in scenario.rig.machine.controllers if c.name == name)
+    return next(c for c in scenario.system.controllers if c.name == name)
 
 
 def resolution_of(scenario: Scenario, controller: Controller) -> float:
     """The step of a controller's encoder, 0 where it has none."""
-    return scenario.rig.values.get((f"{controller.path}.sampling", "resolution"), 0.0)
+    return float(scenario.elements.values.get((f"{controller.path}.sampling", "resolution"), 0.0))
 
 
 def some_parameter(scenario: Scenario) -> dict[str, float]:
@@ -221,4 +220,6 @@ def some_parameter(scenario: Scenario) -> dict[str, float]:
     from stribeck.simulation.variations import machine_places
 
     places = machine_places(scenario)
-    return next({path: scenario.rig.values[key]} for path, key in places.items() if key in scenario.rig.values)
+    return next(
+        {path: scenario.elements.values[key]} for path, key in places.items() if key in scenario.elements.values
+    )

@@ -41,7 +41,7 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     The amplitude is half of the signal's range, or of the way to it if the signal is constant. The speed is the signal's
     greatest; if the signal jumps or is constant, it is the amplitude over ten slowest time constants.
     """
-    rig = loop.scenario.rig
+    machine = loop.scenario.elements
     each = controller_of(loop.scenario, controller)
     signal = given_signal(loop, each)
     last = rests_at(signal)
@@ -49,10 +49,13 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     t = np.linspace(0.0, end, 4001)
     r = signal.at(t)
     step = resolution_of(loop.scenario, each)
-    starts = loop.scenario.initial.get(f"{rig.machine.leader(each.body).name}.y", 0.0)
-    begins = abs(float(r[0]) - starts) / 2 if each.measures == rig.machine.leader(each.body).name else 0.0
+    starts = loop.scenario.initial.get(f"{machine.system.leader(each.body).name}.y", 0.0)
+    begins = abs(float(r[0]) - starts) / 2 if each.measures == machine.system.leader(each.body).name else 0.0
     amplitude = (
-        float(np.ptp(r)) / 2 or begins or 1e3 * step or rig.scales[rig.machine.leader(each.body).name].length * 100
+        float(np.ptp(r)) / 2
+        or begins
+        or 1e3 * step
+        or machine.scales[machine.system.leader(each.body).name].length * 100
     )
     rates = np.abs(np.diff(r)) / (t[1] - t[0])
     fastest = float(np.quantile(rates, 0.98)) if not signal.smooth else float(rates.max())
@@ -62,8 +65,8 @@ def moves_of(loop: Loop, controller: str) -> Moves:
 
 def given_signal(loop: Loop, each: Controller) -> Signal:
     """A controller's signal as in the file, not as it is held: the spline that comes to rest also begins at rest."""
-    rig = (loop.given or loop.scenario).rig
-    return next(signal for use, signal in rig.signals.items() if use.path == each.use.path)
+    machine = (loop.given or loop.scenario).elements
+    return next(signal for use, signal in machine.signals.items() if use.path == each.use.path)
 
 
 def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:

@@ -204,10 +204,8 @@ def _cycle(j: Judgement, unit: str) -> str:
 
 def position_unit(result: Design) -> str:
     """The unit of the measured body's position."""
-    return _unit(
-        result, next(c.body for c in result.loop.scenario.rig.machine.controllers if c.name == result.controller)
-    )
+    return _unit(result, next(c.body for c in result.loop.scenario.system.controllers if c.name == result.controller))
 
 
 def _unit(result: Design, body: str) -> str:
-    return "rad" if result.loop.scenario.rig.machine.elements.bodies[body].turns else "m"
+    return "rad" if result.loop.scenario.system.elements.bodies[body].turns else "m"

@@ -22,15 +22,15 @@ def swings(loop: Loop, values: Mapping[str, Array], count: int) -> list[dict[str
 
     It is that of the linear loop while all contacts slide (:class:`SlidingLoop`), times :data:`SHARE`.
     """
-    rig = loop.scenario.rig
+    machine = loop.scenario.elements
     swing: list[dict[str, float]] = [{} for _ in range(count)]
-    for each in rig.machine.controllers:
+    for each in machine.system.controllers:
         if each.dither is None:
             continue
         sliding, known = SlidingLoop(loop.scenario, each.name), dict[float, dict[str, float]]()
         first = _SQUARE if each.dither.kind == "square" else 1.0
         amplitude, frequency = (
-            np.broadcast_to(values.get(f"{each.path}.dither.{n}", rig.values[f"{each.path}.dither", n]), (count,))
+            np.broadcast_to(values.get(f"{each.path}.dither.{n}", machine.values[f"{each.path}.dither", n]), (count,))
             for n in ("amplitude", "frequency")
         )
         for lane in range(count):
@@ -45,14 +45,14 @@ def swings(loop: Loop, values: Mapping[str, Array], count: int) -> list[dict[str
 def frequency_for(scenario: Scenario, controller: str, slowest: float) -> float:
     """A frequency for a dither, Hz: where the response of the sliding loop falls to a hundredth of its largest; at most an
     eighth of the sampling rate."""
-    rig = scenario.rig
+    machine = scenario.elements
     each = controller_of(scenario, controller)
-    sliding, name = SlidingLoop(scenario, controller), rig.machine.leader(each.body).name
+    sliding, name = SlidingLoop(scenario, controller), machine.system.leader(each.body).name
     grid = _GRID / (2 * np.pi * slowest)
     answer = np.array([sliding.response(float(f)).get(name, 0.0) for f in grid])
     after = int(np.argmax(answer))
     small = np.flatnonzero(answer[after:] <= _SMALL * answer[after])
     frequency = float(grid[after + int(small[0])]) if len(small) else float(grid[-1])
     if each.sampling is not None:
-        frequency = min(frequency, 1 / (_OF_SAMPLING * rig.values[f"{each.path}.sampling", "period"]))
+        frequency = min(frequency, 1 / (_OF_SAMPLING * machine.values[f"{each.path}.sampling", "period"]))
     return float(f"{frequency:.3g}")

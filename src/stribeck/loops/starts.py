@@ -61,9 +61,9 @@ def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | Non
     """
     moves = moves_of(loop, controller)
     held = _with_resting_signals(loop)
-    rig = held.scenario.rig
+    machine = held.scenario.elements
     each = controller_of(held.scenario, controller)
-    main = rig.machine.leader(each.body).name
+    main = machine.system.leader(each.body).name
     last = _final_value(loop, controller)
     travel_ratios = _travel_ratios(held.scenario, each.body)
     held = replace(held, travel={name: 2 * abs(share) * moves.amplitude for name, share in travel_ratios.items()})
@@ -102,12 +102,12 @@ def _start_points(moves: Moves, main: str, others: list[str]) -> list[tuple[str,
 
 def _with_resting_signals(loop: Loop) -> Loop:
     """The loop with its controllers' signals at rest from t = 0 on."""
-    rig, data = loop.scenario.rig, deepcopy(loop.scenario.data)
-    for each in rig.machine.controllers:
+    machine, data = loop.scenario.elements, deepcopy(loop.scenario.data)
+    for each in machine.system.controllers:
         table = data["controllers"][each.name]
         table["signal"] = _constant_signal(str(table["signal"]["kind"]), _final_value(loop, each.name))
     scenario = Scenario(data, folder=loop.scenario.folder, trust=True)
-    rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
+    rest = max([0.0, *(rests_at(signal) for signal in scenario.elements.signals.values())])
     return replace(loop, scenario=scenario, rest=rest)
 
 
@@ -121,15 +121,15 @@ def _constant_signal(kind: str, value: float) -> dict[str, object]:
 
 def _final_value(loop: Loop, controller: str) -> float:
     """The final value of a controller's signal, m or rad."""
-    rig = loop.scenario.rig
-    signal = rig.signals[controller_of(loop.scenario, controller).use]
+    machine = loop.scenario.elements
+    signal = machine.signals[controller_of(loop.scenario, controller).use]
     return float(signal.at(np.array([max(rests_at(signal), 0.0) + 1.0]))[0])
 
 
 def _travel_ratios(scenario: Scenario, measured: str) -> dict[str, float]:
     """Travel of each force-driven body over that of the measured one, with no link stretched; the leader's first."""
-    bodies = scenario.rig.machine.elements.bodies
-    return {name: x for name, x in scenario.rig.carried(measured).items() if bodies[name].velocity is None}
+    bodies = scenario.system.elements.bodies
+    return {name: x for name, x in scenario.elements.carried(measured).items() if bodies[name].velocity is None}
 
 
 def starts_row(starts: list[Start], judgement: Judgement) -> dict[str, object]:

@@ -29,9 +29,9 @@ def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple
     from stribeck.simulation.variations import machine_places
 
     places = machine_places(scenario)
-    rig = scenario.rig
-    laws = {c.law_path for c in rig.machine.contacts}
-    nominal = {path: rig.values[key] for path, key in places.items() if key[0] in laws and key in rig.values}
+    machine = scenario.elements
+    laws = {c.law_path for c in machine.system.contacts}
+    nominal = {path: machine.values[key] for path, key in places.items() if key[0] in laws and key in machine.values}
     if file is None:
         return {
             path: (min(x * (1 - SHARE), x), max(x * (1 + SHARE), x))

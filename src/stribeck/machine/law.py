@@ -12,6 +12,7 @@ from pydantic_core import core_schema
 from stribeck import laws
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, nearest
+from stribeck.expressions.ops import Value
 from stribeck.kinds import in_a_file
 from stribeck.laws.base import PARAMETERS, Law, Scales
 from stribeck.laws.form import Form
@@ -133,16 +134,25 @@ class Friction:
     kind: type[Law]
     form: Form
     p: Constants
-    law: Law | None = None  # with numbers only
+    law: Law | None = None  # with the numbers of a file only
     listed: frozenset[str] = frozenset()  # constants that the file has among the parameters
     written: Mapping[str, Any] = field(default_factory=dict)  # the table
+    machine: Mapping[str, float] = field(default_factory=dict)  # its parameters, also those that the law does not use
 
     @classmethod
     def of(cls, law: Law, table: Mapping[str, Any] | None = None) -> Friction:
         """A law with numbers, and its table where it has been read from one."""
         table = law.to_dict() if table is None else table
         inside = table.get("parameters")
-        return cls(type(law), law.form, law.p, law, frozenset(inside if isinstance(inside, Mapping) else ()), table)
+        return cls(
+            type(law),
+            law.form,
+            law.p,
+            law,
+            frozenset(inside if isinstance(inside, Mapping) else ()),
+            table,
+            law.machine,
+        )
 
     def _own(self) -> tuple[Any, ...]:
         return self.kind, self.form, tuple(vars(self.p).items())
@@ -171,6 +181,11 @@ class Friction:
     def scales(self) -> Scales:
         """Natural magnitudes."""
         return self.kind.scales(self.p)
+
+    @property
+    def slip_speed(self) -> Value:
+        """The speed by which slip and stick are told: v_s, also where the law does not use it; 0 where there is none."""
+        return self.p.numbers.get("v_s", self.machine.get("v_s", 0.0))
 
     def told(self, on_term: OnTerm) -> Constants:
         """The constants, whose terms are named."""

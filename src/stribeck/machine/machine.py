@@ -1,4 +1,4 @@
-"""The elements of a machine: with numbers they are what a user wrote, with symbols the structure."""
+"""The elements of a machine: with numbers they are what a user wrote, with symbols the structure, with arrays its lanes."""
 
 from __future__ import annotations
 
@@ -7,13 +7,19 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from stribeck.expressions.graph import wrap
-from stribeck.expressions.ops import Value
-from stribeck.laws.base import Scales
-from stribeck.machine.element import GROUND, Element
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.constants import Column
+from stribeck.errors import InputError
+from stribeck.expressions.ops import Value, sqrt
+from stribeck.laws.base import Law, Scales
+from stribeck.machine.element import GROUND, SECTIONS, Element
 from stribeck.machine.signal import SignalUse
+from stribeck.machine.system import SIGNAL_ORDER, MachineSystem, same
 from stribeck.machine.table import SYMBOLS, Carrier, ConstantLeaf, Frozen, Key
 from stribeck.signals import Signal
+from stribeck.signals.pieces import Pieces, merged, pieces
 
 if TYPE_CHECKING:
     from stribeck.machine.elements.bodies import Body
@@ -24,7 +30,6 @@ if TYPE_CHECKING:
     from stribeck.machine.elements.motors import Motor
     from stribeck.machine.elements.sensors import Sensor
 
-SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers", "sensors")  # of a file
 # Natural magnitudes where no contact says any: a millimetre (milliradian) and its tenfold in a second.
 _LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
 
@@ -44,6 +49,8 @@ class Elements:
     controllers: Mapping[str, AnyController] = field(default_factory=Frozen)
     sensors: Mapping[str, Sensor] = field(default_factory=Frozen)
     energy: bool = False  # whether the output has what is put in, stored and dissipated
+    # the columns but energies, and their quantities, if not every element's own
+    listed: tuple[tuple[Column, str], ...] = ()
 
     def __hash__(self) -> int:
         return self._hash
@@ -66,11 +73,28 @@ class Elements:
 
     def tie(self, name: str) -> Value:
         """How far a body moves by its leader."""
-        body, total = self.bodies[name], wrap(1.0)
+        body, total = self.bodies[name], 1.0
         while body.tied_to is not None:
             total = total * body.ratio if body.ratio is not None else total
             body = self.bodies[body.tied_to]
         return total
+
+    def carried(self, body: str) -> dict[str, float]:
+        """How far each body with a coordinate of its own goes by ``body`` while no link is stretched; the leader's first."""
+        found = {self.leader(body).name: 1.0 / self.tie(body)}
+        for _ in self.bodies:
+            for link in self.links.values():
+                if len(link.ends) < 2:
+                    continue
+                start, end = link.ends
+                a, b = self.leader(start).name, self.leader(end).name
+                # ratio y_start = y_end
+                ratio = (1.0 if link.ratio is None else link.ratio) * self.tie(start) / self.tie(end)
+                if a in found and b not in found:
+                    found[b] = found[a] * ratio
+                elif b in found and a not in found:
+                    found[a] = found[b] / ratio
+        return found
 
     def controller_of(self, motor: str) -> AnyController | None:
         """The controller that asks a motor for a current."""
@@ -94,13 +118,25 @@ class Elements:
         return self.carrying(SYMBOLS)
 
     @cached_property
+    def system(self) -> MachineSystem:
+        """The equations of the structure; one for all machines that differ in numbers only."""
+        return same(MachineSystem(self.symbolic))
+
+    @cached_property
     def signals(self) -> dict[SignalUse, Signal]:
         """The signals of elements with numbers, and how the equations refer to them."""
-        order = ("bodies", "links", "loads", "motors", "contacts", "controllers")
-        structure = self.symbolic
-        pairs = ((x, getattr(structure, section)[n]) for section in order for n, x in getattr(self, section).items())
+        structure = self.system.elements
+        pairs = (
+            (x, getattr(structure, section)[n]) for section in SIGNAL_ORDER for n, x in getattr(self, section).items()
+        )
         return {use: signal.built for x, written in pairs
                 for use, signal in zip(written.signals(), x.followed(), strict=True)}  # fmt: skip
+
+    @cached_property
+    def laws(self) -> dict[str, Law]:
+        """The laws of a file by their tables, each with the units of where it acts."""
+        found = ((path, x.law, each) for each in self for path, x in each.laws())
+        return {path: law.of_motion(each.turning(self)) for path, law, each in found if law is not None}
 
     @property
     def leaves(self) -> Iterator[tuple[ConstantLeaf, bool]]:
@@ -113,8 +149,11 @@ class Elements:
         return {leaf.key: leaf.value for leaf, _ in self.leaves}
 
     def with_values(self, values: Mapping[Key, Value]) -> Elements:
-        """The same machine with these numbers, or arrays of one for each lane; nothing is compiled anew."""
-        return self.carrying(Carrier(lambda owner, name: values.get((owner, name))))
+        """The same machine with these in the place of some constants: numbers, arrays of one for each lane, or symbols;
+        nothing is compiled anew."""
+        found = self.carrying(Carrier(lambda owner, name: values.get((owner, name), self.values.get((owner, name)))))
+        vars(found)["system"] = self.system  # which no value changes
+        return found
 
     def carrying(self, carrier: Carrier) -> Elements:
         """The same machine of what the carrier puts in the place of its run-time constants."""
@@ -149,13 +188,105 @@ class Elements:
         return {name: found.get(name, Scales(_LENGTH, _SPEED, _FORCE)) for name in self.bodies}
 
     def natural(self) -> dict[str, Value]:
-        """The natural magnitude of each state that an element knows one of."""
+        """The natural magnitude of each state; a length's where no element knows any."""
         found = {n: x for each in self for n, x in each.natural(self.scales, self).items()}
         energy = min(s.force * s.length for s in self.scales.values())
-        return {**found, "E_in": energy, "E_dissipated": energy}
+        found |= {"E_in": energy, "E_dissipated": energy}
+        sizes = {state.name: found.get(state.name, _LENGTH) for state in self.system.states}
+        # NumPy's numbers, which choices between numbers give, are written otherwise than Python's
+        return {name: x.item() if isinstance(x, np.generic) else x for name, x in sizes.items()}
 
+    @property
+    def mass(self) -> Value:
+        """The mass that the one drive moves without anything between; None where there is no such thing."""
+        body = self.bodies.get("")
+        return body.heavy if body is not None and body.kind == "body" else None
 
-NATURAL_LENGTH = _LENGTH  # of a state of which no element knows any
+    def damping(self) -> Value:
+        """The damping ratio of the one body on its bristles at rest; many bodies and contacts have no such number, and
+        infinity stands for it."""
+        contact, mass = self.contacts.get(""), self.mass
+        if contact is None or mass is None or not contact.has_z:
+            return float("inf")
+        p = contact.friction.p.numbers
+        if "sigma_0" not in p:
+            return float("inf")
+        given = [p.get("sigma_1"), p.get("sigma_2"), *(getattr(x, "K_d", None) for x in self.controllers.values())]
+        return sum(x for x in given if x is not None) / (2 * sqrt(p["sigma_0"] * mass))
+
+    # -- the only one of its kind --------------------------------------------------------------------------------------
+
+    @property
+    def law(self) -> Law:
+        """The law of the only contact.
+
+        Raises:
+            InputError: there is no contact, or there are several.
+        """
+        if len(self.contacts) == 1:
+            return self.laws[next(iter(self.contacts.values())).law_path]
+        names = ", ".join(self.contacts) or "none"
+        raise InputError(f"contacts: {names}: there must be one contact for this, of a machine that has several")
+
+    @property
+    def signal(self) -> Signal:
+        """The only signal.
+
+        Raises:
+            InputError: there is none, or there are several.
+        """
+        if len(self.signals) == 1:
+            return next(iter(self.signals.values()))
+        names = ", ".join(use.path for use in self.signals) or "none"
+        raise InputError(f"signals: {names}: there must be one signal for this")
+
+    # -- what a solver takes -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def initial(self) -> dict[str, float]:
+        """The states at t = 0 that are not 0."""
+        return {each.of(s.name): s.start for each in self for s in each.own_states(self) if s.start}
+
+    def pieces(self, t_end: float) -> Pieces:
+        """All signals as one table."""
+        if not self.signals:
+            return Pieces(np.zeros(1), np.zeros((1, 0)), np.ones(1, np.int8))
+        return merged([self.pieces_of(use, t_end) for use in self.signals])
+
+    def pieces_of(self, use: SignalUse, t_end: float, values: Mapping[str, float] | None = None) -> Pieces:
+        """One signal as a table, with other constants if given."""
+        signal = self.signals[use]
+        changed = type(signal)({**signal.values, **values}) if values else signal
+        return pieces(changed, use.turns, t_end)
+
+    @property
+    def longest_step(self) -> float:
+        """The longest step that cannot miss a wave of a signal, s."""
+        shaken = (each.longest_step() for each in self.controllers.values())
+        return min([*shaken, *(signal.longest_step for signal in self.signals.values())], default=np.inf)
+
+    def thresholds(self) -> list[Value]:
+        """The level of each watched quantity: the speed of a contact's slip, half of a play, the limit of a controller."""
+        return [getattr(self, each.section)[each.name].level() for each in self.system.watching]
+
+    def sampling(self) -> list[dict[str, Value]]:
+        """Period, delay, noise and seed of each sampled controller, in the order of its outputs."""
+        found = (each.sampling for each in self.controllers.values() if each.sampling is not None)
+        return [{"period": s.period, "delay": s.delay, "noise": 0.0 if s.noise is None else s.noise, "seed": s.seed}
+                for s in found]  # fmt: skip
+
+    def more_events(self, reached: float) -> list[tuple[float, int]]:
+        """Events that no state tells, as far as a run came: where the only velocity is a signal, those of the signal."""
+        threshold = self.contacts[""].level() if self.given_alone else 0.0
+        if not threshold > 0:
+            return []
+        return [(t, int(not rises)) for t, rises in self.signal.crossings(threshold, reached)]
+
+    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], table: Pieces) -> dict[str, Value]:
+        """Every column of the output by name, from the states and what controllers held at the times t."""
+        rows = table.at(t)
+        segment = {name: rows[:, i] for i, name in enumerate(self.system.piece_fields)}
+        return self.system.output_columns(self.values, segment | held, t, states)
 
 
 def _smallest(found: dict[str, Scales], name: str, s: Scales) -> None:

@@ -10,10 +10,10 @@ from pydantic import ValidationError
 
 from stribeck.constants import show
 from stribeck.errors import nearest
-from stribeck.machine.element import GROUND, Element, everything
+from stribeck.machine.element import GROUND, SECTIONS, Element, everything
 from stribeck.machine.elements.bodies import Body
 from stribeck.machine.family import NotExecuted
-from stribeck.machine.machine import SECTIONS, Elements
+from stribeck.machine.machine import Elements
 from stribeck.machine.signal import File
 from stribeck.machine.table import (
     Frozen,

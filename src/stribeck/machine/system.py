@@ -5,19 +5,22 @@ A file of schema 1 is the smallest machine: one body, one contact and what moves
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import Column, Constant
+from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.names import Names
+from stribeck.expressions.ops import Value
 from stribeck.machine.assembly import Assembly
-from stribeck.machine.element import Element
+from stribeck.machine.element import SECTIONS, Element
 from stribeck.machine.equations import Equations, Sample, Watch, Watched
-from stribeck.machine.machine import SECTIONS, Elements
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import FileTable, Frozen, Key, joined
 
@@ -28,11 +31,13 @@ if TYPE_CHECKING:
     from stribeck.machine.elements.links import Link
     from stribeck.machine.elements.loads import Load
     from stribeck.machine.elements.motors import Motor
+    from stribeck.machine.machine import Elements
 
 _E_IN = Column("E_in", "J", "energy put in")
 _E_OUT = Column("E_dissipated", "J", "energy dissipated")
 E_STORED = Column("E_stored", "J", "kinetic energy, and energy of links, pendulums and bristles")
 _COLUMNS = ("bodies", "contacts", "links", "loads", "motors", "controllers", "sensors")  # in this order
+SIGNAL_ORDER = ("bodies", "links", "loads", "motors", "contacts", "controllers")  # in this one
 
 
 @dataclass(frozen=True)
@@ -40,15 +45,17 @@ class MachineSystem(Equations):
     """The structure of a machine as the code generator takes it: equal for machines that differ in numbers only."""
 
     elements: Elements  # of symbols
-    signals: tuple[SignalUse, ...] = ()
-    listed: tuple[
-        tuple[Column, str], ...
-    ] = ()  # the columns but energies, and their quantities, if not every element's own
 
     @property
     def energy(self) -> bool:
         """Whether the output has the columns of energy."""
         return self.elements.energy
+
+    @cached_property
+    def signals(self) -> tuple[SignalUse, ...]:
+        """How the equations refer to each signal."""
+        every = (each for section in SIGNAL_ORDER for each in getattr(self.elements, section).values())
+        return tuple(use for each in every for use in each.signals())
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -104,10 +111,20 @@ class MachineSystem(Equations):
         """The columns of the output after t."""
         energy = (_E_IN, E_STORED, _E_OUT) if self.energy else ()
         every = (each for section in _COLUMNS for each in getattr(self.elements, section).values())
-        if self.listed:
-            return (*(column for column, _ in self.listed), *energy)
+        if listed := self.elements.listed:
+            return (*(column for column, _ in listed), *energy)
         found = [column for each in every for column in each.columns(self.elements)]
         return (*found, *energy)
+
+    @property
+    def compared(self) -> tuple[str, ...]:
+        """The columns in which two runs are compared: those of each body, contact and link."""
+        e = self.elements
+        if e.unnamed:
+            return "y", "v", "F"
+        found = [f"{name}.{x}" for name, body in e.bodies.items() if body.tied_to is None for x in ("y", "v")]
+        forces = [*(f"{name}.F" for name in e.contacts), *(f"{name}.f" for name in e.links)]
+        return (*found, *forces)
 
     @cached_property
     def tables(self) -> dict[str, tuple[dict[str, Constant], bool]]:
@@ -234,8 +251,20 @@ class MachineSystem(Equations):
     def outputs(self) -> dict[str, Expr]:
         """Every column as an expression of t, the states, what sampled controllers hold, and the constants."""
         energies = [c.name for c in self.columns if c.name.startswith("E_")] if self.energy else []
-        listed = [(c.name, own) for c, own in self.listed] if self.listed else [(c.name, c.name) for c in self.columns]
+        listed = [(c.name, own) for c, own in self.elements.listed] or [(c.name, c.name) for c in self.columns]
         return self.assembly(exact=True).outputs([*listed, *((name, name) for name in energies)])
+
+    def output_columns(
+        self, values: Mapping[Key, Value], segment: Mapping[str, Value], t: Array, states: Mapping[str, Array]
+    ) -> dict[str, Value]:
+        """Every column by name, from constants, numbers of the signals' pieces and held outputs, times and states; whatever
+        shapes go together."""
+        inputs: dict[str, Value] = {f"{path}.{name}": values[path, name] for path, name in self.parameters}
+        kind = {**dict.fromkeys(segment, "segment"), **dict.fromkeys(self.shown, "memory")}
+        inputs |= {f"{kind[name]}.{name}": x for name, x in segment.items()} | {"t": t, **states}
+        function = _output_function(self, tuple(inputs))
+        with np.errstate(all="ignore"):
+            return dict(zip((c.name for c in self.columns), function(*inputs.values()), strict=True))
 
     # -- variants ----------------------------------------------------------------------------------------------------
 
@@ -259,5 +288,16 @@ class MachineSystem(Equations):
             return Frozen({n: through(x) for n, x in value.items()}) if type(value) is Frozen else value
 
         sections = {s: through(getattr(self.elements, s)) for s in SECTIONS}
-        signals = tuple(map(opened, self.signals))
-        return replace(self, elements=replace(self.elements, **sections), signals=signals)
+        return replace(self, elements=replace(self.elements, **sections))
+
+
+@lru_cache(maxsize=64)
+def same(system: MachineSystem) -> MachineSystem:
+    """The first of equal structures: what it finds out about itself, it finds once."""
+    return system
+
+
+@lru_cache(maxsize=32)
+def _output_function(system: MachineSystem, names: tuple[str, ...]) -> Callable[..., tuple[Value, ...]]:
+    """A Python function of the inputs ``names`` for the columns of a machine."""
+    return python_function(names, list(system.outputs.values()))

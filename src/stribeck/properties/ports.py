@@ -128,8 +128,8 @@ def check_machine(
         found = _single(made, v_max, work)
     else:
         found = MachineVerdicts(made.name, {}, {})
-        for contact in made.rig.machine.contacts:
-            varied = of_contact(made.rig, contact, made.end, stated)
+        for contact in made.system.contacts:
+            varied = of_contact(made.elements, contact, made.end, stated)
             found.ranges[contact.name] = varied.to_dict()
             found.contacts[contact.name] = _of_law(varied, v_max, work)
         _whole(made, found)
@@ -138,7 +138,7 @@ def check_machine(
 
 
 def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
-    machine = scenario.rig.machine
+    machine = scenario.system
     known = [part.name for part in (*machine.links, *machine.loads, *machine.motors)]
     problems = []
     for name, size in stated.items():
@@ -198,8 +198,7 @@ def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerd
 
 
 def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
-    rig = scenario.rig
-    machine = rig.machine
+    machine = scenario.system
     found.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.velocity is not None}
     found.ports |= {f"{b.path}.added": "its mass is varied" for b in machine.bodies if b.more is not None}
     found.ports |= {x.path: "its far end is moved" for x in machine.links if x.far is not None}

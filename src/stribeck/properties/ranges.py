@@ -14,9 +14,9 @@ from stribeck.machine.elements.contacts import Contact, Factor, Raise, Weights
 from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.loads import Follower, Pendulum, Ripple
 from stribeck.machine.elements.motors import Motor
+from stribeck.machine.machine import Elements
 from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.worst import Varied
-from stribeck.scenario.rig import Rig
 from stribeck.signals import Curve, PointsSignal, Signal, SineSignal, SumSignal
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: without end
@@ -117,15 +117,15 @@ def _halves(piece: list[Fraction]) -> tuple[list[Fraction], list[Fraction]]:
     return [row[0] for row in rows], [row[-1] for row in reversed(rows)]
 
 
-def of_force(rig: Rig, name: str, t_end: float, stated: Mapping[str, float]) -> Ends:
+def of_force(machine: Elements, name: str, t_end: float, stated: Mapping[str, float]) -> Ends:
     """Bounds of the force of a link, load or motor, whatever the motion; ``stated`` holds what the user vouches for."""
     if name in stated:
         return -Fraction(stated[name]), Fraction(stated[name])
-    machine, values = rig.machine, rig.values
-    for load in machine.loads:
+    system, values = machine.system, machine.values
+    for load in system.loads:
         if load.name == name:
             if isinstance(load, Follower):
-                ends = of_signal(rig.signals[next(load.signals())], t_end)
+                ends = of_signal(machine.signals[next(load.signals())], t_end)
                 gain = Fraction(values.get((load.path, "gain"), 1.0))
                 return min(gain * x for x in ends), max(gain * x for x in ends)
             if type(load) not in (Pendulum, Ripple):
@@ -133,21 +133,21 @@ def of_force(rig: Rig, name: str, t_end: float, stated: Mapping[str, float]) -> 
             given = [x for (path, n), x in values.items() if path == load.path and n.startswith("amplitude")]
             size = sum((abs(Fraction(x)) for x in given), Fraction(0))
             return -size, size
-    for link in machine.links:
+    for link in system.links:
         if link.name == name:
             still = type(link) is Link and not values[link.path, "stiffness"] and not values.get((link.path, "damping"))
             return (Fraction(0), Fraction(0)) if still else OPEN
-    for motor in machine.motors:
+    for motor in system.motors:
         if motor.name == name:
-            return _of_motor(rig, motor)
+            return _of_motor(machine, motor)
     return OPEN
 
 
-def _of_motor(rig: Rig, motor: Motor) -> Ends:
+def _of_motor(machine: Elements, motor: Motor) -> Ends:
     """A motor whose current follows, with no limit of the voltage: its torque is within the controller's limit."""
-    for each in rig.machine.controllers:
+    for each in machine.system.controllers:
         if each.on == motor.name and each.limit is not None and motor.voltage is None:
-            limit = Fraction(rig.values[each.path, "limit"])
+            limit = Fraction(machine.values[each.path, "limit"])
             return -limit, limit
     return OPEN
 
@@ -163,24 +163,24 @@ def _size(ends: Ends) -> ExactRange:
     return least, None if low is None or high is None else max(abs(low), abs(high))
 
 
-def _weighted(rig: Rig, level: Raise, path: str, t_end: float, stated: Mapping[str, float]) -> Ends:
+def _weighted(machine: Elements, level: Raise, path: str, t_end: float, stated: Mapping[str, float]) -> Ends:
     low: Fraction | None = Fraction(0)
     high: Fraction | None = Fraction(0)
     for source in level.weights:
         weighted = isinstance(level.force, Weights)
-        weight = Fraction(rig.values[path, f"weight_{source}"]) if weighted else Fraction(1)
-        a, b = of_force(rig, source, t_end, stated) if weight else (Fraction(0), Fraction(0))
+        weight = Fraction(machine.values[path, f"weight_{source}"]) if weighted else Fraction(1)
+        a, b = of_force(machine, source, t_end, stated) if weight else (Fraction(0), Fraction(0))
         a, b = (a, b) if weight > 0 else (b, a)
         low = None if low is None or a is None else low + weight * a
         high = None if high is None or b is None else high + weight * b
     return low, high
 
 
-def _factor(rig: Rig, factor: Factor, path: str, t_end: float) -> tuple[Fraction, Fraction]:
+def _factor(machine: Elements, factor: Factor, path: str, t_end: float) -> tuple[Fraction, Fraction]:
     if factor.signal is not None:
-        return of_signal(next(x for use, x in rig.signals.items() if use.path == f"{path}.signal"), t_end)
+        return of_signal(next(x for use, x in machine.signals.items() if use.path == f"{path}.signal"), t_end)
     count = len(factor.waves or ())
-    size = sum((abs(Fraction(rig.values[path, f"amplitude_{i}"])) for i in range(count)), Fraction(0))
+    size = sum((abs(Fraction(machine.values[path, f"amplitude_{i}"])) for i in range(count)), Fraction(0))
     return 1 - size, 1 + size
 
 
@@ -188,30 +188,30 @@ def _times(a: ExactRange, b: ExactRange) -> ExactRange:
     return a[0] * b[0], None if a[1] is None or b[1] is None else a[1] * b[1]
 
 
-def of_contact(rig: Rig, contact: Contact, t_end: float, stated: Mapping[str, float]) -> Varied:
+def of_contact(machine: Elements, contact: Contact, t_end: float, stated: Mapping[str, float]) -> Varied:
     """The contact's law with the ranges that factors and loads give its constants."""
-    law = rig.laws[contact.law_path]
-    factors = {of: _factor(rig, x, f"{contact.path}.factors.{of}", t_end) for of, x in contact.factors.items()}
+    law = machine.laws[contact.law_path]
+    factors = {of: _factor(machine, x, f"{contact.path}.factors.{of}", t_end) for of, x in contact.factors.items()}
     found: dict[str, ExactRange] = {}
     for name, value in law.values.items():
         if value is None:
             continue
         now = _times((Fraction(value), Fraction(value)), factors.get(name, _ONE))
         if name in ("F_c", "F_s"):
-            now = _times(_raised(rig, contact, name, now, t_end, stated), factors.get("level", _ONE))
+            now = _times(_raised(machine, contact, name, now, t_end, stated), factors.get("level", _ONE))
         if name in factors or now[0] != value or now[1] != value:
             found[name] = now
     return Varied(law, found)
 
 
 def _raised(
-    rig: Rig, contact: Contact, name: str, now: ExactRange, t_end: float, stated: Mapping[str, float]
+    machine: Elements, contact: Contact, name: str, now: ExactRange, t_end: float, stated: Mapping[str, float]
 ) -> ExactRange:
     for i, level in enumerate(contact.loads):
         path = f"{contact.path}.loads.{i}"
-        gain = Fraction(rig.values.get((path, name), 0.0))
+        gain = Fraction(machine.values.get((path, name), 0.0))
         if gain:
-            least, most = _size(_weighted(rig, level, path, t_end, stated))
+            least, most = _size(_weighted(machine, level, path, t_end, stated))
             if level.against is not None:
                 least, most = Fraction(0), None if most is None else most * most
             now = now[0] + gain * least, None if now[1] is None or most is None else now[1] + gain * most

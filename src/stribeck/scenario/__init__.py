@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from copy import copy
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,13 +15,12 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.machine.machine import Elements
 from stribeck.machine.system import MachineSystem
-from stribeck.machine.table import FileTable, Key, Problem
+from stribeck.machine.table import FileTable, Problem
 from stribeck.parameter_sets import read_toml
 from stribeck.parameter_sets.assignments import parse_assignment, parse_assignments
 from stribeck.scenario import tables
 from stribeck.scenario.changes import changed, plain_table, unfolds
 from stribeck.scenario.reader import Reader
-from stribeck.scenario.rig import Rig
 from stribeck.scenario.schema1 import Called
 from stribeck.scenario.tables import Output, Solve
 from stribeck.scenario.trust import named
@@ -66,8 +64,8 @@ class Scenario:
         reader = Reader(plain_table(given), Path(folder or ""), _trusted(trust), objects)
         _refuse(reader.read())
         self.__dict__.update(
-            data=reader.data, folder=reader.folder, rig=reader.rig, elements=reader.elements, called=reader.called,
-            solve=reader.solve, output=reader.output,
+            data=reader.data, folder=reader.folder, elements=reader.elements, called=reader.called, solve=reader.solve,
+            output=reader.output,
         )  # fmt: skip
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -84,19 +82,12 @@ class Scenario:
     def __repr__(self) -> str:
         return f"<Scenario {self.name}: {self.subject}, t_end {self.solve.t_end:g} s>"
 
-    def with_values(
-        self, values: Mapping[Key, float] | None = None, *, initial: Mapping[str, float] | None = None,
-        signal: Signal | None = None, solve: Solve | None = None,
-    ) -> Scenario:  # fmt: skip
-        """This scenario with other run-time constants, another start, another signal (its only one) or another [solve], of
-        the same structure; not judged. Its ``data`` stay as they are."""
-        other, rig = copy(self), self.rig.with_values(values or {})
-        start = rig.initial if initial is None else dict(initial)
-        signals = rig.signals if signal is None else dict.fromkeys(rig.signals, signal)
-        rig = replace(rig, initial=start, signals=signals)
-        known = {n: x for n, x in vars(self).items() if n in ("data", "folder", "called", "solve", "output")}
+    def with_rtol(self, rtol: float) -> Scenario:
+        """This scenario with another relative tolerance, not judged. Its ``data`` stay as they are."""
+        other = copy(self)
+        known = {n: x for n, x in vars(self).items() if n in ("data", "folder", "elements", "called", "output")}
         other.__dict__.clear()  # what it found out about itself it finds anew
-        other.__dict__.update(known | ({} if solve is None else {"solve": solve}), rig=rig, elements=rig.elements)
+        other.__dict__.update(known, solve=self.solve.model_copy(update={"rtol": rtol}))
         return other
 
     @classmethod
@@ -153,7 +144,6 @@ class Scenario:
 
     data: dict[str, Any]
     folder: Path
-    rig: Rig
     elements: Elements
     called: Called
     solve: Solve
@@ -162,7 +152,7 @@ class Scenario:
     @property
     def initial(self) -> dict[str, float]:
         """The states at t = 0 that are not 0."""
-        return self.rig.start()
+        return self.elements.initial
 
     @property
     def law(self) -> Law:
@@ -171,7 +161,7 @@ class Scenario:
         Raises:
             InputError: the scenario is a machine with no contact, or with several.
         """
-        return self.rig.law
+        return self.elements.law
 
     @property
     def signal(self) -> Signal:
@@ -180,23 +170,28 @@ class Scenario:
         Raises:
             InputError: there is none, or there are several.
         """
-        return self.rig.signal
+        return self.elements.signal
 
     @property
     def mass(self) -> float | None:
         """The mass that the drive moves without anything between, kg (kg m^2); None where there is none."""
-        mass: float | None = self.rig.mass
+        mass: float | None = self.elements.mass
         return mass
 
     @property
     def subject(self) -> str:
         """What it is about, in a few words: the law, or the machine."""
-        return self.rig.subject
+        if self.elements.unnamed:
+            return f"law {self.law.name}"
+        laws = ", ".join(f"{name} {c.friction.kind.name}" for name, c in self.elements.contacts.items())
+        count = len(self.elements.bodies)
+        bodies = f"{count} bod{'y' if count == 1 else 'ies'}"
+        return f"{bodies}, contacts: {laws}" if laws else f"{bodies}, no contacts"
 
     @property
     def label(self) -> str:
         """What its line in a plot is called: the law's name, or the machine's."""
-        return self.rig.label or self.name
+        return self.law.name if self.elements.unnamed else self.name
 
     @property
     def name(self) -> str:
@@ -207,7 +202,7 @@ class Scenario:
     def rotary(self) -> bool:
         """Whether the one body turns: the columns are in rad and N m then, the numbers are the same. A machine of many
         bodies says it for each."""
-        return self.rig.rotary
+        return self.elements.unnamed and self.elements.bodies[""].turns
 
     @cached_property
     def rows(self) -> int:
@@ -222,17 +217,12 @@ class Scenario:
     @property
     def system(self) -> MachineSystem:
         """The structure of the equations, without values."""
-        return self.rig.machine
-
-    @property
-    def threshold(self) -> float:
-        """The speed that slip and stick are told by: v_s, or 0 (none) where the parameters have no v_s."""
-        return self.law.machine.get("v_s", 0.0)
+        return self.elements.system
 
     @property
     def longest_step(self) -> float:
         """The longest step that cannot miss a wave of a signal, s."""
-        return self.rig.longest_step
+        return self.elements.longest_step
 
     def pieces(self) -> Pieces:
         """The signals as a table of pieces."""
@@ -240,36 +230,37 @@ class Scenario:
 
     @cached_property
     def _pieces(self) -> Pieces:
-        return self.rig.pieces(self.end)
+        return self.elements.pieces(self.end)
 
     def thresholds(self) -> list[float]:
         """The level of each watched quantity, 0 for none."""
-        return self.rig.thresholds()
+        return self.elements.thresholds()
 
     def sampling(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed of each sampled controller."""
-        return self.rig.sampling()
+        return self.elements.sampling()
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Value]:
         """Every column of the output by name, from the states (and what controllers held) at the times t."""
-        return self.rig.columns(t, states, held or {}, self._pieces)
+        return self.elements.columns(t, states, held or {}, self._pieces)
 
     def values(self) -> dict[tuple[str, str], float]:
         """The system's run-time constants by (group, name)."""
-        return self.rig.values
+        return self.elements.values
 
-    def atol(self, rig: Rig | None = None, rtol: Value = None) -> dict[str, Any]:
+    def atol(self, machine: Elements | None = None, rtol: Value = None) -> dict[str, Any]:
         """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
 
-        With ``rig`` it is that of the same machine with other values, with ``rtol`` that of another relative tolerance.
+        With ``machine`` it is that of the same machine with other values, with ``rtol`` that of another relative tolerance.
         """
-        if rig is None and rtol is None:
+        if machine is None and rtol is None:
             return dict(self._own_atol)
-        return self._atol((self.rig if rig is None else rig).natural(), self.solve.rtol if rtol is None else rtol)
+        own = (self.elements if machine is None else machine).natural()
+        return self._atol(own, self.solve.rtol if rtol is None else rtol)
 
     @cached_property
     def _own_atol(self) -> dict[str, Any]:
-        return self._atol(self.rig.natural(), self.solve.rtol)
+        return self._atol(self.elements.natural(), self.solve.rtol)
 
     def _atol(self, natural: dict[str, Value], rtol: Value) -> dict[str, Any]:
         return {n: self.solve.atol.get(n, _ATOL_SHARE * rtol * x) for n, x in natural.items()}

@@ -11,7 +11,7 @@ import numpy as np
 from stribeck import laws, parameter_sets
 from stribeck.errors import InputError, nearest, note
 from stribeck.laws.base import PARAMETERS
-from stribeck.machine.machine import SECTIONS
+from stribeck.machine.element import SECTIONS
 from stribeck.machine.table import FileTable
 
 _DEEPEST = 8

@@ -10,14 +10,13 @@ from stribeck.scenario import Scenario
 
 def declared(scenario: Scenario, path: str) -> Constant | None:
     """The declaration of the number at a path, with the unit that it has there; None where no table declares it."""
-    rig = scenario.rig
-    machine, words = rig.machine, scenario.called.to_machine(path).split(".")
+    machine, words = scenario.system, scenario.called.to_machine(path).split(".")
     cut = max((i for i, word in enumerate(words) if not word.isdigit()), default=0)
     group, name = ".".join(words[:cut]), ".".join(words[cut:])
     owner, key = group.removesuffix(".parameters"), name.replace(".", "_")
     if owner in machine.tables and key in machine.tables[owner][0]:
         return machine.constant(owner, key)
-    for use, signal in rig.signals.items():
+    for use, signal in scenario.elements.signals.items():
         if name in signal.constants and group == use.path:
             own = signal.constants[name]
             return replace(own, unit="" if "signal" in own.unit else own.unit)

@@ -1,32 +1,22 @@
-"""The machine of a file: its elements, and what the solvers take of them."""
+"""The machine of a file, from its sections."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
 from sys import float_info
 from typing import Any
 
 from stribeck.constants import Column, rotary_words
-from stribeck.laws.base import Law
 from stribeck.machine.machine import Elements
 from stribeck.machine.reading import Draft
-from stribeck.machine.system import MachineSystem
 from stribeck.machine.table import Problem, Reading
-from stribeck.scenario.rig import Rig
 from stribeck.scenario.schema1 import Called
-
-
-@lru_cache(maxsize=64)
-def same(machine: MachineSystem) -> MachineSystem:
-    """The first of equal structures: what it finds out about itself, it finds once."""
-    return machine
 
 
 def read_machine(
     sections: Mapping[str, Any], reading: Reading, t_end: object, energy: bool, called: Called
-) -> tuple[Rig | None, Elements | None, list[Problem]]:
+) -> tuple[Elements | None, list[Problem]]:
     """The machine of a file's sections; None where something is wrong, or a file of code was not executed; all that is wrong,
     by the file's paths."""
     draft = Draft(sections, reading, energy)
@@ -40,13 +30,9 @@ def read_machine(
     if energy:
         problems += [("output.energy", f"true: must be false with {x}, a pneumatic piston") for x in pistons]
     if problems or not draft.whole:
-        return None, None, problems
+        return None, problems
     elements = draft.machine
-    listed = _listed(elements, called) if elements.unnamed else ()
-    system = same(MachineSystem(elements.symbolic, tuple(elements.signals), listed))
-    initial = {each.of(s.name): s.start for each in elements for s in each.own_states(elements)}
-    seeds = {n: x.sampling.seed for n, x in elements.controllers.items() if x.sampling is not None}
-    return Rig(system, elements.values, elements.signals, _laws(elements), initial, seeds), elements, problems
+    return replace(elements, listed=_listed(elements, called) if elements.unnamed else ()), problems
 
 
 def _listed(elements: Elements, called: Called) -> tuple[tuple[Column, str], ...]:
@@ -60,9 +46,3 @@ def _listed(elements: Elements, called: Called) -> tuple[tuple[Column, str], ...
         found = [replace(c, meaning=rotary_words(c.meaning)) for c in found]
     y, v, *inner, z, F, _ = found
     return (*((c, c.name) for c in (y, v, z, F)), *called.columns, *((c, c.name) for c in inner))
-
-
-def _laws(elements: Elements) -> dict[str, Law]:
-    """The laws by their tables, each with the units of where it acts."""
-    found = ((path, x.law, each) for each in elements for path, x in each.laws())
-    return {path: law.of_motion(each.turning(elements)) for path, law, each in found if law is not None}

@@ -2,13 +2,13 @@
 
 ::
 
-    rig = Machine(
+    machine = Machine(
         Body("rotor", inertia=3.1e-5), Body("arm", inertia=0.35),
         Link("gear", "rotor", "arm", ratio=0.01, stiffness=9e3, damping=2.0, gap=2e-4),
         Contact("mesh", "arm", law("lugre_majorant", parameters="canudas1995", k_v=1e6)),
         Controller.cascade("axis", on="rotor", signal=Step(1.0, at=0.1), K_p=30, K_v=0.05),
     )
-    solution = simulate(rig, t_end=4.0, step=1e-3)
+    solution = simulate(machine, t_end=4.0, step=1e-3)
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ from numpy.typing import ArrayLike
 
 from stribeck.constants import kind_of
 from stribeck.errors import InputError
-from stribeck.machine.element import Element
-from stribeck.machine.machine import SECTIONS
+from stribeck.machine.element import SECTIONS, Element
 from stribeck.machine.reading import Draft
 from stribeck.machine.table import Reading
 from stribeck.scenario import Scenario
@@ -134,12 +133,12 @@ class Machine:
         """The machine as text, as 'stribeck run --show' prints it."""
         from stribeck.scenario import schematic  # of no use to what is simulated
 
-        return schematic.text(self.scenario(1.0).rig, self.name)
+        return schematic.text(self.scenario(1.0).elements, self.name)
 
     def _repr_svg_(self) -> str:
         from stribeck.scenario import schematic
 
-        return schematic.svg(self.scenario(1.0).rig, self.name)
+        return schematic.svg(self.scenario(1.0).elements, self.name)
 
 
 def scenario_of(

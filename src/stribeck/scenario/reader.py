@@ -11,12 +11,12 @@ from pydantic import ValidationError
 from stribeck import platforms
 from stribeck.constants import kind_of, show
 from stribeck.errors import nearest
+from stribeck.machine.element import SECTIONS
 from stribeck.machine.law import unknown
-from stribeck.machine.machine import SECTIONS, Elements
+from stribeck.machine.machine import Elements
 from stribeck.machine.table import FileTable, Problem, Reading, problems_of
 from stribeck.scenario import schema1, tables, trust
 from stribeck.scenario.machine import read_machine
-from stribeck.scenario.rig import Rig
 from stribeck.scenario.schema1 import Called
 from stribeck.scenario.tables import Output, Solve
 
@@ -34,12 +34,11 @@ class Reader:
         objects: sections of a machine whose elements were made in Python, and checked there.
 
     Attributes:
-        rig, elements: the machine with its values, and its elements; None where something is wrong.
+        elements: the machine; None where something is wrong.
         called: what the file calls otherwise than the machine.
         solve, output: these tables; None where they are not valid.
     """
 
-    rig: Rig | None
     elements: Elements | None
     called: Called
     solve: Solve | None
@@ -83,12 +82,12 @@ class Reader:
         solve = self.data.get("solve")
         t_end = solve.get("t_end") if isinstance(solve, Mapping) else None
         energy = self.output is not None and self.output.energy
-        self.rig, self.elements, found = read_machine(sections, reading, t_end, energy, self.called)
+        self.elements, found = read_machine(sections, reading, t_end, energy, self.called)
         own = {path for path, _ in self.problems}
         self.problems += [(path, text) for path, text in found if path not in own]
-        if self.rig is not None:
-            self._tolerances([state.name for state in self.rig.machine.states])
-        self._rows(len(self.rig.machine.columns) if self.rig is not None else 1)
+        if self.elements is not None:
+            self._tolerances([state.name for state in self.elements.system.states])
+        self._rows(len(self.elements.system.columns) if self.elements is not None else 1)
         if single:  # in the order of the file
             order = {key: i for i, key in enumerate(known)}
             self.problems.sort(key=lambda problem: order.get(problem[0].partition(".")[0], -1))

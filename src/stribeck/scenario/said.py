@@ -15,7 +15,8 @@ _LONGEST, _ENDS = 24, 8  # entries of a list that are shown whole; of a longer o
 
 def laws(scenario: Scenario) -> list[Chapter]:
     """The law, or the laws of a machine's contacts."""
-    named = scenario.rig.named_laws.items()
+    laws = scenario.elements.laws
+    named = [(name, laws[contact.law_path]) for name, contact in scenario.elements.contacts.items()]
     return [
         of_law.chapter(law, f"law-{i}", f" of {name}") if name else of_law.chapter(law)
         for i, (name, law) in enumerate(named)

@@ -15,13 +15,13 @@ from pydantic import BaseModel
 from stribeck import laws, parameter_sets
 from stribeck.constants import Constant
 from stribeck.laws.base import PARAMETERS, Law
+from stribeck.machine.element import SECTIONS
 from stribeck.machine.elements.contacts import Deflected
 from stribeck.machine.elements.controllers import Pid
 from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.elements.links import Pull
 from stribeck.machine.elements.pressure_cascade import NONE, PressureCascade
 from stribeck.machine.law import LAW
-from stribeck.machine.machine import SECTIONS
 from stribeck.machine.pneumatic.observer import ETA, SCALES, Z_HAT
 from stribeck.machine.reading import family_of
 from stribeck.machine.signal import SignalTable

@@ -9,7 +9,7 @@ from markupsafe import escape
 
 from stribeck.machine.element import BetweenBodies
 from stribeck.machine.elements.pressure_cascade import PressureCascade
-from stribeck.scenario.rig import Rig
+from stribeck.machine.machine import Elements
 
 _COLUMN, _BOX, _HEIGHT, _LANE = 250, 130, 56, 76  # widths and heights in px
 _LISTS = ("amplitude", "waves", "phase")
@@ -37,36 +37,38 @@ class Entry:
     numbers: tuple[str, ...]
 
 
-def entries(rig: Rig) -> list[Entry]:
+def entries(machine: Elements) -> list[Entry]:
     """Every element of a machine, in the file's order."""
-    found = [Entry("link", link.name, _start(link), link.end, _numbers(rig, link.path)) for link in rig.machine.links]
-    for contact in rig.machine.contacts:
-        law = rig.laws[contact.law_path]
+    found = [
+        Entry("link", link.name, _start(link), link.end, _numbers(machine, link.path)) for link in machine.system.links
+    ]
+    for contact in machine.system.contacts:
+        law = machine.laws[contact.law_path]
         shown = [f"{n} {number(x)}" for n in ("F_c", "F_s", "sigma_0") if (x := law.values.get(n)) is not None]
         shown += [f"load: {', '.join(level.weights)}" for level in contact.loads]
         shown += [f"{of} varies" for of in contact.factors]
-        numbers = (law.name, *shown, *_numbers(rig, contact.path))
+        numbers = (law.name, *shown, *_numbers(machine, contact.path))
         found.append(Entry("contact", contact.name, _start(contact), contact.end, numbers))
-    for load in rig.machine.loads:
+    for load in machine.system.loads:
         use = next(load.signals(), None)
-        how = f"{load.kind}: {rig.signals[use].kind}" if use is not None else load.kind
-        found.append(Entry("load", load.name, load.on, None, (how, *_numbers(rig, load.path))))
-    for motor in rig.machine.motors:
-        driven = (f"V: {rig.signals[motor.use].kind}",) if motor.signal else ()
-        found.append(Entry("motor", motor.name, motor.on, None, (*driven, *_numbers(rig, motor.path))))
-    for each in rig.machine.controllers:
-        about = [each.kind, rig.signals[each.use].kind, *_numbers(rig, each.path)]
+        how = f"{load.kind}: {machine.signals[use].kind}" if use is not None else load.kind
+        found.append(Entry("load", load.name, load.on, None, (how, *_numbers(machine, load.path))))
+    for motor in machine.system.motors:
+        driven = (f"V: {machine.signals[motor.use].kind}",) if motor.signal else ()
+        found.append(Entry("motor", motor.name, motor.on, None, (*driven, *_numbers(machine, motor.path))))
+    for each in machine.system.controllers:
+        about = [each.kind, machine.signals[each.use].kind, *_numbers(machine, each.path)]
         if each.compensation is not None:
-            about.append(f"compensation: {rig.laws[each.friction_path].name}, {each.compensation.speed}")
+            about.append(f"compensation: {machine.laws[each.friction_path].name}, {each.compensation.speed}")
         if each.dither is not None:
-            about += [f"dither: {each.dither.kind}", *_numbers(rig, f"{each.path}.dither")]
+            about += [f"dither: {each.dither.kind}", *_numbers(machine, f"{each.path}.dither")]
         if each.sampling is not None:
-            about += ["sampled", *_numbers(rig, f"{each.path}.sampling")]
+            about += ["sampled", *_numbers(machine, f"{each.path}.sampling")]
         found.append(Entry("controller", each.name, each.on, each.measures, tuple(about)))
-    for valve in (x for x in rig.machine.elements.controllers.values() if isinstance(x, PressureCascade)):
-        about = ["pressure cascade", rig.signals[valve.use].kind, f"observer: {valve.observer_name}"]
-        about += _numbers(rig, valve.path)
-        about += ["sampled", *_numbers(rig, f"{valve.path}.sampling")] if valve.sampling is not None else []
+    for valve in (x for x in machine.system.elements.controllers.values() if isinstance(x, PressureCascade)):
+        about = ["pressure cascade", machine.signals[valve.use].kind, f"observer: {valve.observer_name}"]
+        about += _numbers(machine, valve.path)
+        about += ["sampled", *_numbers(machine, f"{valve.path}.sampling")] if valve.sampling is not None else []
         found.append(Entry("controller", valve.name, valve.on, valve.on, tuple(about)))
     return found
 
@@ -75,12 +77,12 @@ def _start(each: BetweenBodies) -> str:
     return str(each.start) if each.far is None else f"~{each.name}"
 
 
-def _numbers(rig: Rig, path: str) -> tuple[str, ...]:
+def _numbers(machine: Elements, path: str) -> tuple[str, ...]:
     """The constants of a table that differ from their defaults, lists as lists."""
-    constants, rotary = rig.machine.tables.get(path, ({}, False))
+    constants, rotary = machine.system.tables.get(path, ({}, False))
     shown: dict[str, tuple[list[str], str]] = {}
     for name, constant in constants.items():
-        value = rig.values[path, name]
+        value = machine.values[path, name]
         if constant.default is not None and value == constant.default:
             continue
         unit = constant.unit_for(rotary)
@@ -90,29 +92,29 @@ def _numbers(rig: Rig, path: str) -> tuple[str, ...]:
     return tuple(f"{n} {', '.join(x)} {unit if unit != '1' else ''}".strip() for n, (x, unit) in shown.items())
 
 
-def about_body(rig: Rig, name: str) -> tuple[str, ...]:
+def about_body(machine: Elements, name: str) -> tuple[str, ...]:
     """A body's numbers in short."""
-    body = rig.machine.elements.bodies[name]
-    found = [x for x in _numbers(rig, body.path) if not x.startswith("ratio")]
+    body = machine.system.elements.bodies[name]
+    found = [x for x in _numbers(machine, body.path) if not x.startswith("ratio")]
     if body.tied_to is not None:
-        found.append(f"tied to {body.tied_to}, ratio {number(rig.values.get((body.path, 'ratio'), 1.0))}")
+        found.append(f"tied to {body.tied_to}, ratio {number(machine.values.get((body.path, 'ratio'), 1.0))}")
     if body.velocity is not None:
-        found.append(f"velocity: {rig.signals[next(body.signals())].kind}")
-    start = [f"{q} {number(x)}" for q in "yv" if (x := rig.initial.get(f"{name}.{q}"))]
+        found.append(f"velocity: {machine.signals[next(body.signals())].kind}")
+    start = [f"{q} {number(x)}" for q in "yv" if (x := machine.initial.get(f"{name}.{q}"))]
     return (*found, *(["starts at " + ", ".join(start)] if start else []))
 
 
 # -- as text ---------------------------------------------------------------------------------------------------------
 
 
-def text(rig: Rig, name: str) -> str:
+def text(machine: Elements, name: str) -> str:
     """The machine in the terminal: bodies, then each element between its ends."""
-    machine, every = rig.machine, entries(rig)
-    width = max(len(body.name) for body in machine.bodies)
+    system, every = machine.system, entries(machine)
+    width = max(len(body.name) for body in system.bodies)
     lines = [name, "", "bodies"]
-    for body in machine.bodies:
+    for body in system.bodies:
         sign = "(o)" if body.turns else "[=]" if body.velocity is None else "-->"
-        lines.append(f"  {sign} {body.name:{width}}  {', '.join(about_body(rig, body.name))}")
+        lines.append(f"  {sign} {body.name:{width}}  {', '.join(about_body(machine, body.name))}")
     drawn = {"link": ("links", "/\\/\\/"), "contact": ("contacts", "~~~~~")}
     for kind, (title, sign) in drawn.items():
         rows = [(f"{x.start} --{sign}-- {x.end}", x) for x in every if x.kind == kind]
@@ -183,9 +185,9 @@ def _wrapped(numbers: Iterable[str]) -> list[str]:
 class _Layout:
     """Where bodies stand: each has a column as wide as what stands above and below it."""
 
-    def __init__(self, rig: Rig) -> None:
-        self.rig, self.every = rig, entries(rig)
-        names = [body.name for body in rig.machine.bodies]
+    def __init__(self, machine: Elements) -> None:
+        self.elements, self.every = machine, entries(machine)
+        names = [body.name for body in machine.system.bodies]
         names += [e.start for e in self.every if e.start.startswith("~")]
         of_motor = {e.name: e.start for e in self.every if e.kind == "motor"}
         self.below = {n: [e for e in self.every if e.start == n and e.end == "ground"] for n in names}
@@ -209,9 +211,9 @@ class _Layout:
         return [left + width * (i + 0.5) / count for i in range(count)]
 
 
-def svg(rig: Rig, name: str) -> str:
+def svg(machine: Elements, name: str) -> str:
     """The machine as an SVG picture."""
-    layout, page = _Layout(rig), _Page()
+    layout, page = _Layout(machine), _Page()
     springs = [e for e in layout.lanes if e.kind == "link"]
     rubs = [e for e in layout.lanes if e.kind == "contact"]
     y_control = 40.0
@@ -225,11 +227,11 @@ def svg(rig: Rig, name: str) -> str:
     for body, x in layout.x.items():
         _ground(page, layout, body, y_box + _HEIGHT, y_ground)
         _top(page, layout, body, y_control, y_above, y_box)
-        if not body.startswith("~") and (leader := rig.machine.elements.bodies[body].tied_to) is not None:
+        if not body.startswith("~") and (leader := machine.bodies[body].tied_to) is not None:
             for off in (-3, 3):  # a rod: what is tied moves with it
                 page.line([(layout.x[leader], y_box + _HEIGHT / 2 + off), (x, y_box + _HEIGHT / 2 + off)])
     for body, x in layout.x.items():
-        _body(page, rig, body, x, y_box)
+        _body(page, machine, body, x, y_box)
     if any(layout.below.values()):
         page.line([(10, y_ground), (layout.width - 10, y_ground)])
         for i in range(int(layout.width // 16) - 1):
@@ -245,17 +247,17 @@ def svg(rig: Rig, name: str) -> str:
     )
 
 
-def _body(page: _Page, rig: Rig, name: str, x: float, y: float) -> None:
+def _body(page: _Page, machine: Elements, name: str, x: float, y: float) -> None:
     left = x - _BOX / 2
     if name.startswith("~"):  # a far end that a signal moves
         page.parts.append(f'<circle class="b" cx="{x}" cy="{y + _HEIGHT / 2}" r="8"/>')
         page.words(x, y + _HEIGHT / 2 + 24, "far end", ["moved by a signal"], "middle")
         return
-    body = rig.machine.elements.bodies[name]
+    body = machine.bodies[name]
     radius = 22 if body.turns else 3
     place = f'x="{left:.1f}" y="{y:.1f}" width="{_BOX}" height="{_HEIGHT}" rx="{radius}"'
     page.parts.append(f'<rect class="b" {place}/>')
-    page.words(x, y + 18, name, about_body(rig, name)[:2], "middle")
+    page.words(x, y + 18, name, about_body(machine, name)[:2], "middle")
 
 
 def _lanes(page: _Page, layout: _Layout, every: list[Entry], y: float, y_box: float) -> None:
@@ -317,12 +319,12 @@ def _top(page: _Page, layout: _Layout, body: str, y_control: float, y_above: flo
                     (x - 40, y_control + 14)], "d")  # fmt: skip
 
 
-def describe(rig: Rig) -> dict[str, object]:
+def describe(machine: Elements) -> dict[str, object]:
     """The same for programs."""
     return {
-        "bodies": {body.name: list(about_body(rig, body.name)) for body in rig.machine.bodies},
+        "bodies": {body.name: list(about_body(machine, body.name)) for body in machine.system.bodies},
         "elements": [
             {"kind": e.kind, "name": e.name, "from": e.start, "to": e.end, "about": list(e.numbers)}
-            for e in entries(rig)
+            for e in entries(machine)
         ],
     }

@@ -19,11 +19,6 @@ if TYPE_CHECKING:
     from stribeck.mouth.document import Document
 
 
-def compared(scenario: Scenario) -> tuple[str, ...]:
-    """Names of the compared columns: of a machine, those of each body, contact and link."""
-    return scenario.rig.compared
-
-
 @dataclass(frozen=True)
 class Comparison:
     """Solutions by label, of which the first is the reference, and the deviations of the others from it."""
@@ -57,7 +52,7 @@ class Comparison:
                     "status": s.status,
                     **s.laws,
                     "rows": len(s.t),
-                    "peaks": {name: s.peaks[name] for name in compared(s.scenario)},
+                    "peaks": {name: s.peaks[name] for name in s.scenario.system.compared},
                     "deviations": self.deviations.get(label),
                 }
                 for label, s in self.solutions.items()
@@ -70,7 +65,7 @@ def deviations(reference: Solution, other: Solution) -> dict[str, dict[str, floa
     reference's peak there (None if that peak is 0)."""
     rows = min(len(reference.t), len(other.t))
     deviation: dict[str, dict[str, float | None]] = {}
-    for name in compared(reference.scenario):
+    for name in reference.scenario.system.compared:
         a, b = reference[name][:rows], other[name][:rows]
         with np.errstate(all="ignore"):
             largest = float(np.max(np.abs(b - a), initial=0.0))
@@ -152,7 +147,7 @@ def law_path(scenario: Scenario, contact: str | None) -> str:
     Raises:
         InputError: if there is no such contact, or if there are several and none is given.
     """
-    names = list(scenario.rig.named_laws)
+    names = list(scenario.elements.contacts)
     if names == [""]:
         if contact is not None:
             raise InputError(f"{arg('contact')}: {contact!r}: must be left out: {scenario.name} is no machine")

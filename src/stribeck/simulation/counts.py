@@ -37,7 +37,7 @@ def settled(scenario: Scenario, solve: Callable[[Scenario], Result]) -> Result:
     rtol = scenario.solve.rtol
 
     def solve_at(other: float) -> Result:
-        return solve(scenario.with_values(solve=scenario.solve.model_copy(update={"rtol": other})))
+        return solve(scenario.with_rtol(other))
 
     result = solve(scenario)
     if result.reason is not None or rtol <= _FINEST or not _differ(scenario, result, solve_at(min(_STEP * rtol, 0.1))):

@@ -50,7 +50,7 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     """The panels of a solution, in reading order."""
     known = {"t", *(column.name for column in solution.columns)}
     if not solution.scenario.elements.unnamed:
-        return choose_panels(solution.scenario.rig.machine)
+        return choose_panels(solution.scenario.system)
     if "V" in known:
         return _CASCADE
     if "I" in known:
@@ -88,7 +88,7 @@ def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption
 
     def draw() -> Figure:
         first, shown = next(iter(solutions.values())), _by_label(solutions)
-        names = first.scenario.rig.compared
+        names = first.scenario.system.compared
         reference, *others = shown.items()
         for label, solution in others:
             deviation = deviation_rows(reference[1], solution, names)
@@ -117,7 +117,7 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
         derived["e"] = Quantity("e", derived["y"].unit, "control error y - r", solution["y"] - solution["r"])
     elif "e" in derived:
         derived["y_d"] = Quantity("y_d", derived["y"].unit, "desired position", solution["y"] - solution["e"])
-    for each in solution.scenario.rig.machine.controllers:
+    for each in solution.scenario.system.controllers:
         if each.name and (read := f"{each.measures}.y") in derived:  # as the cascade of a piston has e of its own
             error = solution[read] - solution[f"{each.name}.r"]
             derived.setdefault(
@@ -150,7 +150,7 @@ def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tup
 
 def _slow_speed(solution: Solution) -> float:
     """The speed below which a body counts as near rest, the least of all contacts."""
-    laws = solution.scenario.rig.laws.values()
+    laws = solution.scenario.elements.laws.values()
     return min((float(law.machine.get("v_s") or law.scales(law.p).speed) for law in laws), default=0.0)
 
 

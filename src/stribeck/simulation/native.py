@@ -78,7 +78,7 @@ def share_of(damping: Value) -> Value:
 
 def damping_ratio(scenario: Scenario) -> float:
     """Damping ratio of a body on its bristles, at rest; infinite if there are no bristles."""
-    return float(scenario.rig.damping())
+    return float(scenario.elements.damping())
 
 
 def check(library: ctypes.CDLL) -> None:

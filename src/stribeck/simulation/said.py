@@ -104,7 +104,7 @@ def _flat(events: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Ar
 def comparison(result: Comparison) -> Document:
     """The document of a comparison: the deviation of each law from the first."""
     reference, first = next(iter(result.solutions.items()))
-    names = first.scenario.rig.compared
+    names = first.scenario.system.compared
     units = {c.name: c.unit for c in first.columns}
     deviations: list[list[Cell]] = [
         [label if not i else "", n, Amount(d["max"], units[n], 4), Share(d["max_relative"])]

@@ -62,7 +62,7 @@ def simulate_once(
     for text in result.remarks:
         note(text)
     reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
-    result.events.extend(scenario.rig.more_events(reached))
+    result.events.extend(scenario.elements.more_events(reached))
     result.stats.update({"backend": built.backend, "built": built.new, "build_seconds": built.seconds})
     result.stats["seconds"] = perf_counter() - started - built.seconds
     solution = Solution(scenario, result)
@@ -84,7 +84,7 @@ def _remarks(scenario: Scenario) -> list[str]:
         why = f"a signal's waves allow no step longer than {longest:.3g} s, and {least:.3g} would be needed"
         remarks.append(f"solve.max_steps: {most:g}: {why}: given up before t = {scenario.end * most / least:.3g} s")
     for contact in scenario.system.elements.contacts.values():
-        law = scenario.rig.laws[contact.law_path].machine
+        law = scenario.elements.laws[contact.law_path].machine
         for i in range(len(contact.loads)):
             path = f"{contact.path}.loads.{i}"
             excess = values.get((path, "F_c"), 0.0) - values.get((path, "F_s"), 0.0)

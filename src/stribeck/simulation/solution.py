@@ -168,10 +168,11 @@ class Solution:
     @property
     def laws(self) -> dict[str, object]:
         """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
-        rig = self.scenario.rig
-        if rig.machine.elements.unnamed:
-            return {"law": _law_entry(rig.law)}
-        return {"contacts": {name: {"law": _law_entry(law)} for name, law in rig.named_laws.items()}}
+        machine = self.scenario.elements
+        if machine.unnamed:
+            return {"law": _law_entry(machine.law)}
+        named = {name: machine.laws[contact.law_path] for name, contact in machine.contacts.items()}
+        return {"contacts": {name: {"law": _law_entry(law)} for name, law in named.items()}}
 
     def summary(self) -> dict[str, object]:
         """The JSON of ``stribeck run --json``, without the files."""

@@ -15,11 +15,11 @@ from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
 from stribeck.machine.element import RATIO_LARGEST
+from stribeck.machine.machine import Elements
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import ConstantField
 from stribeck.scenario import Scenario
 from stribeck.scenario.declared import declared
-from stribeck.scenario.rig import Rig, evaluate
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
 
@@ -70,19 +70,19 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
 
 def machine_places(scenario: Scenario) -> dict[str, Place]:
     """Every path that can be varied in lanes, and the constant it stands for."""
-    rig, called = scenario.rig, scenario.called
-    found: dict[str, Place] = {leaf.path: leaf.key for leaf, _ in scenario.elements.leaves}
-    for body in scenario.elements.bodies.values():
+    machine, called = scenario.elements, scenario.called
+    found: dict[str, Place] = {leaf.path: leaf.key for leaf, _ in machine.leaves}
+    for body in machine.bodies.values():
         if body.tied_to is None:
             found[f"{body.path}.initial.y"] = ("initial", body.of("y"))
             if body.free:
                 found |= {
                     f"{body.path}.initial.{n}": ("initial", body.of(n)) for n in ("v", *(s.name for s in body.states))
                 }
-    for contact in scenario.elements.contacts.values():
+    for contact in machine.contacts.values():
         if contact.has_z:
             found[f"{contact.path}.initial.z"] = ("initial", contact.of("z"))
-    for use, signal in rig.signals.items():
+    for use, signal in machine.signals.items():
         if signal.kind in _IN_PIECES:
             found |= {f"{use.path}.{name}": (use.path, name) for name in signal.constants}
     return {called.to_file(path): place for path, place in found.items()}
@@ -106,7 +106,7 @@ class Variations:
         self.values = {path: x for path, x in given.items() if not path.startswith(_SHIFT)}
         self.played: Mapping[str, Sequence[Signal]] = {}  # by the path of a signal, what it is in each lane
         self.scenario = scenario
-        self.rig, self.places = self.scenario.rig, machine_places(self.scenario)
+        self.machine, self.places = self.scenario.elements, machine_places(self.scenario)
         if unknown := [path for path in self.values if path not in self.places]:
             raise InputError([f"{path}: cannot be varied{_guess(path, self.places)}" for path in unknown])
 
@@ -130,7 +130,7 @@ class Variations:
 
     def columns(self, t: Array, states: Array, held: Array) -> dict[str, Array]:
         """The columns of the output, (lanes, times), from states and held outputs, (lanes, times, each)."""
-        machine, shape = self.rig.machine, states.shape[:2]
+        machine, shape = self.scenario.system, states.shape[:2]
         named = {state.name: states[:, :, i] for i, state in enumerate(machine.states)}
         tables, which = self._tables
         rows = np.stack([table.at(t) for table in tables])[which]
@@ -138,16 +138,16 @@ class Variations:
         segment |= {name: held[:, :, i] for i, name in enumerate((*machine.held, *machine.shown))}
         values = self._carried.values
         shaped = {key: x[:, np.newaxis] if isinstance(x, np.ndarray) else x for key, x in values.items()}
-        found = evaluate(machine, shaped, segment, t, named)
+        found = machine.output_columns(shaped, segment, t, named)
         return {name: np.broadcast_to(np.asarray(x, float), shape) for name, x in found.items()}
 
     # -- what the equations take, a row for each lane --------------------------------------------------------------
 
     @cached_property
-    def _carried(self) -> Rig:
+    def _carried(self) -> Elements:
         """The machine of all lanes: an array of one value for each lane in the place of each constant that varies."""
-        varied = {key: x for key, x in self._varied.items() if key in self.rig.values}
-        return self.rig.with_values(varied) if varied else self.rig
+        varied = {key: x for key, x in self._varied.items() if key in self.machine.values}
+        return self.machine.with_values(varied) if varied else self.machine
 
     def parameters(self) -> Array:
         """The run-time constants of the compiled system."""
@@ -162,21 +162,18 @@ class Variations:
 
     def atol(self) -> Array:
         """The absolute tolerance of each state."""
-        names = [state.name for state in self.rig.machine.states]
+        names = [state.name for state in self.scenario.system.states]
         try:
             found = self.scenario.atol(self._carried)
             return self._table([found[name] for name in names])
         except (TypeError, ValueError):  # scales that are compared, or written for numbers
-            rows = (self.scenario.atol(self._rig_of(lane)) for lane in range(len(self)))
+            rows = (self.scenario.atol(self._machine_of(lane)) for lane in range(len(self)))
             return np.array([[row[name] for name in names] for row in rows])
 
-    def _rig_of(self, lane: int) -> Rig:
-        return self.rig.with_values({key: float(x[lane]) for key, x in self._varied.items() if key in self.rig.values})
-
-    def threshold(self) -> Array:
-        """The speed that slip and stick of the only contact are told by; 0 for none."""
-        path = next(iter(self.rig.laws))
-        return self._table([self._carried.values.get((path, "v_s"), self.scenario.threshold)])[:, 0]
+    def _machine_of(self, lane: int) -> Elements:
+        return self.machine.with_values(
+            {key: float(x[lane]) for key, x in self._varied.items() if key in self.machine.values}
+        )
 
     def thresholds(self) -> Array:
         """The threshold of each watched quantity, 0 for none."""
@@ -184,10 +181,11 @@ class Variations:
         return self._table(found) if found else np.zeros((len(self), 0))
 
     def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
-        """Events of a lane that no state tells, as far as it came (:meth:`Rig.more_events`)."""
-        if not self.rig.machine.elements.given_alone:
+        """Events of a lane that no state tells, as far as it came (:meth:`Elements.more_events`)."""
+        if not self.scenario.system.elements.given_alone:
             return []
-        threshold, (use,) = float(self.threshold()[lane]), self.rig.signals
+        (use,) = self.machine.signals
+        threshold = float(self._table([self._carried.contacts[""].level()])[lane, 0])
         signals, which = self._signals(use)
         if not threshold > 0:
             return []
@@ -195,14 +193,14 @@ class Variations:
 
     def sampling(self) -> list[list[dict[str, float]]]:
         """Period, delay, noise and seed of the sampled controllers of each lane."""
-        if not self.rig.machine.held:
+        if not self.scenario.system.held:
             return []
         varied = any(path.endswith("sampling") for path, _ in self._varied)
-        return [self._rig_of(lane).sampling() for lane in range(len(self) if varied else 1)]
+        return [self._machine_of(lane).sampling() for lane in range(len(self) if varied else 1)]
 
     def _signals(self, use: SignalUse) -> tuple[list[Signal], NDArray[np.int64]]:
         """The signals that occur in one place, and which of them each lane has."""
-        signal = self.rig.signals[use]
+        signal = self.machine.signals[use]
         names = [name for name in signal.constants if (use.path, name) in self._varied]
         if not names:
             return [signal], np.zeros(len(self), np.int64)
@@ -214,10 +212,10 @@ class Variations:
     def longest_step(self) -> Array:
         """The longest step that cannot miss a wave of a signal, s."""
         found = np.full(len(self), np.inf)
-        for use in self.rig.signals:
+        for use in self.machine.signals:
             signals, which = self._signals(use)
             found = np.minimum(found, np.array([signal.longest_step for signal in signals])[which])
-        for each in self._carried.elements.controllers.values():
+        for each in self._carried.controllers.values():
             found = np.minimum(found, each.longest_step())
         return found
 
@@ -228,20 +226,24 @@ class Variations:
     @cached_property
     def _tables(self) -> tuple[list[Pieces], NDArray[np.int64]]:
         """The tables that occur, and which of them each lane has: those where a number varies that makes pieces."""
-        end, in_code = self.scenario.end, set(self.rig.machine.parameters)
+        end, in_code = self.scenario.end, set(self.scenario.system.parameters)
         if self.played:
-            own = {use.path: self.rig.pieces_of(use, end) for use in self.rig.signals if use.path not in self.played}
+            own = {
+                use.path: self.machine.pieces_of(use, end)
+                for use in self.machine.signals
+                if use.path not in self.played
+            }
             lanes = [{path: pieces(x[i]) for path, x in self.played.items()} for i in range(len(self))]
-            tables = [merged([{**own, **x}[use.path] for use in self.rig.signals]) for x in lanes]
+            tables = [merged([{**own, **x}[use.path] for use in self.machine.signals]) for x in lanes]
             return tables, np.arange(len(self))
         varied: list[tuple[SignalUse, str]] = [
             (use, name)
-            for use, signal in self.rig.signals.items()
+            for use, signal in self.machine.signals.items()
             for name in signal.constants
             if (use.path, name) in self._varied and (use.turns or (use.path, name) not in in_code)
         ]
         if not varied:
-            return [self.rig.pieces(end)], np.zeros(len(self), np.int64)
+            return [self.machine.pieces(end)], np.zeros(len(self), np.int64)
         table = self._table([self._varied[use.path, name] for use, name in varied])
         each, which = np.unique(table, axis=0, return_inverse=True)
         found = []
@@ -249,7 +251,7 @@ class Variations:
             changes: dict[SignalUse, dict[str, float]] = {}
             for (use, name), x in zip(varied, row, strict=True):
                 changes.setdefault(use, {})[name] = float(x)
-            found.append(merged([self.rig.pieces_of(use, end, changes.get(use)) for use in self.rig.signals]))
+            found.append(merged([self.machine.pieces_of(use, end, changes.get(use)) for use in self.machine.signals]))
         return found, np.asarray(which, np.int64).reshape(-1)
 
     # -- values that no scenario may have --------------------------------------------------------------------------
@@ -277,7 +279,7 @@ class Variations:
 
     def laws(self) -> dict[str, Law]:
         """The laws by the owner of their constants."""
-        return self.rig.laws
+        return self.machine.laws
 
     def _relations(self, owner: str, law: Law, found: list[str | None]) -> None:
         """What is wrong with the constants of a law taken together."""

@@ -127,7 +127,7 @@ def test_a_table_of_the_compensation(tmp_path):
     scenario = stage("measured")
     (path,) = stribeck.export(scenario, "table", tmp_path / "f.csv", part="compensator")
     v, F = np.loadtxt([x for x in path.read_text().splitlines() if x[:1] not in "#v"], delimiter=",").T
-    steady = scenario.rig.laws["contacts.guide.law"].steady_force(v)
+    steady = scenario.elements.laws["contacts.guide.law"].steady_force(v)
     assert np.abs(F - 0.8 * steady).max() <= 0.02 * F.max()
     with pytest.raises(stribeck.InputError, match="must be one of law, compensator"):
         stribeck.export(scenario, "table", tmp_path / "g.csv", part="controller")

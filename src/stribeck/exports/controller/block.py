@@ -67,7 +67,7 @@ class Block:
     @property
     def _elements(self) -> Elements:
         """The elements of the machine, of symbols."""
-        return self.scenario.rig.machine.elements
+        return self.scenario.system.elements
 
     def _column(self, name: str, unit: str, meaning: str) -> Column:
         constant = Constant(unit, meaning).of_motion(self.rotary)
@@ -166,8 +166,7 @@ class Block:
         """The numbers of the signal's pieces, each after its start."""
         if not self._has_path or not self.path_columns:
             return []
-        rig = self.scenario.rig
-        table = pieces(rig.signals[self.controller.use])
+        table = pieces(self.scenario.elements.signals[self.controller.use])
         rows = zip(table.start.tolist(), table.rows.tolist(), strict=True)
         return [[start, *row] for start, row in rows] if self.piece_fields else []
 
@@ -181,9 +180,10 @@ class Block:
     @cached_property
     def constants(self) -> dict[str, tuple[Constant, float, str]]:
         """Declaration, value and path of each constant that the equations use, by its name in the block."""
-        rig, each = self.scenario.rig, self.controller
+        machine, each = self.scenario.elements, self.controller
         values: dict[str, tuple[Constant, float]] = {
-            f"{path}.{n}": (rig.machine.constant(path, n), rig.values[path, n]) for path, n in rig.machine.parameters
+            f"{path}.{n}": (machine.system.constant(path, n), machine.values[path, n])
+            for path, n in machine.system.parameters
         }
         period = SAMPLING["period"]
         values[f"{each.path}.sampling.period"] = (period, self.step)
@@ -209,9 +209,9 @@ class Block:
     def relations(self) -> list[tuple[str, str, str]]:
         """(the constant to blame, what is allowed, the condition in C on ``p``) between constants of the friction law."""
         made = self.controller.compensation
-        if made is None or self.controller.friction_path not in self.scenario.rig.laws:
+        if made is None or self.controller.friction_path not in self.scenario.elements.laws:
             return []
-        law, found = self.scenario.rig.laws[self.controller.friction_path], []
+        law, found = self.scenario.elements.laws[self.controller.friction_path], []
         for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
             if all(f"friction_{need}" in self.constants for need in (r.key, *r.needs)):
                 text = c_condition(r.holds, law, "p->friction_")
@@ -257,8 +257,8 @@ class Block:
 
     def notes(self, carried: tuple[str, ...] = ()) -> list[str]:
         """What differs from the file; ``carried``: the settings of its sampling that the target's own text has."""
-        rig, found = self.scenario.rig, []
-        own = next(c for c in rig.machine.controllers if c.name == self.controller.name)
+        machine, found = self.scenario.elements, []
+        own = next(c for c in machine.system.controllers if c.name == self.controller.name)
         if own.sampling is None:
             found.append(
                 f"controllers.{own.name} is continuous in the file: simulate what is exported with "
@@ -266,12 +266,12 @@ class Block:
             )
             return found
         sampling = f"{own.path}.sampling"
-        delay = rig.values[sampling, "delay"]
+        delay = machine.values[sampling, "delay"]
         if delay and "delay" not in carried:
             found.append(
                 f"its output is expected to act {delay:g} s after the sample, as in the file ({sampling}.delay)"
             )
-        sensor = [n for n in ("resolution", "noise") if rig.values.get((sampling, n)) and n not in carried]
+        sensor = [n for n in ("resolution", "noise") if machine.values.get((sampling, n)) and n not in carried]
         if sensor:
             sensor += ["seed"] if "noise" in sensor else []
             names = ", ".join(f"{sampling}.{n}" for n in sensor)
@@ -285,7 +285,7 @@ class Block:
             InputError: one of these is given.
         """
         path = f"{self.controller.path}.compensation"
-        given = [f"{path}.{n}" for n in names if (path, n) in self.scenario.rig.values]
+        given = [f"{path}.{n}" for n in names if (path, n) in self.scenario.elements.values]
         if given:
             raise InputError(f"{', '.join(given)}: would be lost: target '{target}' cannot carry it")
 
@@ -307,22 +307,22 @@ def block_of(
     Raises:
         InputError: there is no such controller, no sample time, or no compensation.
     """
-    if scenario is None or scenario.elements.unnamed or not scenario.rig.machine.controllers:
+    if scenario is None or scenario.elements.unnamed or not scenario.system.controllers:
         given = "" if scenario is None else f"{scenario.name!r}: "
         text = f"part '{part}' needs a machine (schema = 2) with a controller"
         raise InputError(f"{arg('scenario')}: {given}{text}")
-    rig = scenario.rig
-    known = [each.name for each in rig.machine.controllers]
+    machine = scenario.elements
+    known = [each.name for each in machine.system.controllers]
     name = which_controller(controller, known)
-    each = next(c for c in rig.machine.controllers if c.name == name)
+    each = next(c for c in machine.system.controllers if c.name == name)
     if part == "compensator" and each.compensation is None:
         raise InputError(
             f"{each.path}.compensation: missing: part 'compensator' needs one; 'stribeck design --out DIR' writes the "
             "machine with the best"
         )
-    timed = part == "controller" or (each.compensation is not None and each.compensation.observes(rig.machine.elements))
+    timed = part == "controller" or (each.compensation is not None and each.compensation.observes(machine))
     if each.sampling is not None:
-        own = rig.values[f"{each.path}.sampling", "period"]
+        own = machine.values[f"{each.path}.sampling", "period"]
         if step is not None and step != own:
             raise InputError(f"{arg('step')}: {step:g}: must be left out: {each.path}.sampling.period = {own:g} holds")
         step = own

@@ -81,15 +81,15 @@ def rows(block: Block) -> list[tuple[str, ...]]:
 
 def sizes(block: Block) -> dict[str, float]:
     """A natural size of each input and state."""
-    rig = block.scenario.rig
-    own = rig.scales[rig.machine.leader(block.controller.body).name]
+    machine = block.scenario.elements
+    own = machine.scales[machine.system.leader(block.controller.body).name]
     near = 10 * own.length
     speed = 3 * own.speed
     found = {
         "r": near, "y": near, "last": near, "filter_y": near, "r_rate": speed, "v": speed, "filter_v": speed,
         "r_second": 10 * speed, "readings": 3.0, "z_hat": own.length, PHASE: 1.0,
     }  # fmt: skip
-    numbers = rig.elements.controllers[block.controller.name]
+    numbers = machine.controllers[block.controller.name]
     assert isinstance(numbers, Controller)
     names = [s.name for s in numbers.form_states()]
     sizes = numbers.scales(own.length, own.force)

@@ -23,8 +23,8 @@ def tables(scenario: Scenario) -> Tables:
     if "bodies" not in scenario.data:
         raise InputError(f"schema: {scenario.data['schema']}: must be 2, a machine")
     machine = deepcopy(scenario.data)
-    for contact in scenario.rig.machine.contacts:
-        machine["contacts"][contact.name]["law"]["parameters"] = dict(scenario.rig.laws[contact.law_path].machine)
+    for contact in scenario.system.contacts:
+        machine["contacts"][contact.name]["law"]["parameters"] = dict(scenario.elements.laws[contact.law_path].machine)
     return machine
 
 

@@ -61,8 +61,8 @@ class MachineModel:
         if scenario is None or scenario.elements.unnamed:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
-        self.scenario, self.rig, self.origin, self.options = scenario, scenario.rig, origin, options
-        self.machine: MachineSystem = scenario.rig.machine.with_inputs()
+        self.scenario, self.origin, self.options = scenario, origin, options
+        self.machine: MachineSystem = scenario.system.with_inputs()
 
     @cached_property
     def name(self) -> str:
@@ -85,7 +85,10 @@ class MachineModel:
     @cached_property
     def parameters(self) -> list[RunTimeConstant]:
         """Every run-time constant, in the order in which the code takes them; inputs among them."""
-        values = {**self.rig.values, **dict.fromkeys([p for p in self.machine.parameters if p[1] == INPUT], 0.0)}
+        values = {
+            **self.scenario.elements.values,
+            **dict.fromkeys([p for p in self.machine.parameters if p[1] == INPUT], 0.0),
+        }
         names = parameter_names(self.machine)
         return [
             RunTimeConstant(f"{path}.{n}", c, self.machine.constant(path, n), float(values[path, n]))
@@ -120,7 +123,7 @@ class MachineModel:
             tests += [f"{x} != 0"] if each.path.endswith(".ratio") else []
             found.append((each, c.allowed, " && ".join(tests)))
         by_path = {each.path: each for each in self.tunable}
-        for path, law in self.rig.laws.items():
+        for path, law in self.scenario.elements.laws.items():
             for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
                 blamed = by_path.get(f"{path}.{r.key}")
                 if blamed is None or any(f"{path}.{n}" not in by_path for n in r.needs):

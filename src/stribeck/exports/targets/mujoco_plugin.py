@@ -12,12 +12,12 @@ from stribeck.exports.request import Content, Part, Target
 
 def files(block: Block) -> Content:
     """The block in C, the plugin around it, and a model that uses it."""
-    rig, own = block.scenario.rig, f"{block.controller.path}.sampling"
-    delay = rig.values.get((own, "delay"), 0.0)
-    body = rig.machine.leader(block.controller.body)
-    heavy = rig.elements.bodies[body.name].heavy
+    machine, own = block.scenario.elements, f"{block.controller.path}.sampling"
+    delay = machine.values.get((own, "delay"), 0.0)
+    body = machine.system.leader(block.controller.body)
+    heavy = machine.bodies[body.name].heavy
     values = context(block) | {
-        "delay": delay, "resolution": rig.values.get((own, "resolution"), 0.0), "joint": "hinge" if block.rotary else "slide",
+        "delay": delay, "resolution": machine.values.get((own, "resolution"), 0.0), "joint": "hinge" if block.rotary else "slide",
         "queue": math.ceil(delay / block.step) + 2, "mass": 1.0 if heavy is None else heavy,
         "rate": "r_rate" in {c.name for c in block.inputs}, "second": "r_second" in {c.name for c in block.inputs},
     }  # fmt: skip

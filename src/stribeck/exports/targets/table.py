@@ -110,18 +110,18 @@ def _polygon(x: Array, y: Array, error: float) -> tuple[Array, Array]:
 
 def _compensation(block: Block) -> Content:
     """A CSV of speed and of the share of the steady friction that is added at it."""
-    rig, made = block.scenario.rig, block.controller.compensation
+    machine, made = block.scenario.elements, block.controller.compensation
     assert made is not None
     block.refuse("table", "lead")
-    law = rig.laws[block.controller.friction_path]
+    law = machine.laws[block.controller.friction_path]
     v, force, error = fit(law)
-    share = rig.values[f"{block.controller.path}.compensation", "share"] if made.share is not None else 1.0
+    share = machine.values[f"{block.controller.path}.compensation", "share"] if made.share is not None else 1.0
     speed, unit = ("rad/s", "N m") if block.rotary else ("m/s", "N")
     head = [
         f"{block.name}: {share:g} of the steady friction of {law.name}, to be added at the {made.speed} speed.",
         "F(-v) = -F(v), and 0 at v = 0. Interpolate linearly; beyond the last point go on along the last two.",
         f"Greatest error for 0 < v <= {v[-1]:g} {speed}: {share * error:.3g} {unit}.",
-        *((_DEFLECTION,) if made.observes(rig.machine.elements) else ()),
+        *((_DEFLECTION,) if made.observes(machine) else ()),
         f"v in {speed}, F in {unit}", made_by(),
     ]  # fmt: skip
     rows = "".join(f"{x!r},{share * y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))

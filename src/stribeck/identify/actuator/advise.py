@@ -108,7 +108,7 @@ def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, Recorde
         except InputError:
             continue
     there = {t.column for t in run.targets}
-    for column in run.scenario.rig.machine.columns:
+    for column in run.scenario.system.columns:
         if column.name not in there and column.name.endswith((".y", ".i", ".torque")) and run.targets:
             t = run.targets[0].t
             extra = Compared(column.name, t, np.zeros(len(t)))
@@ -132,7 +132,7 @@ def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, o
 
 def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """Its drives otherwise."""
-    for use, signal in run.scenario.rig.signals.items():
+    for use, signal in run.scenario.elements.signals.items():
         table = _table(run.scenario.data, use.path)
         if table is None:
             continue

@@ -193,7 +193,7 @@ def prepared(
 def remembers(scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -> bool:
     """Whether the machine holds what no stretch can begin with: a controller's integral, its samples, or a signal that
     was not recorded and cannot be cut."""
-    return bool(scenario.rig.machine.controllers) or any(unshifted(scenario, r) for _, r in recordings)
+    return bool(scenario.system.controllers) or any(unshifted(scenario, r) for _, r in recordings)
 
 
 def estimate(
@@ -211,7 +211,7 @@ def estimate(
     begin, many = dict(first or {}), starts > 1
     loose = loosened(scenario)
     agreed, others = 0, list[dict[str, float]]()
-    whole_only, led = remembers(scenario, recordings), not any(x.free for x in scenario.rig.machine.bodies)
+    whole_only, led = remembers(scenario, recordings), not any(x.free for x in scenario.system.bodies)
     if not whole_only and not led and many:
         rough = _roughly(loose, recordings, sought, named, noise, work)
         found = search(

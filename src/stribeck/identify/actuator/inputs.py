@@ -90,8 +90,8 @@ def later(signal: object, by: float) -> dict[str, object] | None:
 def misread(scenario: Scenario, recording: Recording, log: int) -> list[str]:
     """What is wrong with the columns that a recording names: one that the machine does not have, a signal that is none, a
     unit of another quantity without a gain that turns it into this one."""
-    units = {c.name: c.unit for c in scenario.rig.machine.columns}
-    signals = [use.path for use in scenario.rig.signals]
+    units = {c.name: c.unit for c in scenario.system.columns}
+    signals = [use.path for use in scenario.elements.signals]
     wrong = []
     for name in recording.outputs:
         if name not in units:

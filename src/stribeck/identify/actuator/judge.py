@@ -163,17 +163,17 @@ def _hanging(found: dict[str, Estimate]) -> list[str]:
 def unit(scenario: Scenario, c: MachineCoordinate) -> str:
     """The unit of what is sought, where the machine says it."""
     if c.output is not None:
-        of = next((x.unit for x in scenario.rig.machine.columns if x.name == c.output[0]), "")
+        of = next((x.unit for x in scenario.system.columns if x.name == c.output[0]), "")
         return {"offset": of, "gain": "1", "delay": "s", "clock": "s/s"}.get(c.output[1], "")
     path = next(iter(c.targets))
     owner, name = machine_places(scenario).get(path, ("", path.rpartition(".")[2]))
     if owner == "initial":
-        body = scenario.rig.machine.elements.bodies[name.rpartition(".")[0]]
+        body = scenario.system.elements.bodies[name.rpartition(".")[0]]
         length = "rad" if body.rotary else "m"
         return length if name.endswith(".y") else f"{length}/s"
-    tables = scenario.rig.machine.tables
-    if owner in scenario.rig.laws or owner in tables:
-        constants = scenario.rig.laws[owner].constants() if owner in scenario.rig.laws else tables[owner][0]
+    tables = scenario.system.tables
+    if owner in scenario.elements.laws or owner in tables:
+        constants = scenario.elements.laws[owner].constants() if owner in scenario.elements.laws else tables[owner][0]
         if name in constants:
             return constants[name].unit_for(bool(owner in tables and tables[owner][1])) or "1"
     return ""
@@ -181,4 +181,4 @@ def unit(scenario: Scenario, c: MachineCoordinate) -> str:
 
 def _force_unit(scenario: Scenario, contact: str) -> str:
     """Of a contact's friction."""
-    return next((c.unit for c in scenario.rig.machine.columns if c.name == f"{contact}.F"), "")
+    return next((c.unit for c in scenario.system.columns if c.name == f"{contact}.F"), "")

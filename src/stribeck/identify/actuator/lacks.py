@@ -81,7 +81,7 @@ def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[
 def _way(problem: MachineProblem, run: RecordedRun, k: int, u: Array) -> dict[str, Array]:
     """The columns of a run that terms are made of, on its grid, and the times."""
     grid: Array = np.arange(run.scenario.rows, dtype=float) * run.scenario.output.step
-    columns = [c.name for c in run.scenario.rig.machine.columns if c.name.endswith((".y", ".v", ".w", ".F", *_FORCES))]
+    columns = [c.name for c in run.scenario.system.columns if c.name.endswith((".y", ".v", ".w", ".F", *_FORCES))]
     wanted = replace(run, targets=[Compared(name, grid, grid) for name in columns])
     found = {name: x[0] for name, x in zip(columns, problem.predicted(wanted, k, u[None]), strict=True)}
     return {**found, "t": grid + float(run.piece or 0.0)}
@@ -166,7 +166,7 @@ def _terms(
     d = [ratio * x[f"{start}.y"] - (x[f"{end}.y"] if end != "ground" else 0.0) for x in ways]
     path = f"contacts.{contact}.law"
     viscous = (
-        problem.values(u).get(f"{path}.parameters.sigma_2", scenario.rig.values.get((path, "sigma_2"), 0.0)) or 0.0
+        problem.values(u).get(f"{path}.parameters.sigma_2", scenario.elements.values.get((path, "sigma_2"), 0.0)) or 0.0
     )
     level = [x[f"{contact}.F"] - viscous * x[f"{contact}.w"] for x in ways]
     fastest = max(float(np.max(abs(x))) for x in w)
@@ -184,7 +184,7 @@ def _terms(
         "level by position": [x * y for x, y in zip(level, d, strict=True)],
         "level by time": [x * y["t"] for x, y in zip(level, ways, strict=True)],
     }  # fmt: skip
-    if scenario.rig.machine.elements.bodies[start].turns and max(float(np.ptp(x)) for x in d) > _TURNED:
+    if scenario.system.elements.bodies[start].turns and max(float(np.ptp(x)) for x in d) > _TURNED:
         for name, wave in (("sin", np.sin), ("cos", np.cos)):
             further[f"weight {name}"] = [wave(y) for y in d]
             further[f"level by turn {name}"] = [x * wave(y) for x, y in zip(level, d, strict=True)]
@@ -265,7 +265,7 @@ def _of_columns(problem: MachineProblem, u: Array) -> dict[tuple[str, str], tupl
                 late[target.column] = max(late[target.column], float(np.median(np.diff(target.t))))
                 span[target.column] = max(span[target.column], float(np.ptp(target.x)))
             at += n
-    units = {c.name: c.unit for c in problem.runs[0].scenario.rig.machine.columns}
+    units = {c.name: c.unit for c in problem.runs[0].scenario.system.columns}
     told = dict[tuple[str, str], tuple[Array, float, str]]()
     for (name, what), x in found.items():
         largest = {"clock": CLOCK, "delay": late[name], "gain": LARGEST, "offset": LARGEST * span[name]}[what]

@@ -169,8 +169,8 @@ class MachineProblem:
             if c.output is not None:
                 sensors[c.output] = x
         if not values:  # lanes need a number that varies: one that stays as it is
-            name = next(x.name for x in run.scenario.rig.machine.bodies if x.free)
-            path, now = f"bodies.{name}.initial.y", run.scenario.rig.initial.get(f"{name}.y", 0.0)
+            name = next(x.name for x in run.scenario.system.bodies if x.free)
+            path, now = f"bodies.{name}.initial.y", run.scenario.elements.initial.get(f"{name}.y", 0.0)
             values = {path: np.full(len(U), run.start.get(path, now))}
         delays = {
             column: (sensors.get((column, "delay")), sensors.get((column, "clock")))

@@ -242,7 +242,7 @@ def _levels(
 def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:
     """The friction of a contact at held speeds, without loads, with some numbers of the machine changed."""
     path = f"contacts.{contact}.law"
-    law = problem.runs[0].scenario.rig.laws[path]
+    law = problem.runs[0].scenario.elements.laws[path]
     own = {
         p.removeprefix(f"{path}.").removeprefix("parameters."): x
         for p, x in numbers.items()

@@ -274,7 +274,7 @@ def _step(recording: Recording) -> float:
 def unshifted(scenario: Scenario, recording: Recording) -> list[str]:
     """The signals of the machine that were not recorded, and cannot begin in the middle of a recording."""
     return [
-        use.path for use in scenario.rig.signals
+        use.path for use in scenario.elements.signals
         if use.path not in recording.inputs and later(table_at(scenario, use.path), 1.0) is None
     ]  # fmt: skip
 
@@ -292,7 +292,7 @@ def _signals_later(scenario: Scenario, recording: Recording, begin: float) -> di
                 for path in wrong
             ]
         )
-    paths = [use.path for use in scenario.rig.signals if use.path not in recording.inputs]
+    paths = [use.path for use in scenario.elements.signals if use.path not in recording.inputs]
     return {path: later(table_at(scenario, path), begin) for path in paths}
 
 

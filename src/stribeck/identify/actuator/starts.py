@@ -78,7 +78,7 @@ def begun(
             or {f"outputs.{column}.offset", f"log.{log}.outputs.{column}.offset"} & named
         ):
             continue
-        carried = {b: f for b, f in scenario.rig.carried(name).items() if b not in told}
+        carried = {b: f for b, f in scenario.elements.carried(name).items() if b not in told}
         told |= set(carried)
         x0, rate, dx0, drate = state_at(channel, at)
         states = (("y", x0, dx0), ("v", rate, drate)) if what == "y" else (("v", x0, dx0),)
@@ -103,7 +103,7 @@ def begun(
 
 
 def _free(scenario: Scenario, body: str) -> bool:
-    machine = scenario.rig.machine
+    machine = scenario.system
     return body in machine.elements.bodies and machine.leader(body).velocity is None
 
 

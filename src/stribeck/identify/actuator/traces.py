@@ -70,4 +70,4 @@ def _begun(problem: MachineProblem, u: Array, open_: set[str]) -> Array:
 
 def unit_of(scenario: Scenario, column: str) -> str:
     """The unit of a machine's column."""
-    return next((c.unit for c in scenario.rig.machine.columns if c.name == column), "")
+    return next((c.unit for c in scenario.system.columns if c.name == column), "")

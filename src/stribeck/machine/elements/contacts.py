@@ -275,6 +275,10 @@ class Contact(BetweenBodies, family=True):
         """Slip and stick; not where the only velocity is a signal, which tells by itself."""
         return None if a.system.given_alone else (SLIP_AND_STICK, a.k[self.of("w")])
 
+    def level(self) -> Value:
+        """The speed of slip and stick."""
+        return self.friction.slip_speed
+
     def scales(self) -> Scales:
         """Natural magnitudes of the law."""
         return self.friction.scales()
