@@ -20,7 +20,7 @@ class Constant:
 
     ``above`` is an exclusive bound and ``at_least`` an inclusive one. A constant with a ``default`` may be left out. An
     ``optional`` one is off (None) unless given, and the equation then has another form. A constant with ``choices`` is one
-    of these words, the first unless given.
+    of these words, the first unless given. The magnitude is at most ``largest`` and at least its inverse, if that is given.
     """
 
     unit: str
@@ -32,6 +32,7 @@ class Constant:
     rotary_unit: str | None = None
     example: float | None = None  # a realistic value, for documentation and tests
     choices: tuple[str, ...] = ()
+    largest: float | None = None
 
     def of_motion(self, rotary: bool) -> Constant:
         """The declaration with unit and words for a linear or a rotary machine."""
@@ -70,7 +71,11 @@ class Constant:
         ok = math.isfinite(number)
         ok = ok and (self.above is None or number > self.above)
         ok = ok and (self.at_least is None or number >= self.at_least)
-        return None if ok else f"must be {self.allowed}"
+        if not ok:
+            return f"must be {self.allowed}"
+        if self.largest is None or 1 / self.largest <= abs(number) <= self.largest:
+            return None
+        return f"must be a finite number from {1 / self.largest:g} to {self.largest:g}, or the negative of one"
 
 
 POSITIVE = Constant("", "", above=0)

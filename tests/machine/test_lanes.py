@@ -73,7 +73,7 @@ def test_what_is_no_number_of_the_structure_runs_one_by_one():
 def test_values_that_no_machine_may_have():
     ensemble = simulate(RIG, {"links.k.ratio": [3.0, 0.0, 3.0], "contacts.c.law.parameters.F_s": [1.4, 1.4, 0.5]})
     assert ensemble.reason == [
-        None, "links.k.ratio: 0: must be a finite number from 1e-30 to 1e+30, or the negative of one",
+        None, "links.k.ratio: 0.0: must be a finite number from 1e-30 to 1e+30, or the negative of one",
         "contacts.c.law.parameters.F_s: 0.5: must be at least F_c (F_c = 1.0)",
     ]  # fmt: skip
     with pytest.raises(InputError, match=r"links\.k\.gapp"):

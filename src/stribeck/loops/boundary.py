@@ -134,9 +134,7 @@ def known_path(loop: Loop, path: str, given: str = "vary") -> None:
     Raises:
         InputError: if it is none; the message contains the nearest path.
     """
-    from stribeck.simulation.variations import machine_places
-
-    known = list(machine_places(loop.scenario))
+    known = list(loop.scenario.places)
     if path not in known:
         raise InputError(f"{arg(given)}: {path}: no number of the machine{nearest(path, known)}")
 

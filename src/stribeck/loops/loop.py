@@ -217,9 +217,7 @@ def resolution_of(scenario: Scenario, controller: Controller) -> float:
 
 def some_parameter(scenario: Scenario) -> dict[str, float]:
     """A number of the machine by its path, as it is: a lane needs one to be given."""
-    from stribeck.simulation.variations import machine_places
-
-    places = machine_places(scenario)
+    places = scenario.places
     return next(
         {path: scenario.elements.values[key]} for path, key in places.items() if key in scenario.elements.values
     )

@@ -26,9 +26,7 @@ def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple
     Raises:
         InputError: if the file cannot be read, or contains a parameter that the machine does not have.
     """
-    from stribeck.simulation.variations import machine_places
-
-    places = machine_places(scenario)
+    places = scenario.places
     machine = scenario.elements
     laws = {c.law_path for c in machine.system.contacts}
     nominal = {path: machine.values[key] for path, key in places.items() if key[0] in laws and key in machine.values}

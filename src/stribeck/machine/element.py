@@ -210,12 +210,12 @@ class BetweenBodies(Element):
 
 
 RATIO = "how far `from` counts: d = ratio y_from - y_to; 1 unless given"
-RATIO_LARGEST = 1e30  # and its inverse the smallest: squares of it, times a mass, stay numbers
+_RATIO_LARGEST = 1e30  # and its inverse the smallest: squares of it, times a mass, stay numbers
 
 
 def ratio_constant(meaning: str = RATIO) -> Held:
     """A ratio, which takes part in the equations where it is given."""
-    return quantity("", meaning, optional=True, largest=RATIO_LARGEST)
+    return quantity("", meaning, optional=True, largest=_RATIO_LARGEST)
 
 
 def force_unit(rotary: bool) -> str:

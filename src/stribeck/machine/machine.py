@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import Column
 from stribeck.errors import InputError
-from stribeck.expressions.ops import Value, sqrt
+from stribeck.expressions.ops import Value, smaller, sqrt
 from stribeck.laws.base import Law, Scales
 from stribeck.machine.element import GROUND, SECTIONS, Element
 from stribeck.machine.signal import SignalUse
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from stribeck.machine.elements.motors import Motor
     from stribeck.machine.elements.sensors import Sensor
 
+INITIAL = "initial"  # in the place of the owner of a constant: where a state starts
+_IN_PIECES = ("ramp", "step")  # signals whose constants make pieces
 # Natural magnitudes where no contact says any: a millimetre (milliradian) and its tenfold in a second.
 _LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
 
@@ -148,6 +150,19 @@ class Elements:
         """The values of the run-time constants."""
         return {leaf.key: leaf.value for leaf, _ in self.leaves}
 
+    @cached_property
+    def places(self) -> dict[str, Key]:
+        """Every number in which lanes can differ, by its path: run-time constants by their keys, where states start by
+        :data:`INITIAL` and the state, and constants of signals that make pieces."""
+        found: dict[str, Key] = {leaf.path: leaf.key for leaf, _ in self.leaves}
+        for each in self:
+            if "initial" in type(each).model_fields:
+                found |= {f"{each.path}.initial.{s.name}": (INITIAL, each.of(s.name)) for s in each.own_states(self)}
+        for use, signal in self.signals.items():
+            if signal.kind in _IN_PIECES:
+                found |= {f"{use.path}.{name}": (use.path, name) for name in signal.constants}
+        return found
+
     def with_values(self, values: Mapping[Key, Value]) -> Elements:
         """The same machine with these in the place of some constants: numbers, arrays of one for each lane, or symbols;
         nothing is compiled anew."""
@@ -190,11 +205,10 @@ class Elements:
     def natural(self) -> dict[str, Value]:
         """The natural magnitude of each state; a length's where no element knows any."""
         found = {n: x for each in self for n, x in each.natural(self.scales, self).items()}
-        energy = min(s.force * s.length for s in self.scales.values())
+        energy = _least(*(s.force * s.length for s in self.scales.values()))
         found |= {"E_in": energy, "E_dissipated": energy}
         sizes = {state.name: found.get(state.name, _LENGTH) for state in self.system.states}
-        # NumPy's numbers, which choices between numbers give, are written otherwise than Python's
-        return {name: x.item() if isinstance(x, np.generic) else x for name, x in sizes.items()}
+        return {name: _least(x) for name, x in sizes.items()}
 
     @property
     def mass(self) -> Value:
@@ -247,17 +261,11 @@ class Elements:
         """The states at t = 0 that are not 0."""
         return {each.of(s.name): s.start for each in self for s in each.own_states(self) if s.start}
 
-    def pieces(self, t_end: float) -> Pieces:
-        """All signals as one table."""
+    def pieces(self, t_end: float, others: Mapping[SignalUse, Signal] | None = None) -> Pieces:
+        """All signals as one table; ``others`` in the place of some."""
         if not self.signals:
             return Pieces(np.zeros(1), np.zeros((1, 0)), np.ones(1, np.int8))
-        return merged([self.pieces_of(use, t_end) for use in self.signals])
-
-    def pieces_of(self, use: SignalUse, t_end: float, values: Mapping[str, float] | None = None) -> Pieces:
-        """One signal as a table, with other constants if given."""
-        signal = self.signals[use]
-        changed = type(signal)({**signal.values, **values}) if values else signal
-        return pieces(changed, use.turns, t_end)
+        return merged([pieces(x, use.turns, t_end) for use, x in {**self.signals, **(others or {})}.items()])
 
     @property
     def longest_step(self) -> float:
@@ -277,10 +285,7 @@ class Elements:
 
     def more_events(self, reached: float) -> list[tuple[float, int]]:
         """Events that no state tells, as far as a run came: where the only velocity is a signal, those of the signal."""
-        threshold = self.contacts[""].level() if self.given_alone else 0.0
-        if not threshold > 0:
-            return []
-        return [(t, int(not rises)) for t, rises in self.signal.crossings(threshold, reached)]
+        return signal_events(self.signal, self.contacts[""].level(), reached) if self.given_alone else []
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], table: Pieces) -> dict[str, Value]:
         """Every column of the output by name, from the states and what controllers held at the times t."""
@@ -289,7 +294,18 @@ class Elements:
         return self.system.output_columns(self.values, segment | held, t, states)
 
 
+def signal_events(signal: Signal, threshold: float, reached: float) -> list[tuple[float, int]]:
+    """Slip and stick of a contact whose velocity is a signal."""
+    return [(t, int(not rises)) for t, rises in signal.crossings(threshold, reached)] if threshold > 0 else []
+
+
 def _smallest(found: dict[str, Scales], name: str, s: Scales) -> None:
-    if (old := found.get(name)) is not None:  # compared only then: of lanes they are arrays
-        s = Scales(min(old.length, s.length), min(old.speed, s.speed), min(old.force, s.force))
+    if (old := found.get(name)) is not None:
+        s = Scales(_least(old.length, s.length), _least(old.speed, s.speed), _least(old.force, s.force))
     found[name] = s
+
+
+def _least(*values: Value) -> Value:
+    """The least of numbers, arrays or symbols; a number of NumPy's, which is written otherwise, as one of Python's."""
+    found = reduce(smaller, values)
+    return found.item() if isinstance(found, np.generic) else found

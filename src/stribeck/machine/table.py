@@ -61,25 +61,16 @@ class ConstantField:
     many: bool = False
     off_at_zero: bool = False  # 0 is the same as not given: the equations take the shorter form
     in_code: bool = True  # False: a number of the file that compiled code does not take, such as where a state starts
-    largest: float | None = None  # of the magnitude, whose inverse is the smallest: squares of it stay numbers
 
     def on(self, value: Held) -> bool:
         """Whether the constant takes part in the equations."""
         return value is not None and not (self.off_at_zero and isinstance(value, float | int) and value == 0)
 
-    def problem(self, value: Held) -> str | None:
-        """What is wrong with one number, or None."""
-        if text := self.constant.problem(value):
-            return text
-        if self.largest is None or 1 / self.largest <= abs(value) <= self.largest:
-            return None
-        return f"must be a finite number from {1 / self.largest:g} to {self.largest:g}, or the negative of one"
-
     def _read(self, value: Held) -> Held:
         if value is None and (self.constant.optional or (self.many and self.constant.default is not None)):
             return None
         if not self.many:
-            if text := self.problem(value):
+            if text := self.constant.problem(value):
                 raise refused(text, value)
             return float(value)
         if isinstance(value, np.ndarray):
@@ -91,13 +82,13 @@ class ConstantField:
         if self._all_finite(value):
             return tuple(value)
         for i, x in enumerate(value):  # of a list the first wrong value is reported
-            if text := self.problem(x):
+            if text := self.constant.problem(x):
                 raise problems_at([((i,), f"{show(x)}: {text}")])
         return tuple(map(float, value))
 
     def _all_finite(self, value: Sequence[Held]) -> bool:
         """Whether a list of floats needs no look at each: a recording has a hundred thousand."""
-        bounded = self.constant.above is not None or self.constant.at_least is not None
+        bounded = any(x is not None for x in (self.constant.above, self.constant.at_least, self.constant.largest))
         return not bounded and all(type(x) is float for x in value) and bool(np.isfinite(value).all())
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
@@ -122,13 +113,13 @@ def quantity(
     in_code: bool = True, largest: float | None = None, alias: str | None = None,
 ) -> Held:  # fmt: skip
     """A field that is a run-time constant. One with a ``default`` may be left out; an ``optional`` one is off then."""
-    declared = Constant(unit, meaning, above, at_least, default, optional or off_at_zero, rotary_unit)
-    return given_as(declared, many=many, off_at_zero=off_at_zero, in_code=in_code, largest=largest, alias=alias)
+    declared = Constant(unit, meaning, above, at_least, default, optional or off_at_zero, rotary_unit, largest=largest)
+    return given_as(declared, many=many, off_at_zero=off_at_zero, in_code=in_code, alias=alias)
 
 
 def given_as(
-    declared: Constant, *, many: bool = False, off_at_zero: bool = False, in_code: bool = True,
-    largest: float | None = None, alias: str | None = None, about: str | None = None,
+    declared: Constant, *, many: bool = False, off_at_zero: bool = False, in_code: bool = True, alias: str | None = None,
+    about: str | None = None,
 ) -> Held:  # fmt: skip
     """A field that is a constant declared elsewhere."""
     about = about or f"{declared.meaning}{f', {declared.unit}' if declared.unit else ''}"
@@ -139,7 +130,7 @@ def given_as(
         )
     else:
         info = Field(... if declared.required else declared.default, description=about, alias=alias)
-    info.metadata.append(ConstantField(declared, many, off_at_zero, in_code, largest))
+    info.metadata.append(ConstantField(declared, many, off_at_zero, in_code))
     return info
 
 

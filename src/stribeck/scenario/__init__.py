@@ -15,7 +15,7 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.machine.machine import Elements
 from stribeck.machine.system import MachineSystem
-from stribeck.machine.table import FileTable, Problem
+from stribeck.machine.table import FileTable, Key, Problem
 from stribeck.parameter_sets import read_toml
 from stribeck.parameter_sets.assignments import parse_assignment, parse_assignments
 from stribeck.scenario import tables
@@ -243,6 +243,11 @@ class Scenario:
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Value]:
         """Every column of the output by name, from the states (and what controllers held) at the times t."""
         return self.elements.columns(t, states, held or {}, self._pieces)
+
+    @cached_property
+    def places(self) -> dict[str, Key]:
+        """Every number in which lanes can differ, by its path in the file (:attr:`Elements.places`)."""
+        return {self.called.to_file(path): key for path, key in self.elements.places.items()}
 
     def values(self) -> dict[tuple[str, str], float]:
         """The system's run-time constants by (group, name)."""

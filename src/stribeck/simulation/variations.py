@@ -14,17 +14,14 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
-from stribeck.machine.element import RATIO_LARGEST
-from stribeck.machine.machine import Elements
+from stribeck.machine.machine import INITIAL, Elements, signal_events
 from stribeck.machine.signal import SignalUse
-from stribeck.machine.table import ConstantField
+from stribeck.machine.table import Key
 from stribeck.scenario import Scenario
 from stribeck.scenario.declared import declared
 from stribeck.signals import Signal
-from stribeck.signals.pieces import Pieces, merged, pieces
+from stribeck.signals.pieces import Pieces
 
-Place = tuple[str, str]  # owner and name of a constant; the owner "initial" has the states at t = 0
-_IN_PIECES = ("ramp", "step")  # signals whose constants make pieces
 _SHIFT = "shift."  # before a state's name: what is added to it where a lane begins
 
 
@@ -55,37 +52,17 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
     given, unnamed = arrays(values), scenario.elements.unnamed
     if any(each.follows_others for each in scenario.elements):
         return LaneByLane(scenario, values)  # what its controller knows of the plant changes with the plant
-    known = machine_places(scenario)
+    known = scenario.places
     if all(path in known for path in given):
         return Variations(scenario, values)
     try:  # constants that are off, such as a play that is not given
         scenario = scenario.with_changes({path: float(x[0]) for path, x in given.items() if path not in known})
     except InputError:
         return (Variations if unnamed else LaneByLane)(scenario, values)
-    known = machine_places(scenario)
+    known = scenario.places
     unknown = [path for path in given if path not in known]
     numbers = not unnamed or all(path.startswith("law.") for path in unknown)  # which a law may leave unused
     return (LaneByLane if unknown and numbers else Variations)(scenario, values)
-
-
-def machine_places(scenario: Scenario) -> dict[str, Place]:
-    """Every path that can be varied in lanes, and the constant it stands for."""
-    machine, called = scenario.elements, scenario.called
-    found: dict[str, Place] = {leaf.path: leaf.key for leaf, _ in machine.leaves}
-    for body in machine.bodies.values():
-        if body.tied_to is None:
-            found[f"{body.path}.initial.y"] = ("initial", body.of("y"))
-            if body.free:
-                found |= {
-                    f"{body.path}.initial.{n}": ("initial", body.of(n)) for n in ("v", *(s.name for s in body.states))
-                }
-    for contact in machine.contacts.values():
-        if contact.has_z:
-            found[f"{contact.path}.initial.z"] = ("initial", contact.of("z"))
-    for use, signal in machine.signals.items():
-        if signal.kind in _IN_PIECES:
-            found |= {f"{use.path}.{name}": (use.path, name) for name in signal.constants}
-    return {called.to_file(path): place for path, place in found.items()}
 
 
 class Variations:
@@ -106,7 +83,7 @@ class Variations:
         self.values = {path: x for path, x in given.items() if not path.startswith(_SHIFT)}
         self.played: Mapping[str, Sequence[Signal]] = {}  # by the path of a signal, what it is in each lane
         self.scenario = scenario
-        self.machine, self.places = self.scenario.elements, machine_places(self.scenario)
+        self.machine, self.places = scenario.elements, scenario.places
         if unknown := [path for path in self.values if path not in self.places]:
             raise InputError([f"{path}: cannot be varied{_guess(path, self.places)}" for path in unknown])
 
@@ -146,8 +123,7 @@ class Variations:
     @cached_property
     def _carried(self) -> Elements:
         """The machine of all lanes: an array of one value for each lane in the place of each constant that varies."""
-        varied = {key: x for key, x in self._varied.items() if key in self.machine.values}
-        return self.machine.with_values(varied) if varied else self.machine
+        return self.machine.with_values(self._constants) if self._constants else self.machine
 
     def parameters(self) -> Array:
         """The run-time constants of the compiled system."""
@@ -157,7 +133,7 @@ class Variations:
         """The states at t = 0."""
         given = self.scenario.initial
         names = [state.name for state in self.scenario.system.states]
-        begin: Array = self._table([self._varied.get(("initial", name), given.get(name, 0.0)) for name in names])
+        begin: Array = self._table([self._varied.get((INITIAL, name), given.get(name, 0.0)) for name in names])
         return begin + self._table([self.shift.get(name, 0.0) for name in names])
 
     def atol(self) -> Array:
@@ -166,14 +142,10 @@ class Variations:
         try:
             found = self.scenario.atol(self._carried)
             return self._table([found[name] for name in names])
-        except (TypeError, ValueError):  # scales that are compared, or written for numbers
-            rows = (self.scenario.atol(self._machine_of(lane)) for lane in range(len(self)))
+        except (TypeError, ValueError):  # of a user's law, whose scales are written for numbers
+            lanes = ({key: float(x[lane]) for key, x in self._constants.items()} for lane in range(len(self)))
+            rows = (self.scenario.atol(self.machine.with_values(values)) for values in lanes)
             return np.array([[row[name] for name in names] for row in rows])
-
-    def _machine_of(self, lane: int) -> Elements:
-        return self.machine.with_values(
-            {key: float(x[lane]) for key, x in self._varied.items() if key in self.machine.values}
-        )
 
     def thresholds(self) -> Array:
         """The threshold of each watched quantity, 0 for none."""
@@ -182,26 +154,27 @@ class Variations:
 
     def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
         """Events of a lane that no state tells, as far as it came (:meth:`Elements.more_events`)."""
-        if not self.scenario.system.elements.given_alone:
+        if not self.machine.given_alone:
             return []
-        (use,) = self.machine.signals
-        threshold = float(self._table([self._carried.contacts[""].level()])[lane, 0])
-        signals, which = self._signals(use)
-        if not threshold > 0:
-            return []
-        return [(t, int(not rises)) for t, rises in signals[which[lane]].crossings(threshold, reached)]
+        signals, which = self._signals(next(iter(self.machine.signals)))
+        threshold = self._table([self._carried.contacts[""].level()])[lane, 0]
+        return signal_events(signals[which[lane]], float(threshold), reached)
 
     def sampling(self) -> list[list[dict[str, float]]]:
         """Period, delay, noise and seed of the sampled controllers of each lane."""
         if not self.scenario.system.held:
             return []
         varied = any(path.endswith("sampling") for path, _ in self._varied)
-        return [self._machine_of(lane).sampling() for lane in range(len(self) if varied else 1)]
+        every, lanes = self._carried.sampling(), range(len(self) if varied else 1)
+        return [[{n: x[lane] if isinstance(x, np.ndarray) else x for n, x in each.items()} for each in every]
+                for lane in lanes]  # fmt: skip
 
-    def _signals(self, use: SignalUse) -> tuple[list[Signal], NDArray[np.int64]]:
-        """The signals that occur in one place, and which of them each lane has."""
-        signal = self.machine.signals[use]
-        names = [name for name in signal.constants if (use.path, name) in self._varied]
+    def _signals(self, use: SignalUse, in_pieces: bool = False) -> tuple[Sequence[Signal], NDArray[np.int64]]:
+        """The signals that occur in one place, and which of them each lane has; ``in_pieces``: those whose pieces differ."""
+        if use.path in self.played:
+            return self.played[use.path], np.arange(len(self))
+        signal, in_code = self.machine.signals[use], set() if use.turns or not in_pieces else self.machine.values.keys()
+        names = [n for n in signal.constants if (use.path, n) in self._varied and (use.path, n) not in in_code]
         if not names:
             return [signal], np.zeros(len(self), np.int64)
         table = self._table([self._varied[use.path, name] for name in names])
@@ -225,34 +198,12 @@ class Variations:
 
     @cached_property
     def _tables(self) -> tuple[list[Pieces], NDArray[np.int64]]:
-        """The tables that occur, and which of them each lane has: those where a number varies that makes pieces."""
-        end, in_code = self.scenario.end, set(self.scenario.system.parameters)
-        if self.played:
-            own = {
-                use.path: self.machine.pieces_of(use, end)
-                for use in self.machine.signals
-                if use.path not in self.played
-            }
-            lanes = [{path: pieces(x[i]) for path, x in self.played.items()} for i in range(len(self))]
-            tables = [merged([{**own, **x}[use.path] for use in self.machine.signals]) for x in lanes]
-            return tables, np.arange(len(self))
-        varied: list[tuple[SignalUse, str]] = [
-            (use, name)
-            for use, signal in self.machine.signals.items()
-            for name in signal.constants
-            if (use.path, name) in self._varied and (use.turns or (use.path, name) not in in_code)
-        ]
-        if not varied:
-            return [self.machine.pieces(end)], np.zeros(len(self), np.int64)
-        table = self._table([self._varied[use.path, name] for use, name in varied])
-        each, which = np.unique(table, axis=0, return_inverse=True)
-        found = []
-        for row in each:
-            changes: dict[SignalUse, dict[str, float]] = {}
-            for (use, name), x in zip(varied, row, strict=True):
-                changes.setdefault(use, {})[name] = float(x)
-            found.append(merged([self.machine.pieces_of(use, end, changes.get(use)) for use in self.machine.signals]))
-        return found, np.asarray(which, np.int64).reshape(-1)
+        """The tables that occur, and which of them each lane has."""
+        parts = {use: self._signals(use, in_pieces=True) for use in self.machine.signals}
+        rows = np.stack([np.zeros(len(self), np.int64), *(which for _, which in parts.values())], axis=1)
+        each, lanes = np.unique(rows, axis=0, return_inverse=True)
+        found = ({use: parts[use][0][i] for use, i in zip(parts, row[1:], strict=True)} for row in each)
+        return [self.machine.pieces(self.scenario.end, x) for x in found], np.asarray(lanes, np.int64).reshape(-1)
 
     # -- values that no scenario may have --------------------------------------------------------------------------
 
@@ -261,18 +212,9 @@ class Variations:
         found: list[str | None] = [None] * len(self)
         for path, x in self.values.items():
             constant = declared(self.scenario, path) or Constant("", "")
-            bad = ~np.isfinite(x)
-            if constant.above is not None:
-                bad |= ~(x > constant.above)
-            if constant.at_least is not None:
-                bad |= ~(x >= constant.at_least)
-            for lane in map(int, np.flatnonzero(bad)):
-                found[lane] = found[lane] or f"{path}: {x[lane]}: must be {constant.allowed}"
-            if self.places[path][1] == "ratio":
-                ratio = ConstantField(constant, largest=RATIO_LARGEST)
-                for lane in range(len(x)):
-                    text = ratio.problem(float(x[lane]))
-                    found[lane] = found[lane] or (f"{path}: {x[lane]:g}: {text}" if text else None)
+            for lane, value in enumerate(x.tolist()):
+                if text := constant.problem(value):
+                    found[lane] = found[lane] or f"{path}: {value}: {text}"
         for owner, law in self.laws().items():
             self._relations(owner, law, found)
         return found
@@ -300,7 +242,12 @@ class Variations:
     # -- helpers ---------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _varied(self) -> dict[Place, Array]:
+    def _constants(self) -> dict[Key, Array]:
+        """What varies of the run-time constants."""
+        return {key: x for key, x in self._varied.items() if key in self.machine.values}
+
+    @cached_property
+    def _varied(self) -> dict[Key, Array]:
         return {self.places[path]: x for path, x in self.values.items()}
 
     def _table(self, columns: Sequence[float | Array]) -> Array:

@@ -120,7 +120,7 @@ class MachineModel:
             tests = [f"isfinite({x})"]
             tests += [f"{x} > {c.above!r}"] if c.above is not None else []
             tests += [f"{x} >= {c.at_least!r}"] if c.at_least is not None else []
-            tests += [f"{x} != 0"] if each.path.endswith(".ratio") else []
+            tests += [f"{x} != 0"] if c.largest is not None else []
             found.append((each, c.allowed, " && ".join(tests)))
         by_path = {each.path: each for each in self.tunable}
         for path, law in self.scenario.elements.laws.items():

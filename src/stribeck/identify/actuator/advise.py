@@ -14,7 +14,6 @@ from stribeck.identify.actuator.coordinates import paths
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.problem import STEP, MachineProblem
 from stribeck.identify.actuator.runs import Compared, RecordedRun
-from stribeck.simulation.variations import machine_places
 
 _BETTER = 1.3  # times narrower than by repeating a recording: worth the trouble
 _MOST = 28  # recordings that are tried on paper
@@ -118,7 +117,7 @@ def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, Recorde
 def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """Numbers that can be other in a further recording: those that the recordings differ in, and masses and loads."""
     sought = paths(best.problem.sought)
-    places = machine_places(run.scenario)
+    places = run.scenario.places
     for path in places:
         last = path.split(".")
         if path in sought or last[0] not in ("bodies", "loads") or not any(word in _LOADS for word in last[2:3]):

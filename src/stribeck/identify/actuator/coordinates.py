@@ -11,7 +11,6 @@ import numpy as np
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator.recordings import Logs, Sought
 from stribeck.scenario import Scenario
-from stribeck.simulation.variations import machine_places
 
 _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
 _START = re.compile(r"initial\.(\w+)\.([yv])")
@@ -130,12 +129,12 @@ def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: i
 
 def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
     """Why a path cannot take these values, or None."""
-    places = machine_places(scenario)
+    places = scenario.places
     if path not in places:
         try:  # a constant that is off, such as a play that is not given
-            places = machine_places(scenario.with_changes({path: values[-1]}))
+            places = scenario.with_changes({path: values[-1]}).places
         except InputError:
-            places = machine_places(scenario)
+            places = scenario.places
     if path not in places:
         return "no such number of the machine" + (
             nearest(path, places) or f" (it has {', '.join(_like(path, list(places)))})"

@@ -17,7 +17,6 @@ from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.judging import judged as by_core
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.scenario import Scenario
-from stribeck.simulation.variations import machine_places
 
 RELATED = 0.95  # of a correlation: two numbers can stand for each other
 EQUAL = (
@@ -166,7 +165,7 @@ def unit(scenario: Scenario, c: MachineCoordinate) -> str:
         of = next((x.unit for x in scenario.system.columns if x.name == c.output[0]), "")
         return {"offset": of, "gain": "1", "delay": "s", "clock": "s/s"}.get(c.output[1], "")
     path = next(iter(c.targets))
-    owner, name = machine_places(scenario).get(path, ("", path.rpartition(".")[2]))
+    owner, name = scenario.places.get(path, ("", path.rpartition(".")[2]))
     if owner == "initial":
         body = scenario.system.elements.bodies[name.rpartition(".")[0]]
         length = "rad" if body.rotary else "m"

@@ -16,7 +16,6 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem, number_at
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.identify.core.library import LARGEST
-from stribeck.simulation.variations import machine_places
 
 BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # of the fastest speed: where a Stribeck curve may bend, by factors of 2.5
 CLOCK = 1e-3  # s/s: a computer's clock is off by less
@@ -198,7 +197,7 @@ def _terms(
 def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
     """The machine's numbers that are neither sought nor known of single recordings; a unit is a factor of e."""
     sought, numbers = paths(problem.sought), list[tuple[MachineCoordinate, float]]()
-    for path in machine_places(problem.runs[0].scenario):
+    for path in problem.runs[0].scenario.places:
         if path in sought or ".initial." in path or ".signal." in path or path.endswith(_SMOOTHING):
             continue
         values = {number_at(run, path) for run in problem.runs}

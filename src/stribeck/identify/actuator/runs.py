@@ -20,7 +20,7 @@ from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.signals.piecewise import PointsSignal
 from stribeck.simulation import compiler, lanes
-from stribeck.simulation.variations import Variations, machine_places, vary
+from stribeck.simulation.variations import Variations, vary
 
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5
@@ -298,4 +298,4 @@ def _signals_later(scenario: Scenario, recording: Recording, begin: float) -> di
 
 def varies(scenario: Scenario, path: str) -> bool:
     """Whether a path is a number that lanes can vary."""
-    return path in machine_places(scenario)
+    return path in scenario.places
