@@ -1,5 +1,6 @@
 """The generated C as a text: it compiles without a warning, its names are readable and clash with nothing."""
 
+import cProfile
 import re
 import subprocess
 import threading
@@ -7,12 +8,14 @@ import threading
 import numpy as np
 import pytest
 
+from stribeck import Scenario
 from stribeck.codegen import source
 from stribeck.laws import BristleLaw, builtin, law
 from stribeck.laws.form import USUAL
 from stribeck.laws.render import equations
 from stribeck.simulation import compiler, simulate
 from tests.codegen.systems import IDS, VARIANTS, systems
+from tests.machine import machines
 from tests.simulation.rig import needs_compiler, rig, solved
 
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror")
@@ -198,3 +201,23 @@ def test_names_do_not_change_a_bit():
     for name in ("y", "v"):
         assert np.array_equal(short[f"b.{name}"], long[f"{'b' * 80}.{name}"])
     assert np.array_equal(short["c.F"], long[f"{'c' * 80}.F"])
+
+
+def chain(count):
+    """A system of many bodies in a row, each with a contact to the ground."""
+    bodies = {f"b{i}": {"mass": 1.0} for i in range(count)}
+    links = {f"l{i}": {"from": f"b{i}", "to": f"b{i + 1}", "stiffness": 1e4} for i in range(count - 1)}
+    contacts = {f"c{i}": {"from": f"b{i}", "law": machines.law()} for i in range(count)}
+    return Scenario(machines.machine(bodies, energy=False, links=links, contacts=contacts)).system
+
+
+def test_the_work_grows_little_faster_than_the_machine():
+    """Calls of functions, so that no clock decides: as n^1.3, where a search of all rows for each pivot made n^1.6."""
+    calls = []
+    for count in (20, 40):
+        system, profile = chain(count), cProfile.Profile()
+        profile.enable()
+        source(system)
+        profile.disable()
+        calls.append(sum(each.callcount for each in profile.getstats()))
+    assert calls[1] < 2.6 * calls[0]

@@ -207,7 +207,7 @@ def test_passes_left_out_for_one_trajectory_change_no_number(monkeypatch, tmp_pa
     found = [simulate(Scenario(DATA))]
     monkeypatch.setattr(cache, "_loaded", {})
     monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "other"))
-    with_all = replace(compiler.find(), options=())
+    with_all = replace(compiler.find(), options=(), extra=())
     monkeypatch.setattr(compiler, "find", lambda: with_all)
     found.append(simulate(Scenario(DATA)))
     assert [solution.stats["built"] for solution in found] == [True, True]

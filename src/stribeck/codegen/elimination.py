@@ -15,19 +15,18 @@ def order_of_elimination(matrix: Sequence[Sequence[Expr]]) -> list[int]:
     The velocity, coupled to all others, comes last: it is then the first unknown computed, and the next stage needs it.
     """
     n = len(matrix)
-    filled = [[not is_zero(matrix[i][j]) or i == j for j in range(n)] for i in range(n)]
-    remaining, order = list(range(n)), []
+    in_row = [{j for j in range(n) if j == i or not is_zero(matrix[i][j])} for i in range(n)]
+    in_column = [{i for i in range(n) if k in in_row[i]} for k in range(n)]
+    remaining, order = set(range(n)), []
     while remaining:
-        cost = {
-            k: (sum(filled[i][k] for i in remaining) - 1) * (sum(filled[k][j] for j in remaining) - 1)
-            for k in remaining
-        }
-        pivot = min(remaining, key=lambda k: (cost[k], k))
+        pivot = min(remaining, key=lambda k: ((len(in_column[k]) - 1) * (len(in_row[k]) - 1), k))
         order.append(pivot)
         remaining.remove(pivot)
-        for i in remaining:
-            for j in remaining:
-                filled[i][j] |= filled[i][pivot] and filled[pivot][j]
+        rows, columns = in_column[pivot] - {pivot}, in_row[pivot] - {pivot}
+        for i in rows:
+            in_row[i] = (in_row[i] | columns) - {pivot}
+        for j in columns:
+            in_column[j] = (in_column[j] | rows) - {pivot}
     return order
 
 

@@ -103,10 +103,10 @@ class Writer:
         uses.update(expr for _, expr in outputs)
         within = within_loops(nodes)
         for target, expr in outputs:
-            for node in ordered([expr]):
-                if node.op == "root" and node not in self._text:
+            for node in ordered([expr], self._text):
+                if node.op == "root":
                     self._text[node] = self._loop(node, uses, within)
-                elif node not in self._text and node not in within:
+                elif node not in within:
                     self._text[node] = self._statement(node, uses[node])
             self.lines.append(f"{target} = {self._value(expr, TERNARY)}{self.dialect.statement_end}")
         return self.lines

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 import weakref
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -364,16 +364,16 @@ def total_derivative(expression: Expr, rates: Mapping[Expr, Expr]) -> Expr:
     return total
 
 
-def ordered(outputs: Iterable[Expr]) -> list[Expr]:
-    """All nodes of the outputs, each after its arguments."""
+def ordered(outputs: Iterable[Expr], known: Container[Expr] = ()) -> list[Expr]:
+    """All nodes of the outputs, each after its arguments; without ``known`` ones, and what only these need."""
     order: dict[Expr, None] = {}
     stack = list(outputs)[::-1]
     while stack:
         node = stack.pop()
-        if node in order:
+        if node in order or node in known:
             continue
         for arg in node.args:
-            if arg not in order:  # it and the others first, then the node again
+            if arg not in order and arg not in known:  # it and the others first, then the node again
                 stack.append(node)
                 stack.extend(node.args[::-1])
                 break
