@@ -13,7 +13,7 @@ from pyarrow import parquet
 from scipy import signal
 from scipy.io import savemat
 
-from stribeck import InputError
+from stribeck import InputError, examples
 from stribeck.identify.api import fit
 from stribeck.identify.data.clocks import released
 from stribeck.identify.data.filters import decimate, shifted, zero_phase
@@ -74,6 +74,17 @@ def test_columns_may_stand_in_a_file_beside_the_data_and_the_gain_in_the_data(tm
     found = read(path, ColumnNames({"position": "x"}))
     np.testing.assert_allclose(found["force"], 2.5 * F, rtol=1e-15)
     np.testing.assert_array_equal(found["position"], X)
+
+
+def test_a_scenario_beside_the_data_describes_no_log(tmp_path):
+    """`new axis` beside axis.csv."""
+    path = _csv(tmp_path / "log.csv", _rows())
+    (tmp_path / "log.toml").write_text(examples.path("machine").read_text(encoding="utf-8"), encoding="utf-8")
+    found = read(path, ColumnNames(NAMES, {}, 1.0))
+    np.testing.assert_array_equal(found["position"], X)
+    (tmp_path / "log.toml").write_text('[colums]\ntime = "t"\n')
+    with pytest.raises(InputError, match=r"colums: unknown key \(did you mean 'columns'\?\)"):
+        read(path, ColumnNames(NAMES, {}, 1.0))
 
 
 def test_a_csv_file_without_a_head_has_numbered_columns(tmp_path):

@@ -40,17 +40,17 @@ class ColumnNames:
 
 
 def beside(path: Path) -> ColumnNames:
-    """What the TOML file of the same name beside the data says: tables [columns] and [units], and force_gain."""
-    return from_toml(path.with_suffix(".toml")) if path.with_suffix(".toml").is_file() else ColumnNames()
+    """The columns that the TOML file of the same name beside the data names: [columns], [units] and force_gain.
 
-
-def from_toml(path: Path) -> ColumnNames:
-    """The columns that a TOML file names.
+    A file that states a schema is a scenario or a machine, and describes no log.
 
     Raises:
         InputError: the file cannot be read or holds something else.
     """
-    data = read_toml(path)
+    path = path.with_suffix(".toml")
+    data = read_toml(path) if path.is_file() else {}
+    if "schema" in data:
+        return ColumnNames()
     problems = [
         f"{path}: {key}: unknown key{nearest(key, ('columns', 'units', 'force_gain'))} (known: columns, units, force_gain)"
         for key in data
