@@ -163,10 +163,11 @@ class Elements:
                 found |= {f"{use.path}.{name}": (use.path, name) for name in signal.constants}
         return found
 
-    def with_values(self, values: Mapping[Key, Value]) -> Elements:
-        """The same machine with these in the place of some constants: numbers, arrays of one for each lane, or symbols;
-        nothing is compiled anew."""
-        found = self.carrying(Carrier(lambda owner, name: values.get((owner, name), self.values.get((owner, name)))))
+    def with_values(self, values: Mapping[Key, Value], signals: Mapping[str, Signal] | None = None) -> Elements:
+        """The same machine with these in the place of some constants: numbers, arrays of one for each lane, or symbols; and
+        of some signals, by their paths, of the same kinds. Nothing is compiled anew."""
+        put = lambda owner, name: values.get((owner, name), self.values.get((owner, name)))  # noqa: E731
+        found = self.carrying(Carrier(put, signals=signals or {}))
         vars(found)["system"] = self.system  # which no value changes
         return found
 

@@ -91,6 +91,10 @@ class SignalTable(Family, family=True):
 
     def carrying(self, path: str, carrier: Carrier) -> Held:
         """In the structure, how equations refer to it: by a name for its pieces and a path for its constants."""
+        if path in carrier.signals:
+            found = self.model_copy()
+            vars(found)["built"] = carrier.signals[path]
+            return found
         if not carrier.structure:
             return super().carrying(path, carrier) if self._in_code() else self
         *_, inside, of, _ = ("", "", *path.split("."))

@@ -20,6 +20,7 @@ from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.graph import symbol
 from stribeck.expressions.ops import Value
+from stribeck.signals import Signal
 
 Problem = tuple[str, str]  # path, message
 Key = tuple[str, str]  # the table and the name of a run-time constant
@@ -89,7 +90,7 @@ class ConstantField:
     def _all_finite(self, value: Sequence[Held]) -> bool:
         """Whether a list of floats needs no look at each: a recording has a hundred thousand."""
         bounded = any(x is not None for x in (self.constant.above, self.constant.at_least, self.constant.largest))
-        return not bounded and all(type(x) is float for x in value) and bool(np.isfinite(value).all())
+        return not bounded and set(map(type, value)) == {float} and bool(np.isfinite(value).all())
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         return core_schema.no_info_plain_validator_function(
@@ -241,11 +242,12 @@ class ConstantLeaf:
 @dataclass(frozen=True)
 class Carrier:
     """What stands in the place of run-time constants: symbols (``structure``: nothing else of the values stays either),
-    or other numbers, or arrays of one for each lane."""
+    or other numbers, or arrays of one for each lane; and of signals, by their paths."""
 
     put: Callable[[str, str], Value]
     structure: bool = False
     name: str = ""  # of the element that is carried
+    signals: Mapping[str, Signal] = field(default_factory=dict)
 
 
 SYMBOLS = Carrier(lambda owner, name: symbol(f"{owner}.{name}"), structure=True)
@@ -423,7 +425,7 @@ def within(value: Held, path: str) -> Iterator[tuple[str, Held]]:
             yield joined(path, info.alias or name), getattr(value, name)
     elif isinstance(value, dict):
         yield from ((f"{path}.{name}", x) for name, x in value.items())
-    elif isinstance(value, tuple) and not all(type(x) is float for x in value):  # samples hold nothing
+    elif isinstance(value, tuple) and set(map(type, value)) != {float}:  # samples hold nothing
         yield from ((f"{path}[{i}]", x) for i, x in enumerate(value))
 
 

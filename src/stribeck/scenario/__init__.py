@@ -84,10 +84,19 @@ class Scenario:
 
     def with_rtol(self, rtol: float) -> Scenario:
         """This scenario with another relative tolerance, not judged. Its ``data`` stay as they are."""
+        return self._with(solve=self.solve.model_copy(update={"rtol": rtol}))
+
+    def with_signals(self, signals: Mapping[str, Signal]) -> Scenario:
+        """This scenario with other signals of the same kinds, by their paths, not judged. Its ``data`` stay as they are."""
+        return self._with(elements=self.elements.with_values({}, signals))
+
+    def _with(self, **changed: object) -> Scenario:
         other = copy(self)
-        known = {n: x for n, x in vars(self).items() if n in ("data", "folder", "elements", "called", "output")}
+        known = {
+            n: x for n, x in vars(self).items() if n in ("data", "folder", "elements", "called", "solve", "output")
+        }
         other.__dict__.clear()  # what it found out about itself it finds anew
-        other.__dict__.update(known, solve=self.solve.model_copy(update={"rtol": rtol}))
+        other.__dict__.update(known | changed)
         return other
 
     @classmethod

@@ -25,10 +25,10 @@ def named(data: Mapping[str, object]) -> dict[str, str]:
     ]
     while left:  # a file may nest deeper than Python calls
         path, value = left.pop()
+        if isinstance(value, list) and set(map(type, value)) <= {float}:  # the samples of a signal, which may be many
+            continue
         inside: Iterable[tuple[str | int, object]] = value.items() if isinstance(value, Mapping) else enumerate(value)
         for key, each in inside:
-            if isinstance(each, float):  # of the samples of a signal, which may be many
-                continue
             place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}"
             if key in ("name", "kind") and in_a_file(each):
                 found[place] = each

@@ -85,13 +85,13 @@ def pieces(signal: Signal, turns: bool = False, t_end: float = np.inf) -> Pieces
     """The pieces of a signal from t = 0 on; with ``turns`` cut where it reverses before ``t_end``."""
     if not signal.smooth:
         table = _straight(signal)
-    elif isinstance(signal, _IN_PIECES):
-        names = tuple(signal.constants)
-        rows = [(start, [values[n] for n in names]) for start, values in signal.pieces]
-        start = np.array([start for start, _ in rows])
-        jumps = signal.jumps if isinstance(signal, SumSignal) else [False] * (len(start) - 1)
-        restart = np.where([isinstance(signal, SumSignal), *jumps], JUMP, CORNER).astype(np.int8)
-        table = Pieces(start, np.array([row for _, row in rows]), restart)
+    elif isinstance(signal, Curve):
+        rows = signal.table()
+        table = Pieces(rows[:, 0], rows, np.full(len(rows), CORNER, np.int8))
+    elif isinstance(signal, SumSignal):
+        rows = np.array([[values[n] for n in signal.constants] for _, values in signal.pieces])
+        restart = np.where([True, *signal.jumps], JUMP, CORNER).astype(np.int8)
+        table = Pieces(np.array([start for start, _ in signal.pieces]), rows, restart)
     else:
         table = Pieces(np.zeros(1), np.zeros((1, 0)), np.array([JUMP], np.int8))
     return _cut_at_turns(signal, table, t_end) if turns else table

@@ -34,7 +34,7 @@ class Curve(Signal):
         rest[:, 0] = value[[0, -1]]
         self._start = np.concatenate([[min(0.0, t[0]) - 1.0], t])
         self._rows = np.vstack([rest[:1], inner, rest[1:]])
-        super().__init__(self.pieces[0][1])
+        super().__init__({name: float(x) for name, x in self.values_at(0.0).items()})
 
     @staticmethod
     def between(t: Array, value: Array) -> Array:
@@ -65,13 +65,14 @@ class Curve(Signal):
             total = total * x + getattr(p, name)
         return total
 
+    def table(self) -> Array:
+        """The pieces from t = 0 on as rows: when each begins, and its coefficients."""
+        first = max(int(np.searchsorted(self._start, 0.0, side="right")) - 1, 0)
+        return np.column_stack([self._start[first:], self._rows[first:]])
+
     @cached_property
     def pieces(self) -> list[tuple[float, dict[str, float]]]:
-        first = max(int(np.searchsorted(self._start, 0.0, side="right")) - 1, 0)
-        starts, rows = self._start[first:].tolist(), self._rows[first:].tolist()
-        return [
-            (t, {"start": t, **dict(zip(COEFFICIENTS, row, strict=True))}) for t, row in zip(starts, rows, strict=True)
-        ]
+        return [(row[0], dict(zip(self.constants, row, strict=True))) for row in self.table().tolist()]
 
     def values_at(self, t: ArrayLike) -> dict[str, Value]:
         i = np.clip(np.searchsorted(self._start, np.asarray(t, float), side="right") - 1, 0, None)

@@ -15,12 +15,12 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun, typical_roughness
-from stribeck.identify.actuator.solve import search
+from stribeck.identify.actuator.solve import direction
 
 ORDER = 6  # of the differences that are noise: an input may be fast
 PILOT, DRAWS = 4, 24  # draws that show whether it matters; that then tell a deviation to 15 %
 LITTLE = 0.02  # of the sum of squares that is left: less does not matter
-STEPS = 4  # of a search from the optimum of nearly the same recordings
+FAINT = 1e-9  # damping of a step that only rounding limits
 
 
 def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
@@ -61,13 +61,19 @@ def _as_well(problem: MachineProblem, u: Array, r: Array) -> Iterator[Array]:
 
 
 def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array]:
-    """By cause, the residuals that would move the numbers as fitting the recordings as they might be as well does."""
+    """By cause, the residuals that would move the numbers as fitting the recordings as they might be as well does: by a step of
+    Gauss and Newton with slopes of their own, which hold the bias. The same step of the fit's own recordings is taken off."""
+    base: Array | None = None
     for same in _alternatives(problem):
-        found = []
-        for runs in same:
-            own = replace(problem, runs=runs, noise=dict(problem.noise))
-            found.append(J @ (search(own, 1, 0, u, steps=STEPS).u - u))
-        yield np.array(found)
+        base = _newton(problem, u) if base is None else base
+        others = [replace(problem, runs=runs, noise=dict(problem.noise)) for runs in same]
+        yield np.array([J @ (_newton(other, u) - base) for other in others])
+
+
+def _newton(problem: MachineProblem, u: Array) -> Array:
+    """The step of Gauss and Newton."""
+    r, J = problem.slopes(u[None], np.full(len(u), problem.step))
+    return direction(r[0], J[0], u, problem, FAINT)
 
 
 def _moved(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:

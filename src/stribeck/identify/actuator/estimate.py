@@ -247,21 +247,26 @@ def estimate(
 
 
 def _confirmed(problem: MachineProblem, found: Found, seed: int, keep: Keep | None) -> Found:
-    """The best point, if more than noise is left there, beside where other starts end, which were given up on their way; or,
-    where no other start was on its way, points elsewhere."""
+    """The best point, followed to its end; if more than noise is left there, beside where other starts end, which were given up
+    on their way; or, where no other start was on its way, points elsewhere."""
     kept = _kept(problem, keep)
     try:
-        if not beyond_noise(problem, found.u, found.agreeing):
-            return found
+        end = search(problem, 1, seed, found.u, kept, small=_NEAR)
+        if end.stopped or not beyond_noise(problem, end.u, found.agreeing):
+            return replace(end, agreeing=found.agreeing)
         if found.others:
-            ends = [search(problem, 1, seed, u, kept, small=_NEAR) for u in (found.u, *found.others)]
+            ends = [end]
+            for u in found.others:
+                ends.append(search(problem, 1, seed, u, kept, small=_NEAR))
+                if ends[-1].stopped or not beyond_noise(problem, ends[-1].u, 1):
+                    break
             best = min(ends, key=lambda each: each.cost)
             return replace(best, agreeing=agreeing(np.array([each.cost for each in ends]), best.cost))
-        again = search(problem, 1, seed, found.u, kept, scanned(problem, found), small=_NEAR)
+        again = search(problem, 1, seed, end.u, kept, scanned(problem, end), small=_NEAR)
     except (KeyboardInterrupt, Stopped):
         problem.work.stop()
         return replace(found, stopped=True)
-    before = found.agreeing if agreeing(np.array([found.cost]), again.cost) else 0
+    before = found.agreeing if agreeing(np.array([end.cost]), again.cost) else 0
     return replace(again, agreeing=max(again.agreeing, before))
 
 

@@ -14,6 +14,8 @@ from stribeck.errors import nearest
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.recorded.units import si_unit
 from stribeck.scenario import Scenario
+from stribeck.signals.piecewise import PointsSignal
+from stribeck.signals.trajectories import SplineSignal
 
 _CHORDS = 3  # of a curve from one sample to the next
 # The column that an element's signal becomes.
@@ -34,9 +36,17 @@ class RecordedInput:
     noise: float | None = None  # its standard deviation, if it was given
 
     def table(self) -> dict[str, object]:
-        """The signal as a machine's file has it; two equal times make a jump."""
-        t, x = (np.repeat(self.t, 2)[1:], np.repeat(self.x, 2)[:-1]) if self.held else (self.t, self.x)
+        """The signal as a machine's file has it."""
+        t, x = self._points()
         return {"kind": "spline" if self.spline else "points", "t": t.tolist(), "value": x.tolist()}
+
+    def signal(self) -> SplineSignal | PointsSignal:
+        """The signal as a run takes it."""
+        return SplineSignal(*self._points()) if self.spline else PointsSignal(*self._points())
+
+    def _points(self) -> tuple[Array, Array]:
+        """Times and values; two equal times make a jump."""
+        return (np.repeat(self.t, 2)[1:], np.repeat(self.x, 2)[:-1]) if self.held else (self.t, self.x)
 
     def smooth(self) -> RecordedInput:
         """The same signal where it runs smoothly from sample to sample, as chords of a cubic spline; itself where it is held,

@@ -71,7 +71,11 @@ class RecordedRun:
     as_well: Mapping[str, Sequence[MeasuredRun]] = field(default_factory=dict)  # as errors of a kind may have made it
 
     def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
-        """The same run with other signals."""
+        """The same run with other signals; where one is of another kind, so is the structure, which is read anew."""
+        signals = {path: x.signal() for path, x in drives.items()}
+        kinds = {use.path: type(x) for use, x in self.scenario.elements.signals.items()}
+        if all(type(x) is kinds.get(path) for path, x in signals.items()):
+            return replace(self, scenario=self.scenario.with_signals(signals))
         return replace(self, scenario=self.scenario.with_changes({path: x.table() for path, x in drives.items()}))
 
     def instead(self, measured: MeasuredRun) -> RecordedRun:
