@@ -24,7 +24,7 @@ from stribeck.identify.actuator.estimate import FAR_STEP, beyond_noise, first_no
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit
-from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.runs import RecordedRun, typical_roughness
 from stribeck.identify.actuator.solve import search
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.states import Estimate, EstimateState
@@ -416,13 +416,13 @@ def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, s
     friction, beside = parts(model.name, used, log, bent)
     left = log.force - friction - beside
     missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)
-    notes = [_in_names(text, names) for text in (*([found.reason] if found.reason else []), *found.notes)]
     details: FitDetails = {
         "seen": seen(log, np.ones(len(log), bool)),
         "missed": missed,
         "speeds": {n.removeprefix("contact "): v for n, v in found.speeds.items()},
     }
-    notes = [_in_names(text, names) for text in (*([found.reason] if found.reason else []), *found.notes)]
+    words = _words(model, names)
+    notes = [_in_names(text, words) for text in (*([found.reason] if found.reason else []), *found.notes)]
     if model.output != "force":
         met = [log_result.traces[0] for log_result in found.logs]
         measured, fitted = (np.concatenate([getattr(x, side) for x in met]) for side in ("measured", "predicted"))
@@ -455,12 +455,13 @@ def _estimates(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, 
     constants, sizes, out = model.law.constants(), sizes_of(log), dict[str, Estimate]()
     values = {n: found.parameters[path].value for path, n in names.items()}
     open_ = [n for path, n in names.items() if not found.parameters[path].identifiable]
+    words = _words(model, names)
     for path, n in names.items():
         e, unit = found.parameters[path], constants[n].unit if n in constants else TERMS[n].unit
         experiment = "" if e.usable else experiment_for(n, values, sizes, open_, rotary=log.rotary)
         out[n] = replace(
-            e, value=float(e.value), unit=rotary_unit(unit) if log.rotary else unit, why=_in_names(e.why, names),
-            depends_on=_in_names(e.depends_on, names), experiment=experiment,
+            e, value=float(e.value), unit=rotary_unit(unit) if log.rotary else unit, why=_in_names(e.why, words),
+            depends_on=_in_names(e.depends_on, words), experiment=experiment,
         )  # fmt: skip
     return out
 
@@ -499,20 +500,12 @@ def _as_well(log: Log, model: OneBody) -> dict[str, list[Log]]:
     filtered lower."""
     if log.bandwidth is None or (model.output != "force" and log.sources.get("unfiltered") == model.output):
         return {}
-    rng, deviation = np.random.default_rng(0), _noise(log)
+    rng, x = np.random.default_rng(0), log.unfiltered
+    deviation = 0.0 if x is None else typical_roughness([x[rows] for rows in _runs(log)])
     return {
         "noise of the motion": [_noisier(log, deviation, rng) for _ in range(_DRAWS)],
         "filter of the motion": [smoother_log(log)],
     }
-
-
-def _noise(log: Log) -> float:
-    """The standard deviation of white noise of what was measured of the motion, by third differences and its step."""
-    x = log.unfiltered
-    if x is None:
-        return 0.0
-    third = np.concatenate([np.diff(x[rows], 3) for rows in _runs(log)])
-    return float(np.sqrt(np.median(third**2) / 20.0 / 0.455))  # the median of a normal number's square is 0.455
 
 
 def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
@@ -532,10 +525,17 @@ def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
     return log.with_columns(position=position, velocity=velocity, acceleration=acceleration)
 
 
-def _in_names(text: str, names: Mapping[str, str]) -> str:
-    """What the machine fit says, with the names of a log's numbers in the place of the machine's paths."""
-    for path, name in names.items():
-        text = text.replace(path, name)
+def _words(model: OneBody, names: Mapping[str, str]) -> dict[str, str]:
+    """What a log's fit calls the machine's paths: its numbers by their names, and errors of its output, which no number is."""
+    errors = {"clock": "clock drift", "delay": "delay", "gain": "gain", "offset": "offset"}
+    of_output = {f"outputs.{OUTPUTS[model.output]}.{n}": f"{text} of the {model.output}" for n, text in errors.items()}
+    return {**of_output, **names, "contact: ": ""}
+
+
+def _in_names(text: str, words: Mapping[str, str]) -> str:
+    """What the machine fit says, in the words of a log."""
+    for path, word in words.items():
+        text = text.replace(path, word)
     return text
 
 

@@ -88,7 +88,7 @@ def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array 
     """The noise of each recorded input: as given, or what changes from sample to sample; steps are no noise."""
     sizes = []
     for run in problem.runs:
-        of = {p: typical_roughness(x.x, ORDER) if x.noise is None else x.noise for p, x in run.inputs.items()}
+        of = {p: typical_roughness([x.x], ORDER) if x.noise is None else x.noise for p, x in run.inputs.items()}
         sizes.append({p: size for p, size in of.items() if size > 0})
     if not any(sizes):
         return None

@@ -25,10 +25,8 @@ _FIRST = 0.05  # of a column's changes: the noise to begin with
 _WEIGHTINGS = 8  # a poor start may need some: each lets the search see more
 _SETTLED = 0.05
 _OFF, _GROWN = 1e-6, 100.0  # of the position's changes; times a start's error: then less than the noise decides
-_DOUBTED = (
-    1.2  # times the noise: noise that is white leaves 1.0, to some hundredths; more may be another minimum, unless
-)
-_AGREEING = 3  # so many starts came to this one
+# Times the noise: white noise leaves 1.0, to some hundredths. More may be another minimum, if few starts came to this one.
+_DOUBTED, _AGREEING = 1.2, 3
 _STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
 _SHORTEST = 0.2  # s
 _ROUGH = 12  # steps of the search in stretches

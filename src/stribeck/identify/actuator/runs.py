@@ -180,11 +180,10 @@ def roughness(parts: Sequence[Array], order: int = 3) -> float:
     return float(np.sqrt(np.mean(found**2) / math.comb(2 * order, order)))
 
 
-def typical_roughness(x: Array, order: int) -> float:
-    """The noise of a column by the median of its differences, which few that are large do not move."""
-    if len(x) <= order:
-        return 0.0
-    return float(np.median(abs(np.diff(x, order)))) / _MEDIAN / math.sqrt(math.comb(2 * order, order))
+def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
+    """The same by the median of the differences, which few that are large do not move."""
+    found = np.concatenate([np.diff(x, order) for x in parts])
+    return float(np.median(abs(found))) / _MEDIAN / math.sqrt(math.comb(2 * order, order)) if len(found) else 0.0
 
 
 def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel]:

@@ -63,7 +63,7 @@ def better(
     if static is not None and not best.relative_force_error < HALF * left:
         best = static
     elif static is not None:
-        notes = (f"The best static law ({static.law_name}) leaves {left:.0%} of the force in all rows.", *notes)
+        notes = (f"The best static law ({static.law_name}) leaves {100 * left:.0f} % of the force in all rows.", *notes)
     told = [*(_candidate(fit, fit is best) for fit in found), *(static.candidates if static is not None else ())]
     candidates = tuple(Candidate(**{**c, "chosen": c["chosen"] and c["law"] == best.law_name}) for c in told)
     return replace(

@@ -353,7 +353,7 @@ def _notes(
     out, left = [], missed(choice)
     if left > EXPLAINED:
         out.append(
-            f"The fit leaves {left:.0%} of the force's deviation: the model lacks something, and nothing is identified."
+            f"The fit leaves {100 * left:.0f} % of the force's deviation: the model lacks something, and nothing is identified."
         )
     if unused:
         terms_of = " and ".join(MEASURED[n] for n in unused)
