@@ -55,3 +55,21 @@ def test_a_narrow_quiet_stretch_is_found():
     assert [b.value for b in found.boundaries] == pytest.approx([100.0, 125.9, 156.8], rel=5e-3)
     assert found.boundaries[0].above == "quiet"
     assert found.resolution <= 0.035
+
+
+def test_an_irregular_cycle_whose_last_rows_hold_one_slip_hunts():
+    """A coarse encoder: slips of 66 mm every 20 to 80 s, of which the end of the longest run holds one. It was called creep."""
+    guide = law(
+        "lugre", sigma_0=12227.736864284316, sigma_1=148.09662006790956, sigma_2=2.6854262060787746, F_c=7.313158110393403,
+        F_s=11.675640021747082, v_s=0.0054506096791777274,
+    )  # fmt: skip
+    sampling = {"period": 0.004952917062426853, "delay": 0.0024764585312134265, "resolution": 0.0013926044961556463}
+    own = {"K_p": 20.954666775385373, "K_i": 19.421709278300884, "K_d": 12.15969733558843, "limit": 583.782001087354}
+    controller = {"on": "body", "kind": "pid", "signal": {"kind": "step", "time": 0.0, "value": 6.963022480778231}}
+    data = machine(
+        {"body": {"mass": 1.2851176226912764}}, 1.0, energy=False, contacts={"guide": {"from": "body", "law": guide}},
+        controllers={"axis": {**controller, **own, "sampling": sampling}},
+    )  # fmt: skip
+    (found,) = judge(loop_of(Scenario(data)))
+    assert found.verdict == "hunting"
+    assert 0.03 < found.amplitude < 0.07

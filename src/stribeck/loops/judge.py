@@ -192,7 +192,10 @@ class _LaneRecord:
         if max(excess.values()) <= 1:
             return self._judge_rest(rest, breaks, length)
         y = self.column(f"{body}.y")[self.rows]
-        if abs(y[-1] - y[0]) > _ONE_WAY * np.abs(np.diff(y)).sum():
+        if _goes_one_way(y):  # which may be a single slip of a cycle, as only the end of the last run is judged
+            self.rows = slice(max(self.reached.stop - _ROWS - 1, 0), self.reached.stop)
+            y = self.column(f"{body}.y")[self.rows]
+        if _goes_one_way(y):
             amplitude = float(np.ptp(y)) / 2
             first, second = abs(y[len(y) // 2] - y[0]), abs(y[-1] - y[len(y) // 2])
             steady = second > _STEADY * first and breaks is None and length > 4 * SHORTEST * self.tau
@@ -318,6 +321,10 @@ def rest_bands(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
             for other, x in travel.items():
                 rest[other] = max(rest[other], step if other == name else step * x / travel[name])
     return rest
+
+
+def _goes_one_way(y: Array) -> bool:
+    return bool(abs(y[-1] - y[0]) > _ONE_WAY * np.abs(np.diff(y)).sum())
 
 
 def _saturates_both_ways(x: Array, limit: float) -> bool:
