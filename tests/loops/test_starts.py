@@ -92,6 +92,10 @@ def test_the_amplitude_of_a_dither_that_leaves_least():
     plain = reversal_errors(loop, "hold", {named: np.array([10.0])})
     assert found.share > 0
     assert found.worst_error < 0.8 * plain.max()
+    path = "controllers.hold.dither.amplitude"
+    assert found.reversal_error == pytest.approx(
+        reversal_errors(made, "hold", {path: [found.dither["amplitude"]]})[0], rel=1e-6
+    )
 
 
 def test_the_front_of_error_against_margin():

@@ -230,7 +230,7 @@ class _Remedy:
 
 def _result(remedy: _Remedy, controller: str, kind: str, share: float, largest: float | None) -> CompensationResult:
     """The errors after reversals of a remedy at a share."""
-    given = {} if remedy.path is None else {remedy.path: np.array([share])}
+    given = {} if remedy.path is None else {remedy.path: np.array([remedy.unit * share])}
     sine = on_a_sine(remedy.loop, controller, given)
     nominal = float(sine.errors["reversal"] or 0.0) if "failed_at" not in sine.errors else np.nan
     worst = float(np.nanmax(remedy.errors(controller, share, np.arange(len(remedy.without)))))
