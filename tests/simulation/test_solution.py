@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from stribeck import Scenario, load, simulate
+from stribeck import Body, Load, Machine, Scenario, load, simulate
 from stribeck.simulation import native
 from stribeck.simulation.ensemble import simulate_ensemble
 from tests.simulation.rig import law_table, needs_compiler, pid, rig, solved, spring
@@ -207,3 +207,21 @@ def test_a_machine_shows_its_tracking_error_and_what_its_encoder_reads():
     shown = {panel.title: panel for panel in panels(found)}
     assert shown["axis: tracking error"].y == "axis.e"
     assert shown["slide: position"].beside == ("axis.r", "scale.reading")
+
+
+def test_a_force_by_position_is_drawn_as_its_curve():
+    """Cogging passed many waves between two rows, and was a block against time."""
+    machine = Machine(
+        Body("rotor", inertia=1e-4),
+        Load.ripple("force", "rotor", [2e-3, 1e-3], [14.0, 42.0], [0.0, 0.0]),
+        Load.by_position("stop", "rotor", [0.0, 1.0, 2.0], [0.0, 1e-3, 0.0]),
+        Load.follow("motor", "rotor", {"kind": "step", "time": 0.0, "value": 0.05}),
+    )
+    figure = simulate(machine, t_end=2.0, step=0.01).plot()
+    axes = {x.get_title("left"): x for x in figure.axes}
+    x, y = axes["force: torque against angle"].get_lines()[0].get_data()  # its name is the user's
+    angle = np.linspace(0, 2 * np.pi / 14, len(x))
+    np.testing.assert_allclose(x, 1e3 * angle, rtol=1e-9)
+    np.testing.assert_allclose(y, 2 * np.sin(14 * angle) + np.sin(42 * angle), atol=1e-9)
+    assert axes["stop: torque against angle"].get_lines()[0].get_ydata().max() == pytest.approx(1.0, rel=0.01)
+    assert axes["motor: torque"].get_xlabel().startswith("t")

@@ -20,11 +20,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from stribeck.machine.elements.loads import Load
     from stribeck.simulation.solution import Solution
 
 _ROW = 2.15  # inches: height of a row of panels
 _FAST = 10.0  # Stribeck velocities: if the motion is faster, its part near rest is invisible on a linear axis
 _FAR = 0.05  # of a panel's width: a line between two rows that is longer would be a path that the motion did not take
+_CURVE = 400  # points of a load's curve: across half a page, as fine as its line is wide
 _APART = 0.13  # of an axis' width, between two of its numbers: room for their digits
 
 Quantities = Mapping[str, Quantity]
@@ -123,7 +125,20 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
             derived.setdefault(
                 f"{each.name}.e", Quantity(f"{each.name}.e", derived[read].unit, "tracking error y - r", error)
             )
+    for load in solution.scenario.elements.loads.values():
+        if load.by_position_alone and f"{load.on}.y" in derived:
+            derived |= _curve(load, derived[f"{load.on}.y"], derived[f"{load.name}.f"].unit)
     return derived
+
+
+def _curve(load: Load, position: Quantity, unit: str) -> dict[str, Quantity]:
+    """The force of a load that depends on the position alone, finer than the rows that were reached."""
+    y = np.linspace(*load.shown(np.nanmin(position.values), np.nanmax(position.values)), _CURVE)
+    made = {
+        "position": Quantity(f"{load.on}.y", position.unit, position.meaning, y),
+        "curve": Quantity(f"{load.name}.f", unit, "force of the load", np.asarray(load.force(0.0, y, 0.0), float)),
+    }
+    return {f"{load.name}.{name}": quantity for name, quantity in made.items()}
 
 
 def deviation_rows(
@@ -183,7 +198,7 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         return
     first = next(iter(lines.values()))
     beside = [first[n] for n in panel.beside if n in first and not (panel.alone and len(shown) > 1)]
-    words = rotary_words if "rad" in first[panel.y].unit else str
+    words = _rotary if any(unit in first[panel.y].unit for unit in ("rad", "N m")) else str
     y_scale = scale(
         [*(q[panel.y] for q in lines.values()), *beside],
         plain=panel.log,
@@ -226,6 +241,12 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         _zoom_late_half(axis, lines, panel, y_scale)
     if panel.near_rest and slow > 0:
         _stretch_near_rest(axis, lines, panel.x, x_scale, slow)
+
+
+def _rotary(title: str) -> str:
+    """A title in the words of a machine that turns; the name before its colon is the user's."""
+    name, colon, rest = title.rpartition(": ")
+    return f"{name}{colon}{rotary_words(rest)}"
 
 
 def _gaps(x: Array, y: Array) -> NDArray[np.bool_]:

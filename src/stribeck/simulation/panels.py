@@ -65,8 +65,12 @@ def choose_panels(machine: MachineSystem) -> tuple[Panel, ...]:
         force, slip = f"{contact.name}.F", f"{contact.name}.w"
         found.append(Panel(force, f"{contact.name}: friction, {contact.friction.kind.name}"))
         found.append(Panel(force, f"{contact.name}: friction against sliding speed", x=slip, near_rest=True))
-    forces = [*(link.name for link in machine.links), *(load.name for load in machine.loads)]
-    found += [Panel(f"{name}.f", f"{name}: force") for name in forces]
+    found += [Panel(f"{link.name}.f", f"{link.name}: force") for link in machine.links]
+    for load in machine.loads:
+        if load.by_position_alone:  # against time its waves would be a block
+            found.append(Panel(f"{load.name}.curve", f"{load.name}: force against position", x=f"{load.name}.position"))
+        else:
+            found.append(Panel(f"{load.name}.f", f"{load.name}: force"))
     for motor in machine.motors:
         found += [
             Panel(f"{motor.name}.i", f"{motor.name}: current"),

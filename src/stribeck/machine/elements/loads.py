@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -30,6 +31,7 @@ class Load(Element, family=True):
 
     section, positional = "loads", ("name", "on")
     conservative: ClassVar[bool] = False
+    by_position_alone: ClassVar[bool] = False
     on: BodyName = Field(description="the body")
 
     @classmethod
@@ -64,6 +66,11 @@ class Load(Element, family=True):
     def stored_energy(self, y: Value) -> Value:
         """The energy that a conservative load stores, J."""
         return 0.0 * y
+
+    def shown(self, low: float, high: float) -> tuple[float, float]:
+        """Of a force by the position alone: the stretch of positions that shows it, where some of ``low`` to ``high`` were
+        reached."""
+        return low, high
 
     def equations(self, a: Assembly) -> None:
         """Push the body."""
@@ -107,7 +114,7 @@ class Follower(Load):
 class Pendulum(Load):
     """What gravity does to an arm: -amplitude sin(y + phase)."""
 
-    conservative = True
+    conservative = by_position_alone = True
     kind: Literal["pendulum"] = "pendulum"
     amplitude: float = quantity("N", "largest force", rotary_unit="N m")
     phase: float = quantity("rad", "angle at y = 0, from hanging down", default=0.0)
@@ -120,10 +127,15 @@ class Pendulum(Load):
         """amplitude (1 - cos(y + phase))."""
         return self.amplitude * (1 - cos(y + self.phase))
 
+    def shown(self, low: float, high: float) -> tuple[float, float]:
+        """At most a turn."""
+        return low, min(high, low + math.tau)
+
 
 class Ripple(Load):
     """A force that repeats with the position, such as a motor's cogging: sum of amplitude sin(waves y + phase)."""
 
+    by_position_alone = True
     kind: Literal["ripple"] = "ripple"
     amplitude: tuple[float, ...] = quantity("N", "amplitude of a wave", rotary_unit="N m", many=True)
     waves: tuple[float, ...] = quantity("rad/m", "2 pi over a wave's length", rotary_unit="1", many=True)
@@ -137,11 +149,15 @@ class Ripple(Load):
         """The sum of the waves."""
         return sum_of_waves(self, y)
 
+    def shown(self, low: float, high: float) -> tuple[float, float]:
+        """At most the longest of its waves."""
+        return low, min(high, low + max((math.tau / abs(w) for w in self.waves if w), default=math.inf))
+
 
 class ByPosition(Load):
     """A force by position: straight lines between the points of a table, constant outside."""
 
-    conservative = True
+    conservative = by_position_alone = True
     kind: Literal["by_position"] = "by_position"
     position: tuple[float, ...] = quantity("m", "positions, increasing", rotary_unit="rad", many=True)
     value: tuple[float, ...] = quantity("N", "the force at these positions", rotary_unit="N m", many=True)
@@ -173,3 +189,7 @@ class ByPosition(Load):
         for slope, length, along, beyond in self._pieces(y):
             total = total + slope * (along**2 / 2 + length * beyond)
         return -total
+
+    def shown(self, low: float, high: float) -> tuple[float, float]:
+        """The table's."""
+        return self.position[0], self.position[-1]
