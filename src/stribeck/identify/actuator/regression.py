@@ -108,11 +108,15 @@ class MachineLibrary(ModelLibrary):
         return (c.high - c.low, True) if c is not None and c.low <= 0.0 <= c.high else (None, False)
 
     def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
-        """Within the bounds; F_s and v_s as bounds where no slow speed was seen."""
+        """Within the bounds, and open where the regression leaves them; F_s and v_s as bounds where no slow speed was seen."""
         for c in self.sought:
             e = found[c.name]
             ends = [(max(a, c.low), min(b, c.high)) for a, b in (e.interval, e.range or e.interval)]
-            found[c.name] = replace(e, interval=ends[0], range=ends[1])
+            if all(a <= b for a, b in ends):
+                found[c.name] = replace(e, interval=ends[0], range=ends[1])
+                continue
+            whole, open_ = (c.low, c.high), EstimateState.NOT_IDENTIFIABLE
+            found[c.name] = replace(e, value=float(np.clip(e.value, *whole)), interval=whole, range=whole, state=open_)
         for contact, slowest in self.slow.items():
             law = f"contacts.{contact}.law.parameters."
             F_s, v_s = found.get(f"{law}F_s"), found.get(f"{law}v_s")
