@@ -24,13 +24,13 @@ from stribeck.identify.actuator.estimate import FAR_STEP, beyond_noise, first_no
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit
-from stribeck.identify.actuator.runs import RecordedRun, typical_roughness
+from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.states import Estimate, EstimateState
-from stribeck.identify.data.filters import low_pass, shifted, spline_derivative
+from stribeck.identify.data.filters import shifted
 from stribeck.identify.details import FitDetails
-from stribeck.identify.features.filtering import smoother_log
+from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.what_to_measure import experiment_for
@@ -62,7 +62,6 @@ _BEFORE = 0.3  # of the work of a fit of the motion, by the clock: its windows
 _QUARTERS, _SHORTEST, _MANY, _LONGER = 4, 40, 16, 4  # windows: parts of the time between reversals; rows, at least; how
 # many; how much longer the second ones are
 _MOVING = 0.05  # of the largest speed: slower is near rest
-_DRAWS = 6  # of the motion's noise: these tell a deviation to 30 %
 _Q95 = float(norm.ppf(0.975))
 
 
@@ -485,7 +484,8 @@ def _without_curve(estimates: dict[str, Estimate], log: Log, used: Values) -> di
 def _doubted_recordings(log: Log, model: OneBody) -> Iterator[Recording]:
     """The runs, each with what errors may have made of it. Nobody measured what drives the body between two samples: it may run
     straight as well."""
-    as_well = _as_well(log, model)
+    filtered = model.output == "force" or log.sources.get("unfiltered") != model.output
+    as_well = other_motions(log) if filtered else {}
     for i, rows in enumerate(_runs(log)):
         own = _recording(log, rows, model, i)
         same = {cause: [_recording(x, rows, model, i) for x in logs] for cause, logs in as_well.items()}
@@ -493,36 +493,6 @@ def _doubted_recordings(log: Log, model: OneBody) -> Iterator[Recording]:
             straight = {path: replace(each, smooth=False) for path, each in own.inputs.items()}
             same["drive between samples"] = [replace(own, inputs=straight)]
         yield replace(own, as_well=same)
-
-
-def _as_well(log: Log, model: OneBody) -> dict[str, list[Log]]:
-    """By cause, the record as it might be as well, where the fit takes a motion that was filtered: with its noise once more, and
-    filtered lower."""
-    if log.bandwidth is None or (model.output != "force" and log.sources.get("unfiltered") == model.output):
-        return {}
-    rng, x = np.random.default_rng(0), log.unfiltered
-    deviation = 0.0 if x is None else typical_roughness([x[rows] for rows in _runs(log)])
-    return {
-        "noise of the motion": [_noisier(log, deviation, rng) for _ in range(_DRAWS)],
-        "filter of the motion": [smoother_log(log)],
-    }
-
-
-def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
-    """The record with the noise of its motion once more, behind the same filter."""
-    assert log.bandwidth is not None
-    position, velocity, acceleration = log.position.copy(), log.velocity.copy(), log.acceleration.copy()
-    by_position = log.sources.get("unfiltered") == "position"
-    for rows in _runs(log):
-        noise = low_pass(deviation * rng.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
-        of_velocity = spline_derivative(noise, log.step) if by_position else noise
-        of_acceleration = spline_derivative(of_velocity, log.step)
-        if log.acceleration_bandwidth is not None:
-            of_acceleration = low_pass(of_acceleration, log.acceleration_bandwidth, log.step)
-        position[rows] += noise if by_position else 0.0
-        velocity[rows] += of_velocity
-        acceleration[rows] += of_acceleration
-    return log.with_columns(position=position, velocity=velocity, acceleration=acceleration)
 
 
 def _words(model: OneBody, names: Mapping[str, str]) -> dict[str, str]:

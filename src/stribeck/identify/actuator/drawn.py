@@ -14,8 +14,9 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.runs import RecordedRun, typical_roughness
+from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import direction
+from stribeck.identify.features.filtering import typical_roughness
 
 ORDER = 6  # of the differences that are noise: an input may be fast
 PILOT, DRAWS = 4, 24  # draws that show whether it matters; that then tell a deviation to 15 %

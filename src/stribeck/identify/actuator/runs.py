@@ -25,7 +25,6 @@ from stribeck.simulation.variations import Variations, vary
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
-_MEDIAN = 0.6745  # of a normal number's size, by its deviation
 _LOCK = Lock()
 
 
@@ -178,12 +177,6 @@ def roughness(parts: Sequence[Array], order: int = 3) -> float:
     parts = [x for x in parts if len(x) > order]
     found = np.concatenate([np.diff(x, order) for x in parts]) if parts else np.zeros(1)
     return float(np.sqrt(np.mean(found**2) / math.comb(2 * order, order)))
-
-
-def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
-    """The same by the median of the differences, which few that are large do not move."""
-    found = np.concatenate([np.diff(x, order) for x in parts])
-    return float(np.median(abs(found))) / _MEDIAN / math.sqrt(math.comb(2 * order, order)) if len(found) else 0.0
 
 
 def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel]:

@@ -1,9 +1,10 @@
 """Both uncertainties of a reported model.
 
-    interval^2 = C^2 + A^2              range^2 = interval^2 + B^2 + H^2                (half widths; no weight is tuned)
+    interval^2 = C^2 + A^2 + M^2        range^2 = interval^2 + B^2 + H^2                (half widths; no weight is tuned)
 
-C is the covariance, A the choice redone on blocks drawn anew, B the same with a random half of the forms withheld, H what forms
-of a size that the record would not show do to the estimates.
+C is the covariance, A the choice redone on blocks drawn anew, M the choice redone on the motion behind a lower cut-off, B the
+choice on blocks drawn anew with a random half of the forms withheld, H what forms of a size that the record would not show do to
+the estimates.
 """
 
 from __future__ import annotations
@@ -30,11 +31,15 @@ LAGS = 4.0  # times the rows that err together: Bartlett's weights then keep nin
 EXPLAINED = 0.25  # of the force's deviation: a fit that leaves more identifies nothing
 
 
-def judged(choice: Selection[Of], draws: int = DRAWS, trusted: bool = True) -> dict[str, Estimate]:
+def judged(
+    choice: Selection[Of], draws: int = DRAWS, trusted: bool = True, lower: Mapping[str, float] | None = None
+) -> dict[str, Estimate]:
     """Every estimate of the reported model with interval, range and state.
 
     Args:
         draws: replicates.
+        lower: the estimates on the motion behind a cut-off of half the square: they move once more as far as the filter has
+            moved them.
         trusted: whether the model holds all that was measured; if not, nothing is identified.
     """
     lib, model, x = choice.library, choice.model, choice.coefficients
@@ -44,7 +49,11 @@ def judged(choice: Selection[Of], draws: int = DRAWS, trusted: bool = True) -> d
     part: dict[str, Array] = {"C": covariance(choice, slope)}
     part["A"], part["B"], withheld = _redrawn(choice, value, by_ratio, draws)
     part["H"], hidden = _hidden(choice, slope)
-    interval = np.hypot(part["C"], part["A"])
+    base = np.array(list(value.values()))
+    part["M"] = (
+        np.zeros(len(value)) if lower is None else abs(_moved(np.array([lower[n] for n in value]), base, by_ratio))
+    )
+    interval = np.sqrt(part["C"] ** 2 + part["A"] ** 2 + part["M"] ** 2)
     wide = np.sqrt(interval**2 + part["B"] ** 2 + part["H"] ** 2)
     trusted &= missed(choice) <= EXPLAINED
     found = {}
@@ -123,9 +132,7 @@ def _redrawn(
         for shifts, alone in ((again, choice.alone), (moved, False)):
             _, k, y, ratio = choice.choose(drawn, withheld, n, alone)
             now = np.array(list(lib.parameters(lib.models[k], y).values()))
-            with np.errstate(all="ignore"):
-                logs = base * np.log(np.maximum(now, 1e-12) / base)
-            shifts.append(np.where(by_ratio, logs, now - base))
+            shifts.append(_moved(now, base, by_ratio))
             if shifts is again:
                 withheld = {g for g in every if draw.uniform() < SHARE}
         good.append(ratio <= WORSE)
@@ -134,6 +141,13 @@ def _redrawn(
     a = np.quantile(abs(np.array(again)), AGAIN, axis=0) if choice.open else np.zeros(len(base))
     b = np.quantile(far[good], WITHHELD, axis=0) if any(good) else np.zeros(len(base))
     return np.asarray(a, float), np.asarray(b, float), _cause(choice, far, which)
+
+
+def _moved(now: Array, base: Array, by_ratio: Array) -> Array:
+    """How far estimates are from a base; of shapes by the logarithm."""
+    with np.errstate(all="ignore"):
+        logs = base * np.log(np.maximum(now, 1e-12) / base)
+    return np.where(by_ratio, logs, now - base)
 
 
 def _cause(choice: Selection[Of], far: Array, which: list[set[str]]) -> list[str]:

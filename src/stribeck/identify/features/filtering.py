@@ -1,14 +1,73 @@
-"""The motion behind a lower cut-off: what a form may lack that is the filter's."""
+"""The motion as it might be as well: behind a lower cut-off, and with its noise once more."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.log import Log
 
 _LOWER = float(np.sqrt(0.5))
+_MEDIAN = 0.6745  # of a normal number's size, by its deviation
+_DRAWS = 6  # of the motion's noise: these tell a deviation to 30 %
+
+
+def other_motions(log: Log) -> dict[str, list[Log]]:
+    """By cause, the record as it might be as well, if its motion was filtered: with its noise once more, and filtered lower."""
+    if log.bandwidth is None:
+        return {}
+    rng, deviation = np.random.default_rng(0), noise(log)
+    return {
+        "noise of the motion": [_noisier(log, deviation, rng) for _ in range(_DRAWS)],
+        "filter of the motion": [smoother_log(log)],
+    }
+
+
+def position_step(log: Log) -> float:
+    """The smallest step of the position as it was measured; 0 of one that is not rounded."""
+    if log.unfiltered is None or log.sources.get("unfiltered") != "position":
+        return 0.0
+    steps = abs(np.diff(log.unfiltered[:100_000]))
+    steps = steps[steps > 0]
+    return float(steps.min()) if len(steps) else 0.0
+
+
+def noise(log: Log) -> float:
+    """The standard deviation of white noise of what was measured of the motion, by third differences; at least that of rounding
+    to its resolution, which differences do not show where the body is slow."""
+    x = log.unfiltered
+    if x is None:
+        return 0.0
+    return max(typical_roughness([x[rows] for rows in log.runs()]), position_step(log) / math.sqrt(12.0))
+
+
+def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
+    """The noise of a column's pieces, by the median of their differences of this order, which few that are large do not move."""
+    found = np.concatenate([np.diff(x, order) for x in parts])
+    return float(np.median(abs(found))) / _MEDIAN / math.sqrt(math.comb(2 * order, order)) if len(found) else 0.0
+
+
+def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
+    """The record with the noise of its motion once more, behind the same filter."""
+    assert log.bandwidth is not None
+    position, velocity, acceleration = log.position.copy(), log.velocity.copy(), log.acceleration.copy()
+    by_position = log.sources.get("unfiltered") == "position"
+    for rows in log.runs():
+        if rows.stop - rows.start <= round(1 / (log.bandwidth * log.step)):
+            continue  # shorter than the filter
+        own = low_pass(deviation * rng.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
+        of_velocity = spline_derivative(own, log.step) if by_position else own
+        of_acceleration = spline_derivative(of_velocity, log.step)
+        if log.acceleration_bandwidth is not None:
+            of_acceleration = low_pass(of_acceleration, log.acceleration_bandwidth, log.step)
+        position[rows] += own if by_position else 0.0
+        velocity[rows] += of_velocity
+        acceleration[rows] += of_acceleration
+    return log.with_columns(position=position, velocity=velocity, acceleration=acceleration)
 
 
 def smoother_log(log: Log) -> Log:
@@ -16,7 +75,8 @@ def smoother_log(log: Log) -> Log:
     position = _smoothed(log, log.position, False, log.bandwidth)
     differences = "differences" in log.sources.get("acceleration", "")
     acceleration = _smoothed(log, log.acceleration, differences, log.acceleration_bandwidth or log.bandwidth)
-    return log.with_columns(position=position, velocity=_smoother(log), acceleration=acceleration)
+    bandwidth = None if log.bandwidth is None else _LOWER * log.bandwidth
+    return log.with_columns(position=position, velocity=_smoother(log), acceleration=acceleration, bandwidth=bandwidth)
 
 
 def _smoother(log: Log) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from stribeck import laws
 from stribeck.errors import StribeckError, first_line
 from stribeck.identify.details import Candidate
+from stribeck.identify.features.filtering import position_step
 from stribeck.identify.features.guess import reversals, sizes_of
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.models.memory import rows_together
@@ -100,7 +101,7 @@ def _error_everywhere(fit: LogFit, log: Log) -> float:
 
 def shows_presliding(log: Log) -> bool:
     """Whether the force rises over a way that is resolved, behind several reversals: a contact that yields before it slides."""
-    level, quantum, count = sizes_of(thinned(log)).force, resolution(log), 0
+    level, quantum, count = sizes_of(thinned(log)).force, position_step(log), 0
     for rows in log.runs():
         v, y, force = log.velocity[rows], log.position[rows], log.force[rows]
         for first, last in reversals(v)[:LOOKED_AT]:
@@ -110,12 +111,3 @@ def shows_presliding(log: Log) -> bool:
             half = int(np.argmax(rise >= rise.max() / 2))
             count += half >= RESOLVED and abs(y[first + half] - y[first]) > STEPS * quantum
     return count >= FEWEST
-
-
-def resolution(log: Log) -> float:
-    """The smallest step of the position as it was measured; 0 of one that is not rounded."""
-    if log.unfiltered is None or log.sources.get("unfiltered") != "position":
-        return 0.0
-    steps = abs(np.diff(log.unfiltered[:100_000]))
-    steps = steps[steps > 0]
-    return float(steps.min()) if len(steps) else 0.0
