@@ -1,6 +1,7 @@
 """stribeck fit as a user runs it."""
 
 import json
+import re
 import tomllib
 
 import numpy as np
@@ -102,6 +103,54 @@ def test_what_the_data_do_not_tell_is_marked(stribeck, tmp_path, monkeypatch):
     written = tomllib.loads((out / "parameters.toml").read_text())
     assert written["parameters"]["sigma_2"]["determined"] is False
     assert "constant speeds" in written["unknown"]["sigma_2"]["experiment"]
+
+
+def test_counts_of_an_encoder_are_an_angle_everywhere(stribeck, tmp_path):
+    """Screen, page and files are in N m, rad/s and kg m^2, and so is a prediction that goes beyond what was seen."""
+    draw, t = np.random.default_rng(0), np.arange(8000) * 1e-3
+    files = []
+    for size, name in ((1.0, "log.csv"), (2.0, "faster.csv")):
+        v = size * (20 * np.sin(2 * np.pi * 0.37 * t) + 10 * np.sin(2 * np.pi * 0.91 * t + 1))
+        y = np.cumsum(v) * 1e-3
+        torque = 1e-3 * np.gradient(v, 1e-3) + 0.05 * np.sign(v) + 1e-3 * v + 0.02 * np.sin(3 * y)
+        torque += 1e-3 * draw.standard_normal(len(t))
+        files.append(tmp_path / name)
+        rows = np.column_stack([t, np.round(y * 2000 / (2 * np.pi)), torque / 0.05])
+        np.savetxt(files[-1], rows, delimiter=",", header="t,q,i", comments="")
+    columns = ("--time", "t", "--position", "q", "--force", "i", "--force-gain", "0.05", "--unit", "q=counts")
+    found = stribeck(
+        "fit", files[0], *columns, "--counts", "2000", "--law", "stribeck", "--set", "v_s=1", "--out", tmp_path / "fit"
+    )
+    assert found.status == 0, found.err
+    assert "Beside the law the force holds" in found.out
+    predicted = stribeck("predict", files[1], "--fit", tmp_path / "fit", "--out", tmp_path / "predicted")
+    assert "lie beyond what was fitted" in " ".join(predicted.out.split())
+    pages = [tmp_path / "fit" / "report.html", tmp_path / "predicted" / "prediction.html"]
+    linear = r"(?<![\w^/])(N|kg|m/s|N s/m|N/m)(?![\w/ ]|\^)|[0-9] (N|m|kg|m/s) "
+    for text in (
+        found.out,
+        predicted.out,
+        *(re.sub("<script.*?</script>", "", x.read_text(), flags=re.S) for x in pages),
+    ):
+        shown = " ".join(text.split()).replace("N m", "torque").replace("kg m^2", "inertia")
+        assert not re.search(linear, shown)
+    assert 'motion = "rotary"' in (tmp_path / "fit" / "parameters.toml").read_text()
+    mass = json.loads((tmp_path / "fit" / "fit.json").read_text())["estimates"]["mass"]
+    assert mass["range"][0] < 1e-3 < mass["range"][1]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "--counts: must be given"),
+        (("--counts", "0"), "--counts: 0: must be a whole number above 0"),
+        (("--counts", "2000", "--unit", "speed=mm/s"), "no column is in counts"),
+    ],
+)
+def test_counts_a_turn_that_are_missing_or_wrong_are_one_line(stribeck, log, words, said):
+    unit = () if "--unit" in words else ("--unit", "speed=counts/s")
+    found = stribeck("fit", log, *OPTIONS[:6], *unit, *words)
+    assert (found.status, said in found.err) == (2, True), found.err
 
 
 def test_several_laws_are_compared_and_one_picked(stribeck, log):

@@ -49,6 +49,12 @@ class Columns:
     unit: Annotated[
         list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given.")
     ] = None
+    counts: Annotated[
+        int | None,
+        typer.Option(
+            "--counts", metavar="N", rich_help_panel=ADVANCED, help="Encoder counts a turn, for the unit counts."
+        ),
+    ] = None
     load: Annotated[str | None, _column("--load", "Column of the normal load.", ADVANCED)] = None
     pressure: Annotated[str | None, _column("--pressure", "Column of the pressure.", ADVANCED)] = None
 
@@ -68,14 +74,16 @@ class Columns:
             units.append((column.strip(), unit.strip()))
         refuse_twice([column for column, _ in units], "--unit")
         names = {
-            role: name for role, name in vars(self).items() if role not in ("force_gain", "unit") and name is not None
+            role: name
+            for role, name in vars(self).items()
+            if role not in ("force_gain", "unit", "counts") and name is not None
         }
         return ColumnNames(names, dict(units), self.force_gain)
 
     def given(self) -> Keywords:
         """The same as arguments of :func:`stribeck.fit`."""
         read = self.read()
-        return {"columns": read.names, "units": read.units, "force_gain": read.force_gain}
+        return {"columns": read.names, "units": read.units, "counts": self.counts, "force_gain": read.force_gain}
 
 
 @dataclass(frozen=True)

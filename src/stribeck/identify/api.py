@@ -14,7 +14,7 @@ from stribeck.identify.actuator.api import fit_machine
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.data.units import ROLES
+from stribeck.identify.data.units import ROLES, with_counts
 from stribeck.identify.details import RecordReading
 from stribeck.identify.log import Log
 from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
@@ -31,7 +31,7 @@ Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None
 def fit(
     data: Data, law: Law = None, *, logs: Logs | str | Path | None = None, transfer: Logs | str | Path | None = None,
     columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
-    force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
+    counts: float | None = None, force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
     constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
     forms: bool = True, filter: str | None = None, weight: bool = True, speeds: Sequence[float] = (),
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
@@ -50,6 +50,7 @@ def fit(
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
         units: unit of a column by its name; SI unless given. A position in an angle makes the axis rotary.
+        counts: an encoder's counts a turn, for columns whose unit is counts.
         force_gain: force per unit of the force column; a number, or the name of a constant in the file.
         mass: mass, kg (rotary: kg m^2); fitted unless given.
         method: "static" or "dynamic" (by simulation); static for laws without bristles, dynamic for others unless given.
@@ -82,7 +83,7 @@ def fit(
         mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, forms, filter, weight,
         tuple(speeds), dict(unknown or {}),
     )  # fmt: skip
-    of_file = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
+    of_file = ColumnNames({**(columns or {}), **named}, with_counts(units or {}, counts), force_gain)
     if logs is not None:
         _refuse_of_a_log(options, of_file, cutoff)
         return fit_machine(
@@ -185,6 +186,7 @@ def read_log(
     data: Data,
     columns: Mapping[str, str],
     units: Mapping[str, str] | None = None,
+    counts: float | None = None,
     force_gain: float | str | None = None,
     cutoff: float | None = None,
     trim: int | None = None,
@@ -197,6 +199,7 @@ def read_log(
         columns: the file's column for each role: ``{"time": "t", "velocity": "v", "force": "F"}``, and position,
             acceleration, ...; a TOML file of the data's name beside it may hold them.
         units: the unit of a column by its name; SI unless given.
+        counts: an encoder's counts a turn, for columns whose unit is counts.
         force_gain: force per unit of the force column: a number, or the name of a constant in the file.
         cutoff: of the low-pass filter, Hz; chosen from the data unless given.
         trim: rows left out at both ends, where the filter rings; chosen unless given.
@@ -208,7 +211,7 @@ def read_log(
     Raises:
         InputError: the file cannot be read, a column is missing or has no unit; one line for each problem.
     """
-    named = ColumnNames(dict(columns), dict(units or {}), force_gain)
+    named = ColumnNames(dict(columns), with_counts(units or {}, counts), force_gain)
     return log_of(data, named, Preparation(cutoff, trim, simulated))
 
 

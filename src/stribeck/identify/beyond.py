@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
+from stribeck.constants import rotary_unit
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.models.terms import TERMS
 
@@ -27,6 +28,7 @@ class Beyond:
         rows: how many; ``of``: of how many.
         error: norm(residual)/norm(force) over these; ``within``: over the others; None where there are none.
         what: of each quantity that goes beyond: how many rows, what the fit saw, and what this record has.
+        rotary: whether the machine turns.
     """
 
     rows: int
@@ -34,6 +36,7 @@ class Beyond:
     error: float | None
     within: float | None
     what: dict[str, tuple[int, tuple[float, float], tuple[float, float]]]
+    rotary: bool = False
 
     def to_dict(self) -> dict[str, object]:
         """As ``stribeck predict --json`` has it."""
@@ -46,8 +49,9 @@ class Beyond:
         """In a line; nothing where no row lies beyond."""
         if not self.rows:
             return ""
+        units = {name: rotary_unit(unit) if self.rotary else unit for name, unit in _UNITS.items()}
         parts = [
-            f"{name} from {here[0]:.3g} to {here[1]:.3g} {_UNITS[name]}, seen from {seen[0]:.3g} to {seen[1]:.3g}"
+            f"{name} from {here[0]:.3g} to {here[1]:.3g} {units[name]}, seen from {seen[0]:.3g} to {seen[1]:.3g}"
             for name, (_, seen, here) in self.what.items()
         ]
         share = f"{self.rows / self.of:.0%}" if self.rows >= 0.005 * self.of else "less than 1 %"
@@ -97,4 +101,4 @@ def beyond(
         size = float(np.linalg.norm(log.force[which])) if which.any() else 0.0
         return float(np.linalg.norm(left[which])) / size if size else None
 
-    return Beyond(int(out.sum()), int(rows.sum()), error(out), error(rows & ~out), what)
+    return Beyond(int(out.sum()), int(rows.sum()), error(out), error(rows & ~out), what, log.rotary)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from stribeck import laws
+from stribeck.constants import Column
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import LogFit
 from stribeck.laws.base import Law
@@ -19,8 +20,8 @@ FACTORS = {
     "F_c_by_time": "t",
 }  # fmt: skip
 _MEANING = {
-    "a": "a acceleration (m/s^2)", "y": "y position (m, rad)", "p": "p pressure (Pa)", "N": "N load (N)",
-    "t": "t time from the middle of the record (s)", "v": "v velocity (m/s)", "z": "z deflection of the bristles (m)",
+    "a": ("acceleration", "m/s^2"), "y": ("position", "m"), "p": ("pressure", "Pa"), "N": ("load", "N"),
+    "t": ("time from the middle of the record", "s"), "v": ("velocity", "m/s"), "z": ("deflection of the bristles", "m"),
 }  # fmt: skip
 
 
@@ -38,7 +39,11 @@ def model_lines(fit: LogFit) -> list[str]:
     lines += [each.text for each in equations(law, form_of(law, given))]
     letters = {"v", *(["z"] if law.has_z else []), *(FACTORS[n] for n in own)}
     letters |= {"y"} if any(letter.endswith("y)") for letter in letters) else set()
-    return [*lines, *(words for letter, words in _MEANING.items() if letter in letters)]
+    turns = fit.log is not None and fit.log.rotary
+    named = [
+        Column(letter, unit, words).of_motion(turns) for letter, (words, unit) in _MEANING.items() if letter in letters
+    ]
+    return [*lines, *(f"{x.name} {x.meaning} ({x.unit})" for x in named)]
 
 
 def _product(name: str) -> str:

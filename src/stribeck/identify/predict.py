@@ -15,6 +15,7 @@ from stribeck.identify import api
 from stribeck.identify.beyond import Beyond, beyond
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.data.units import with_counts
 from stribeck.identify.details import RecordReading
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
@@ -39,7 +40,7 @@ class Predicted(Told):
         rest: the share of the rows at rest.
         beyond: rows beyond what the fit has seen; None where it tells no ranges.
         traces: measured and predicted force against time; ``friction``: the same for friction alone.
-        title: the record.
+        title: the record; ``rotary``: whether it turns.
     """
 
     model: LogFit
@@ -52,6 +53,7 @@ class Predicted(Told):
     traces: Prediction
     friction: Prediction
     title: str = "the record"
+    rotary: bool = False
 
     def document(self) -> Document:
         """What the prediction says to people, for the terminal and for a page."""
@@ -87,6 +89,7 @@ def predict(
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
+    counts: float | None = None,
     force_gain: float | str | None = None,
     cutoff: float | None = None,
     trust: bool = False,
@@ -102,6 +105,7 @@ def predict(
         columns: the record's column for each role; also as keywords (``time="t"``). Of a machine ``command`` replaces its
             signal.
         units: unit of a column by its name; SI unless given.
+        counts: an encoder's counts a turn, for columns whose unit is counts.
         force_gain: force per unit of the force column.
         cutoff: cut-off frequency of the motion's filter, Hz.
         trust: execute a fit's law in a file (``FILE.py:NAME``) wherever it lies.
@@ -110,7 +114,7 @@ def predict(
     Raises:
         InputError: the record or the fit cannot be used; not one of fit and machine is given.
     """
-    names = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
+    names = ColumnNames({**(columns or {}), **named}, with_counts(units or {}, counts), force_gain)
     if (fit is None) == (machine is None):
         raise InputError(f"{arg('fit')}, {arg('machine')}: one must be given, and not both")
     if machine is not None:
@@ -156,6 +160,7 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
     return Predicted(
         fit, _error(log.force, force, rows), own, _error(log.force, force, np.ones(len(log), bool)),
         _error(log.force, mean, rows), float(np.mean(rest)), outside, traces, friction, title,
+        log.rotary,
     )  # fmt: skip
 
 

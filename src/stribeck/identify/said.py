@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stribeck import laws
-from stribeck.constants import DECIDED
+from stribeck.constants import DECIDED, rotary_unit
 from stribeck.errors import StribeckError
 from stribeck.identify import figures
 from stribeck.identify.formula import model_lines
@@ -100,8 +100,8 @@ def of_log(fit: LogFit) -> Document:
 
 def _given(fit: LogFit) -> list[list[Cell]]:
     """The constants that were given, as rows of the table."""
-    constants = laws.find(fit.law_name).constants()
-    units = {n: c.unit or "1" for n, c in constants.items()}
+    turns = fit.log is not None and fit.log.rotary
+    units = {n: c.unit_for(turns) or "1" for n, c in laws.find(fit.law_name).constants().items()}
     return [
         [n, v if isinstance(v, str) else f"{v:.6g}", "-", "-", units.get(n, ""), "given"]
         for n, v in fit.fixed.items()
@@ -310,9 +310,10 @@ def _paste(fit: MachineFit) -> Chapter:
 def of_prediction(found: Predicted) -> Document:
     """The force that a fit predicts of a record."""
     model, measured, friction = found.model, found.traces, found.friction
+    unit = rotary_unit("N") if found.rotary else "N"
     shown = {
-        "force": ("N", measured.measured, measured.fitted),
-        "friction": ("N", friction.measured, friction.fitted),
+        "force": (unit, measured.measured, measured.fitted),
+        "friction": (unit, friction.measured, friction.fitted),
     }
     rows: list[list[Cell]] = [[name, Share(x, _PLACES)] for name, x in _errors_of(found).items()]
     about = f"{len(measured.time)} rows of {found.title}, {found.rest:.0%} at rest; fitted to another record ({model.title})"

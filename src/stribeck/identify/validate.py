@@ -10,6 +10,7 @@ from typing import TypedDict
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg, note
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.mouth.document import Document, Told
@@ -113,6 +114,7 @@ def validate(
     traces, errors = {}, dict[str, Misfit]()
     for role in measured:
         name, unit = _COLUMNS[role]
+        unit = rotary_unit(unit) if scenario.rotary else unit
         simulated = np.interp(time[reached], solution.t, solution[name])
         x = raw[role][reached]
         traces[role] = (unit, x, simulated)

@@ -15,6 +15,8 @@ from tests.shared import SHARED
 EMPS = SHARED / "data" / "emps" / "DATA_EMPS.mat"
 emps = pytest.mark.skipif(not EMPS.is_file(), reason="needs shared/data/emps, which is not part of the project")
 COLUMNS = {"time": "t", "position": "qm", "force": "vir"}
+SERVO = SHARED / "data" / "servo-motor"
+servo = pytest.mark.skipif(not SERVO.is_dir(), reason="needs shared/data/servo-motor, which is not part of the project")
 
 
 def test_a_fit_reports_every_number_with_interval_range_and_state():
@@ -91,6 +93,18 @@ def test_a_curve_of_bends_has_the_nearest_stribeck_law_beside_it():
     near = fit.details["nearest_stribeck"]
     assert near["F_c"] == pytest.approx(TRUTH["F_c"], rel=0.2)
     assert near["F_s"] > near["F_c"]
+
+
+@servo
+def test_what_hangs_on_the_filter_of_a_coarse_encoder_is_withheld():
+    """Reversals of 10 ms, filtered at 50 Hz: v_s was 2.5 [1.8, 3.3] rad/s, where the truth is 1."""
+    columns = {"time": "t", "position": "theta", "force": "i"}
+    fit = stribeck.fit(SERVO / "closed.csv", "stribeck", columns=columns, units={"theta": "rad"}, force_gain=0.05)
+    truth = {"F_c": 0.02, "F_s": 0.03, "v_s": 1.0, "mass": 5e-5}
+    for name in (n for n in truth if fit[n].usable):
+        assert fit[name].range[0] <= truth[name] <= fit[name].range[1], name
+    assert not fit["v_s"].usable
+    assert fit["v_s"].parts["M"] > fit["v_s"].parts["C"]
 
 
 def test_a_mass_below_zero_is_never_identified():

@@ -24,6 +24,7 @@ from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.details import Candidate
+from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log, thinned
@@ -84,11 +85,22 @@ def fit_static(log: Log, names: Sequence[str], setting: Setting | None = None) -
     body, unused = _terms(log, setting)
     with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
         choice = _chosen(rows, names, body, setting)
-        found = judged(choice, trusted=not unused)
+        found = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, setting))
         wide = rows_of(log, to_choose=True)  # another record is met at all frequencies
         same = wide.q == rows.q or setting.published
         made = predictor(choice if same else _chosen(wide, names, body, setting), rows.source)
     return replace(_finished(rows, choice, found, unused, setting, made.error), predictor=made)
+
+
+def _filtered_lower(
+    rows: Rows, choice: Selection[SteadyLibrary], body: Sequence[str], setting: Setting
+) -> dict[str, float] | None:
+    """The estimates of the reported law on the motion behind a lower cut-off; None of a motion that no filter changed."""
+    if rows.log.bandwidth is None or setting.published:
+        return None
+    smooth = replace(rows, log=smoother_log(rows.log))
+    again = _chosen(smooth, [choice.library.curve.law], body, setting)
+    return again.library.parameters(again.model, again.coefficients)
 
 
 def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], setting: Setting) -> Selection[SteadyLibrary]:
@@ -151,12 +163,14 @@ def check_motion(log: Log) -> None:
         raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
     low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
+        unit = rotary_unit("m/s") if log.rotary else "m/s"
         raise InputError(
-            f"{arg('velocity')}: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "
+            f"{arg('velocity')}: constant ({middle:.4g} {unit} within {high - low:.1g}): friction, offset and inertia cannot be "
             "separated; measure several speeds in both directions"
         )
     if not np.ptp(log.force) > 0:
-        raise InputError(f"{arg('force')}: {log.force[0]:.6g} N throughout: there is no friction to fit")
+        unit = rotary_unit("N") if log.rotary else "N"
+        raise InputError(f"{arg('force')}: {log.force[0]:.6g} {unit} throughout: there is no friction to fit")
     every = max(len(log) // _SIGN_FROM, 1)
     thin, y = v[::every], log.position[::every]
     beside = [np.ones(len(thin)), y, np.sin(y), np.cos(y)]
@@ -216,7 +230,7 @@ def _finished(
 def _told(choice: Selection[SteadyLibrary], found: Mapping[str, Estimate], log: Log) -> dict[str, Estimate]:
     """Estimates with units, and with the experiment that would determine those that are open."""
     own, sizes = laws.find(choice.library.curve.law).constants(), sizes_of(thinned(log))
-    values = {n: e.value for n, e in found.items()}
+    values = {**choice.library.curve.given, **{n: e.value for n, e in found.items()}}
     order = [n for n in own if n in found] + [n for n in found if n not in own]
     out = {}
     for name in order:
@@ -372,7 +386,8 @@ def _notes(
         if e.state in (EstimateState.NOT_IDENTIFIABLE, EstimateState.AT_LEAST) and e.experiment:
             out.append(f"{name}: {e.experiment}.")
     if forms:
-        told = ", ".join(f"{name} ({size:.2g} N)" for name, size in forms.items())
+        unit = rotary_unit("N") if log.rotary else "N"
+        told = ", ".join(f"{name} ({size:.2g} {unit})" for name, size in forms.items())
         out.append(f"Beside the law the force holds: {told}.")
     if len(set(log.files)) < 2:
         out.append("The intervals are of this one file: another day or another motion may differ by more.")
