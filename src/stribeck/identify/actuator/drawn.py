@@ -22,6 +22,7 @@ ORDER = 6  # of the differences that are noise: an input may be fast
 PILOT, DRAWS = 4, 24  # draws that show whether it matters; that then tell a deviation to 15 %
 LITTLE = 0.02  # of the sum of squares that is left: less does not matter
 FAINT = 1e-9  # damping of a step that only rounding limits
+MOST = 0.49  # change by a share: of one half there is no way back
 
 
 def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
@@ -68,7 +69,19 @@ def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array
     for same in _alternatives(problem):
         base = _newton(problem, u) if base is None else base
         others = [replace(problem, runs=runs, noise=dict(problem.noise)) for runs in same]
-        yield np.array([J @ (_newton(other, u) - base) for other in others])
+        yield np.array([J @ _extrapolated(problem, _newton(other, u) - base) for other in others])
+
+
+def _extrapolated(problem: MachineProblem, step: Array) -> Array:
+    """How far errors have moved the numbers, from the step that the same errors once more make.
+
+    What errors attenuate falls as 1/(1 + s), and with the errors once more as 1/(1 + 2 s): the rational extrapolant of
+    Carroll, Ruppert, Stefanski and Crainiceanu (Measurement Error in Nonlinear Models, 2006, 5.3.2). It is for numbers that
+    are sought by their logarithm: their steps are changes by a share.
+    """
+    share = np.minimum(abs(step), MOST)
+    far = np.sign(step) * np.log((1 - share) / (1 - 2 * share))
+    return np.where([c.logarithmic for c in problem.sought], far, step)
 
 
 def _newton(problem: MachineProblem, u: Array) -> Array:

@@ -14,6 +14,7 @@ from stribeck.laws.base import Law
 _REVERSALS_LOOKED_AT = 200
 _REST = 0.01  # of the largest speed
 _FEWEST_AT_REST = 8  # samples
+HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
 _TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
 
 
@@ -122,7 +123,7 @@ def ranges(law: type[Law], sizes: Sizes) -> dict[str, Guess]:
         "sigma_2": Guess(0.1 * f / fast, 1e-3 * f / fast, f / fast),
         "F_c": Guess(0.8 * f, 0.3 * f, 1.2 * f, reach=5),
         "F_s": Guess(1.2 * f, 0.5 * f, 2 * f, reach=5),
-        "v_s": Guess(3e-3 * fast, 3e-4 * fast, fast),  # where greased guides and gears have it
+        "v_s": Guess(3e-3 * fast, 3e-4 * fast, HALF * fast, reach=1.0),  # where greased guides and gears have it
     }
     for name, constant in law.constants().items():
         if name not in known:

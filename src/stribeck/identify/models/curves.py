@@ -12,12 +12,12 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.features.guess import HALF
 from stribeck.identify.features.sliding import Sliding
 from stribeck.laws.base import Law
 
 REACHED = 0.5  # of v_s: exp(-1/4) = 78 % of the rise; a slower speed must have been seen for F_s to have an upper bound
 BENT, FLAT = 100.0, 2.0  # k_v times the slowest and fastest speed: tanh is 1 to rounding; tanh bends over all speeds
-HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
 IMPOSSIBLE, WRONG, ODD = 100.0, 4.0, 2.0  # factors on the squared residual: never, hardly ever, rarely reported
 HIGHEST = 3.0  # times the largest force: a level above it is balanced by another one
 STEP = 0.02  # of a shape's logarithm, for its slopes: their error is its square
