@@ -52,6 +52,14 @@ class Constant:
         return "a finite number" if self.at_least is None else f"a finite number >= {self.at_least:g}"
 
     @property
+    def allowed_node(self) -> dict[str, object]:
+        """The allowed values as a node of a JSON Schema."""
+        if self.choices:
+            return {"enum": list(self.choices)}
+        bounds = {"exclusiveMinimum": self.above, "minimum": self.at_least}
+        return {"type": "number", **{key: x for key, x in bounds.items() if x is not None}}
+
+    @property
     def required(self) -> bool:
         """Whether a value must be given."""
         return self.default is None and not self.optional and not self.choices

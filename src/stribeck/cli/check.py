@@ -14,7 +14,7 @@ import typer
 from stribeck.cli.options import Json, Out, Trust, Undetermined, command, load_scenario, place
 from stribeck.cli.output import OutputFolder, check_file, command_line, tell
 from stribeck.cli.progress import progress
-from stribeck.errors import InputError, note
+from stribeck.errors import InputError, arg, note
 
 if TYPE_CHECKING:
     from stribeck.laws.base import Law
@@ -111,7 +111,7 @@ def check(
         require_positive("v_max", v_max, "m/s")
     whole = what.lower().endswith(".toml")
     of_law = {"parameters": parameters, "level": level, **tolerances.given()}
-    if whole and (wrong := [f"--{name.replace('_', '-')}" for name, x in of_law.items() if x is not None]):
+    if whole and (wrong := [arg(name) for name, x in of_law.items() if x is not None]):
         raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in wrong])
     if force and not whole:
         raise InputError(

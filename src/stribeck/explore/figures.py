@@ -69,7 +69,7 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
         return tuple(Series(c, f"{c} {_NAMES.get(c, '')}".strip()) for c in columns if c in names)
 
     position, force = ("angle", "torque") if scenario.rotary else ("position", "force")
-    energies = tuple(Series(f"E_{n}", f"{n.replace('in', 'put in')}") for n in ("in", "dissipated", "stored"))
+    energies = (Series("E_in", "put in"), Series("E_dissipated", "dissipated"), Series("E_stored", "stored"))
     m, speed, newton = unit("m"), unit("m/s"), unit("N")
     return {
         "position": Chart("t", "t", "s", lines("y", "x", "r"), position, m, height=210, marks=("y",)),

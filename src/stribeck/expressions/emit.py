@@ -18,6 +18,9 @@ ATOM, UNARY, MUL, ADD, COMPARE, AND, OR, TERNARY = range(8)
 _MOST_OPERATIONS = 8
 
 
+RETURN = "return"  # a target: the value is returned
+
+
 @dataclass(frozen=True)
 class Dialect:
     """The syntax in which the languages differ."""
@@ -96,7 +99,7 @@ class Writer:
         self._size: dict[Expr, int] = {}  # operations in the text
 
     def write(self, outputs: Sequence[tuple[str, Expr]]) -> list[str]:
-        """The statements that assign each output expression to its target, in order."""
+        """The statements that assign each output expression to its target, or return it, in order."""
         self.taken.update(target for target, _ in outputs)
         nodes = ordered(expr for _, expr in outputs)
         uses = Counter(arg for node in nodes for arg in node.args)
@@ -108,7 +111,8 @@ class Writer:
                     self._text[node] = self._loop(node, uses, within)
                 elif node not in within:
                     self._text[node] = self._statement(node, uses[node])
-            self.lines.append(f"{target} = {self._value(expr, TERNARY)}{self.dialect.statement_end}")
+            how = target if target == RETURN else f"{target} ="
+            self.lines.append(f"{how} {self._value(expr, TERNARY)}{self.dialect.statement_end}")
         return self.lines
 
     def _statement(self, node: Expr, uses: int) -> tuple[str, int]:

@@ -24,7 +24,6 @@ class Family(FileTable):
     kinds: ClassVar[dict[str, type[Held]]]
     plain: ClassVar[str] = ""  # the kind that a table without ``kind`` has
     for_users: ClassVar[type[Held]]  # the class that users derive theirs from
-    of_program: ClassVar[bool] = False  # a kind that no file can ask for: ``kind`` is the class itself
 
     def __init_subclass__(cls, family: bool = False, for_users: bool = False, **more: Held) -> None:
         super().__init_subclass__(**more)
@@ -37,7 +36,7 @@ class Family(FileTable):
         if for_users:
             cls.family.for_users = cls
         kind = cls.model_fields["kind"].default
-        if isinstance(kind, str) and kind and not cls.of_program and not of_a_file(cls):
+        if isinstance(kind, str) and kind and not of_a_file(cls):
             cls.kinds.setdefault(kind, cls)
 
     @classmethod
@@ -48,8 +47,6 @@ class Family(FileTable):
         if "kind" not in data and cls.plain:
             return cls.kinds[cls.plain]
         kind = data.get("kind")
-        if isinstance(kind, type) and issubclass(kind, cls):
-            return kind
         if in_a_file(kind):
             if not reading.executes:
                 raise NotExecuted
@@ -72,11 +69,6 @@ class Family(FileTable):
             guess = nearest(kind, cls.kinds) if isinstance(kind, str) else ""
             text = f"{show(kind)}: must be {allowed}{guess}"
         raise problems_at([*found, (("kind",), text)])
-
-    @classmethod
-    def completed(cls, data: dict[str, Held], reading: Reading) -> dict[str, Held]:
-        """Without the class that the program named."""
-        return {n: x for n, x in data.items() if n != "kind"} if data.get("kind") is cls else data
 
     def to_table(self) -> dict[str, Held]:
         """With the kind, unless that is the plain one."""

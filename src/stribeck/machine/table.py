@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationError, model_validator
@@ -98,9 +98,7 @@ class ConstantField:
         )
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        c = self.constant
-        bounds = {"exclusiveMinimum": c.above, "minimum": c.at_least}
-        one = {"type": "number", **{key: x for key, x in bounds.items() if x is not None}}
+        one = self.constant.allowed_node
         return {"type": "array", "items": one, "minItems": 1} if self.many else one
 
 
@@ -207,11 +205,16 @@ _SIGNS = {"gt": ">", "ge": ">=", "le": "<="}
 _BOUNDS = ("greater_than", "greater_than_equal", "less_than_equal")
 
 
+def _choices(annotation: object) -> list[str]:
+    """The words of a Literal, alone or in a union."""
+    return [word for x in get_args(annotation) for word in ([x] if isinstance(x, str) else _choices(x))]
+
+
 def plain_words(info: FieldInfo | None, error: Any) -> str:
     """A message of pydantic's in the words of this project."""
     value, kind, about = error["input"], error["type"], error.get("ctx", {})
     if kind == "literal_error":
-        return f"{show(value)}: must be one of {str(about['expected']).replace(chr(39), '').replace(' or ', ', ')}"
+        return f"{show(value)}: must be one of {', '.join(_choices(info.annotation)) if info else about['expected']}"
     bounds = [f"{sign} {getattr(each, name):g}" for each in (info.metadata if info else ())
               for name, sign in _SIGNS.items() if getattr(each, name, None) is not None]  # fmt: skip
     if kind in _TYPES:

@@ -19,7 +19,7 @@ from stribeck.machine.element import SECTIONS
 from stribeck.machine.elements.contacts import Deflected
 from stribeck.machine.elements.controllers import Pid
 from stribeck.machine.elements.cylinder import Piston
-from stribeck.machine.elements.links import Pull
+from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.pressure_cascade import NONE, PressureCascade
 from stribeck.machine.law import LAW
 from stribeck.machine.pneumatic.observer import ETA, SCALES, Z_HAT
@@ -144,12 +144,10 @@ def _object(properties: Node, required: list[str], others: bool | Node = False) 
 
 
 def _number(constant: Constant) -> Node:
-    if constant.choices:
-        return {"enum": list(constant.choices), "default": constant.choices[0], "description": constant.meaning}
     unit = f", {constant.unit}" if constant.unit else ""
-    optional = {"exclusiveMinimum": constant.above, "minimum": constant.at_least, "default": constant.default}
-    given = {key: value for key, value in optional.items() if value is not None}
-    return {"type": "number", "description": f"{constant.meaning}{unit}", **given}
+    default = constant.choices[0] if constant.choices else constant.default
+    given = {} if default is None else {"default": default}
+    return {**constant.allowed_node, "description": f"{constant.meaning}{unit}", **given}
 
 
 def _numbers(constants: dict[str, Constant]) -> Node:
@@ -159,9 +157,10 @@ def _numbers(constants: dict[str, Constant]) -> Node:
 # -- the law ---------------------------------------------------------------------------------------------------------
 
 
-def _law(law: type[Law]) -> Node:
+def _law(law: type[Law], observes: bool = False) -> Node:
+    """A law; one that ``observes`` takes from the plant what it is not given."""
     constants, own = law.constants(), law.own_constants()
-    needed = [name for name in law.uses if constants[name].required]
+    needed = [name for name in law.uses if constants[name].required and not observes]
     table = _object({**_MACHINE, **_numbers(own)}, needed)
     about = (law.__doc__ or "").strip().partition("\n")[0]
     node = _object(
@@ -172,20 +171,10 @@ def _law(law: type[Law]) -> Node:
     return {**node, **({"allOf": places} if places else {})}
 
 
-def _observer(law: type[Law]) -> Node:
-    """A law as an observer: what it is not given it takes from the plant."""
-    own = law.own_constants()
-    name = {"const": law.name, "description": (law.__doc__ or "").strip().partition("\n")[0]}
-    table = _object({**_MACHINE, **_numbers(own)}, [])
-    node = _object({"name": name, **_numbers(own), "parameters": _parameters(table)}, ["name"])
-    places = [_somewhere(n) for n, constant in own.items() if constant.required]
-    return {**node, **({"allOf": places} if places else {})}
-
-
 def _observers() -> Node:
     """What a controller takes the friction for."""
     without = _object({"name": {"const": NONE, "description": "no compensation"}}, ["name"])
-    observers = [_observer(law) for law in laws.builtin().values() if law.claims.smooth is not False]
+    observers = [_law(law, observes=True) for law in laws.builtin().values() if law.claims.smooth is not False]
     return {"oneOf": [without, *observers, _own_law()]}
 
 
@@ -217,9 +206,10 @@ def _somewhere(name: str) -> Node:
 def _drive(kind: str) -> Node:
     about = schema1.SIGNALS[kind]
     signal = {"$ref": "#/$defs/signal", "description": about}
-    tables: dict[str, type[FileTable]] = {"spring": Pull, "pid": Pid, "cascade": PressureCascade}
+    tables: dict[str, type[FileTable]] = {"spring": Link, "pid": Pid, "cascade": PressureCascade}
     names = schema1.constants_of(kind)
-    numbers = _family(tables[kind])["properties"] if names else {}
+    own_table = _family(tables[kind]) if names else {"properties": {}}
+    numbers = own_table.get("anyOf", [own_table])[0]["properties"]  # of a family, those of its plain kind
     required = [info.alias or n for n, info in tables[kind].model_fields.items() if info.is_required()] if names else []
     named = {"kind": {"const": kind, "description": f"the signal is the {about}"}}
     own = {**named, **{n: numbers[n] for n in names}, "signal": signal}

@@ -122,7 +122,7 @@ def translated(data: Table, rotary: bool, names: ElementNames | None = None) -> 
     plant = _plant(data, kind, found)
     if kind == "cascade" and rotary:
         found.append(("rotary", "true: must be left out: the piston of a cylinder does not turn"))
-    at, hidden = names or ElementNames(), names is None
+    at = names or ElementNames()
     body, start = _body(plant, kind, rotary, found)
     if "law" not in data:
         found.append(("law", "missing: the table [law] must be given (with name and parameters)"))
@@ -143,8 +143,7 @@ def translated(data: Table, rotary: bool, names: ElementNames | None = None) -> 
         }  # fmt: skip
         paths = [(f"{bodies}.velocity.signal", "drive.signal"), (f"{bodies}.velocity", "drive"), *paths]
     elif kind == "spring":
-        spring = {"from": signal, "to": at.body, **own}
-        sections["links"] = {at.mover: {"kind": _pull(), **spring} if hidden else spring}
+        sections["links"] = {at.mover: {"from": signal, "to": at.body, **own}}
         links = table_path("links", at.mover)
         paths += [(f"{links}.from.signal", "drive.signal"), (links, "drive")]
     elif kind == "pid" or (kind == "cascade" and "kind" in body):
@@ -158,17 +157,11 @@ def translated(data: Table, rotary: bool, names: ElementNames | None = None) -> 
     return sections, Called(tuple(paths), columns, _ORDER if kind == "cascade" else (), kind), found
 
 
-def _pull() -> type:
-    from stribeck.machine.elements.links import Pull  # costs some milliseconds, which other drives need not pay
-
-    return Pull
-
-
 def constants_of(kind: str) -> tuple[str, ...]:
     """The keys of [drive] beside kind and signal, by its kind."""
     if kind != "cascade":
         return CONSTANTS[kind]
-    from stribeck.machine.elements.pressure_cascade import PressureCascade  # as above
+    from stribeck.machine.elements.pressure_cascade import PressureCascade  # costs a start some milliseconds
 
     return tuple(key for key in PressureCascade.file_keys() if key not in ("kind", "on", "signal"))
 

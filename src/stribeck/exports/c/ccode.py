@@ -50,10 +50,10 @@ class CWriter(Writer):
 
 
 def statements(outputs: Sequence[tuple[str, Expr]], inputs: Mapping[str, str], names: Names) -> str:
-    """Lines of C that assign expressions to their targets; the target ``return`` returns."""
+    """Lines of C that assign expressions to their targets, or return them."""
     roots = {re.split(r"\W", text)[0] for text in (*inputs.values(), *(target for target, _ in outputs))}
     written = CWriter(DIALECT, inputs, taken=_TAKEN | roots, names=names).write(outputs)
-    return "\n".join(f"    {line.replace('return = ', 'return ', 1)}" for line in written)
+    return "\n".join(f"    {line}" for line in written)
 
 
 @dataclass(frozen=True)

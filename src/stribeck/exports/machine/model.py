@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from stribeck.codegen import PORTABLE, parameter_names, with_columns
+from stribeck.codegen import parameter_names, with_columns
 from stribeck.constants import Column, Constant
 from stribeck.errors import InputError, arg
 from stribeck.exports.c.ccode import c_condition
@@ -18,16 +18,6 @@ from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation.native import SAMPLED_SHARE, step_share
 from stribeck.simulation.result import held_back
-
-# Nothing of the generated code is seen from outside of its file.
-_PRIVATE = """\
-#if defined(__GNUC__)
-#define UNUSED __attribute__((unused))
-#else
-#define UNUSED
-#endif
-#define EXPORT UNUSED static
-"""
 
 
 @dataclass(frozen=True)
@@ -73,9 +63,7 @@ class MachineModel:
     def code(self) -> str:
         """The equations, the solver, and the columns of the output."""
         machine = self.machine
-        text = with_columns(machine, lambda: machine.outputs)
-        assert PORTABLE in text
-        return ascii_only_text(text.replace(PORTABLE, _PRIVATE))
+        return ascii_only_text(with_columns(machine, lambda: machine.outputs))
 
     @property
     def columns(self) -> tuple[Column, ...]:

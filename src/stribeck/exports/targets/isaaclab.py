@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import inspect
-import re
 
 from stribeck.exports.c.ccode import render
 from stribeck.exports.python import stepping
 from stribeck.exports.python.written import Written
 from stribeck.exports.request import Content, Part, Request, Target
 
-_ANNOTATIONS = re.compile(
-    r": (ModuleType|Value|Callable\[\.\.\., Value\])(?=[,)\n])| -> [\w\[\]., ]+(?=:$)", re.MULTILINE
-)
-
 
 def files(request: Request) -> Content:
     """The Python file; its step is the text of :mod:`stribeck.exports.python.stepping`."""
     parts = (stepping.loop, stepping.settled, stepping.balance, stepping.solved)
-    text = _ANNOTATIONS.sub("", "\n\n".join(inspect.getsource(part) for part in parts).rstrip())
-    text = text.replace("xp, ", "").replace("xp.", "torch.")
+    text = "\n\n".join(inspect.getsource(part) for part in parts).rstrip()
     content = render(
         "isaaclab.txt", about=request.in_docstring(), eq=Written(request.law), stepping=text, inputs=request.law.inputs
     )

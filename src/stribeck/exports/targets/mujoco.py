@@ -154,12 +154,15 @@ def _equations(request: Request) -> str:
 
 
 def _callback(request: Request) -> str:
-    about = "\n".join(request.about()).replace("\\", "\\\\").replace('"""', "'''")
     words = dict.fromkeys(_LOAD, "")
     if inputs := request.law.inputs:
         words = {key: text.format(", ".join(inputs)) for key, text in _LOAD.items()}
     return _CALLBACK.format(
-        about=about, name=request.name, count=len(_carried(request)), equations=_equations(request), **words
+        about=request.in_docstring(),
+        name=request.name,
+        count=len(_carried(request)),
+        equations=_equations(request),
+        **words,
     )
 
 

@@ -94,6 +94,11 @@ class Link(BetweenBodies, family=True):
         d, w, ratio = a.along(self)
         x = {s.name: a.state(self, s.name) for s in self.states}
         f = a.show(self.of("f"), self.force(d, w, x))
+        if self.far is not None and a.system.unnamed:  # a file of schema 1 ends at its body: into that work is put
+            a.k[self.of("x")] = wrap(a.reference(self.far).value)
+            a.push(self.end, f)
+            a.power_in = a.power_in + f * a.motion(self.end)[1]
+            return
         rates = {n: wrap(rate) for n, rate in self.rates(d, w, x).items()}
         a.rates |= {self.of(n): rate for n, rate in rates.items()}
         a.act(self, ratio, f)
@@ -157,20 +162,3 @@ class StagedSpring(Link):
         k, s = self._stiffer(d)
         energy = super().stored_energy(d, x) + k * s**2 / 2
         return energy if self.preload is None else energy + self.preload * d
-
-
-class Pull(Link):
-    """A spring whose far end a signal moves, as ``drive.kind = "spring"`` of schema 1 has it: its work on the body is put
-    in, and what it stores is not counted."""
-
-    of_program = True
-    kind: str = Field("spring", exclude=True)
-    stiffness: float = quantity("N/m", "stiffness of the spring", above=0, rotary_unit="N m/rad")
-
-    def equations(self, a: Assembly) -> None:
-        """Pull the body."""
-        d, w, _ = a.along(self)
-        f = a.show(self.of("f"), self.force(d, w))
-        a.k[self.of("x")] = wrap(a.reference(self.far).value)
-        a.push(self.end, f)
-        a.power_in = a.power_in + f * a.motion(self.end)[1]
