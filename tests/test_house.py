@@ -10,7 +10,7 @@ import pytest
 
 SOURCE = Path(__file__).parent.parent / "src" / "stribeck"
 FILES = sorted(SOURCE.rglob("*.py"))
-LONGEST_FILE, LONGEST_FUNCTION = 700, 80
+LONGEST_FILE, LONGEST_FUNCTION = 700, 65
 
 # What may be longer, and why.
 LONG_FILES: dict[str, str] = {}

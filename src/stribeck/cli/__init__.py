@@ -3,74 +3,30 @@
 from __future__ import annotations
 
 import gc
-import io
-import os
 import signal
 import sys
 import warnings
 from contextlib import suppress
-from types import FrameType
 from typing import NoReturn
 
-from stribeck.cli.words import option
-from stribeck.errors import EXTRAS, InputError, MissingExtra, StribeckError, StribeckNote, naming, one_line, remedy
-
-# The extra that has all a command needs, where one of its packages comes with another one too.
-_EXTRA = {"fit": "fit", "predict": "fit", "check": "fit", "design": "fit", "export": "fmu"}
-# Commands that may solve large linear systems.
-_LINEAR_ALGEBRA = ("fit", "predict", "design")
-_YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
-_SIGNALS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "ended"}
-
-
-class _Stop(KeyboardInterrupt):
-    """A signal that ends the process, taken as Ctrl-C is: what has been begun is cleared away."""
-
-    last: int = signal.SIGINT  # Typer catches what is raised and tells no more than that it came
+from stribeck.cli.process import SIGNALS, Stop, listen, make_ready
+from stribeck.cli.words import option, status_of
+from stribeck.errors import InputError, StribeckNote, naming, one_line
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 or 143 interrupted."""
     taken: list[int] = []
     try:
-        taken = _listen()
-        _make_ready(arguments)
+        taken = listen()
+        make_ready(_command(arguments))
         status = _status(arguments)
         for number in taken:  # all is done and said: Python's own end takes no more stops
             signal.signal(number, signal.SIG_IGN)
     except KeyboardInterrupt:  # before the command begins, or between its end and here
-        status = 128 + _Stop.last
+        status = 128 + Stop.last
     gc.freeze()  # the last look for garbage takes a seventh of a short run, and what it frees goes with the process
     sys.exit(status)
-
-
-def _listen() -> list[int]:
-    """Take as stops the signals that nobody else takes or ignores, as a shell's background job and nohup do."""
-    usual = (signal.SIG_DFL, signal.default_int_handler)
-    taken = [n for name in _SIGNALS if (n := getattr(signal, name, None)) is not None and signal.getsignal(n) in usual]
-    for number in taken:
-        signal.signal(number, _stop)
-    return taken
-
-
-def _stop(number: int, frame: FrameType | None) -> None:
-    _Stop.last = number
-    raise _Stop
-
-
-def _make_ready(arguments: list[str] | None) -> None:
-    """Set what the whole process goes by."""
-    # pydantic asks every installed package whether it is a plugin of its, which takes as long as a run
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    if _command(arguments) not in _LINEAR_ALGEBRA:  # its threads would take their time to begin, and have no work
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    gc.set_threshold(_YOUNG, 20, 100)
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed by the shell, and asked whether it is a terminal
-            setattr(sys, name, io.StringIO())
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a file's name, or a Greek letter, may have no code there
 
 
 def _status(arguments: list[str] | None) -> int:
@@ -91,50 +47,16 @@ def _status(arguments: list[str] | None) -> int:
         return 2
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may have gone
-            print(f"stribeck: {_SIGNALS[signal.Signals(_Stop.last).name]}", file=sys.stderr)
-        return 128 + _Stop.last
+            print(f"stribeck: {SIGNALS[signal.Signals(Stop.last).name]}", file=sys.stderr)
+        return 128 + Stop.last
     except BrokenPipeError:
         sys.stderr.close()  # the reader has gone: nothing is left to tell
         return 1
     except BaseException as error:  # a user's file may raise any: sys.exit() in a law would end the command as if done
-        status, text = _told(error, command)
+        status, text = status_of(error, command)
         if text:
             print(one_line(f"stribeck: {text}"), file=sys.stderr)
         return status
-
-
-def _told(error: BaseException, command: str) -> tuple[int, str]:
-    """The status and the line for what was raised; what nobody's file or installation is at fault for is raised again."""
-    from stribeck.kinds import at_fault
-
-    if isinstance(error, MissingExtra | ModuleNotFoundError) and (text := _missing(error, command)):
-        return 2, text
-    if isinstance(error, StribeckError):
-        return 1, one_line(str(error))
-    if (usage := getattr(error, "format_message", None)) is not None:  # no text where the help was printed instead
-        text = " ".join(usage().split())
-        return 2, f"{text} (stribeck --help)" if text else ""
-    if isinstance(error, MemoryError):
-        return 1, f"not enough memory{f': {error}' if str(error) else ''}"
-    if isinstance(error, OSError):
-        where = f"{error.filename}: " if error.filename else ""
-        return 1, f"{where}{error.strerror or error}"
-    if (text := at_fault(error) or "") == "" and isinstance(error, ImportError):  # no memory for it, or it is damaged
-        return 1, f"a library cannot be loaded: {error}"
-    if not text:
-        raise error
-    return 2, text
-
-
-def _missing(error: MissingExtra | ModuleNotFoundError, command: str) -> str:
-    """How to get a package that is not installed; nothing where no extra brings it."""
-    package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
-    if package not in EXTRAS:
-        return ""
-    if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra not in ("plot", "fit", "fmu")):
-        return one_line(str(error))
-    how = remedy(package, EXTRAS[package] and _EXTRA.get(command, EXTRAS[package]))
-    return f"'{command}' needs {package}: {how}"
 
 
 def _show(message: Warning | str, category: type[Warning], *rest: object) -> None:

@@ -109,36 +109,37 @@ def check(
 
     if v_max is not None:
         require_positive("v_max", v_max, "m/s")
-    whole = what.lower().endswith(".toml")
     of_law = {"parameters": parameters, "level": level, **tolerances.given()}
-    if whole and (wrong := [arg(name) for name, x in of_law.items() if x is not None]):
-        raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in wrong])
-    if force and not whole:
-        raise InputError(
-            f"--force: {force[0]!r}: needs a machine's FILE.toml: it bounds a link, a load or a motor there"
-        )
-    reads = [Path(what if whole else what.rpartition(":")[0]), Path(parameters or "")]
-    more: dict[str, object] = {}
-    if whole:
-        stated, scenario = _forces(force or []), load_scenario(Path(what), set_ or [], trust)
-        more["forces"] = stated
+    asked: _Machine | _Law
+    if what.lower().endswith(".toml"):
+        asked = _Machine.of(what, set_ or [], force or [], of_law, trust)
+    elif force:
+        text = "needs a machine's FILE.toml: it bounds a link, a load or a motor there"
+        raise InputError(f"--force: {force[0]!r}: {text}")
     else:
         asked = _Law.of(what, parameters, set_ or [], level, tolerances.given(), trust)
+    _decide(asked, v_max, out, certificate, verify=verify, json=json)
+    return 0
+
+
+def _decide(
+    asked: _Machine | _Law, v_max: float | None, out: Path | None, certificate: Path | None, *, verify: bool, json: bool
+) -> None:
+    """Decide, write the files asked for, print the verdicts."""
     with OutputFolder(out):
         if certificate is not None:
-            check_file("--certificate", certificate, *reads)
-        with progress(f"check {scenario.name if whole else asked.law.name}"):
-            found = _machine(scenario, v_max, stated) if whole else asked.verdicts(v_max)
+            check_file("--certificate", certificate, *asked.reads)
+        with progress(f"check {asked.name}"):
+            found = asked.verdicts(v_max)
         if verify:
             found.verify()
         files, pages = _write(found, out, certificate)
-    more |= {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
+    more = asked.more | {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
     tell(
         found.document,
         {**found.to_dict(), **more} if json else None,
         None if json else [*(files or ()), *(pages or ())[-1:]],
     )
-    return 0
 
 
 def _write(
@@ -159,16 +160,50 @@ def _write(
     return files, pages
 
 
-def _machine(scenario: Scenario, v_max: float | None, forces: dict[str, float]) -> MachineVerdicts:
-    from stribeck.properties import check as decide
+@dataclass(frozen=True)
+class _Machine:
+    """A machine's file, and bounds of forces in it."""
 
-    return decide(scenario, v_max, forces=forces)
+    reads: tuple[Path, ...]
+    scenario: Scenario
+    forces: dict[str, float]
+
+    @classmethod
+    def of(
+        cls, file: str, assignments: list[str], forces: list[str], of_law: Mapping[str, object], trust: bool
+    ) -> _Machine:
+        """The machine with its bounds.
+
+        Raises:
+            InputError: something of one law is given, or the file is no valid machine.
+        """
+        if wrong := [arg(name) for name, x in of_law.items() if x is not None]:
+            raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in wrong])
+        stated = _forces(forces)
+        return cls((Path(file),), load_scenario(Path(file), assignments, trust), stated)
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self.scenario.name
+
+    @property
+    def more(self) -> dict[str, object]:
+        """What the JSON has beside the verdicts."""
+        return {"forces": self.forces}
+
+    def verdicts(self, v_max: float | None) -> MachineVerdicts:
+        """The verdicts on its contacts and the whole."""
+        from stribeck.properties import check as decide
+
+        return decide(self.scenario, v_max, forces=self.forces)
 
 
 @dataclass(frozen=True)
 class _Law:
     """A law as the command line has it, and what is asked of it."""
 
+    reads: tuple[Path, ...]  # the user's files that it is from
     law: Law
     level: tuple[float, float] | None
     tolerated: dict[str, object]
@@ -188,6 +223,7 @@ class _Law:
         from stribeck import laws
         from stribeck.parameter_sets.assignments import parse_assignments
 
+        reads = Path(name.rpartition(":")[0]), Path(parameters or "")
         bounds, given = level_of(level), parse_assignments(assignments)
         if "scenario" in tolerated:
             tolerated["scenario"] = scenario = load_scenario(Path(str(tolerated["scenario"])), [], trust)
@@ -199,7 +235,17 @@ class _Law:
         law = laws.law(name, parameters, **given, **({"k_v": 1.0} if open_k_v else {}))
         if problem := laws.trouble(law):
             raise InputError(f"{name!r}: {problem}")
-        return cls(law, bounds, tolerated, open_k_v, ":" in name)
+        return cls(reads, law, bounds, tolerated, open_k_v, ":" in name)
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self.law.name
+
+    @property
+    def more(self) -> dict[str, object]:
+        """What the JSON has beside the verdicts."""
+        return {}
 
     def verdicts(self, v_max: float | None) -> Verdicts:
         """The verdicts and, if tolerances are given, the smallest k_v; no verdicts if no k_v will do."""

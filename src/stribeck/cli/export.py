@@ -109,11 +109,9 @@ def export(
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
     """Write a law, a controller or a machine for another tool: C, FMU, MuJoCo, Isaac Lab, Newton, a table."""
-    from stribeck.exports import SAMPLED, TARGETS
-    from stribeck.exports import export as write
-    from stribeck.scenario import Scenario
+    from stribeck.exports import TARGETS
 
-    part, scenario, contact = of.part, of.scenario, of.contact
+    scenario = of.scenario
     if law is not None and law.endswith(".toml"):
         if scenario is not None:
             raise InputError(f"LAW: {law!r}: must be left out, or a law: --scenario names a scenario already")
@@ -121,27 +119,62 @@ def export(
     if (known := TARGETS.get(target)) is not None and not known.folder:
         named = (str(scenario or ""), (law or "").rpartition(":")[0], parameters or "")
         check_file("--out", out, *map(Path, named), parents=True)
-    rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
-    if part is None:
-        part = "machine" if rig is not None and not rig.elements.unnamed and law is None and contact is None else "law"
-    chosen: Law | None = None
-    if part == "machine" or part in SAMPLED:
-        rig = _whole(rig, part, set_ or [], {"LAW": law, "--parameters": parameters, "--contact": contact})
-    else:
-        chosen = _law(law, parameters, set_ or [], rig, contact)
-    origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
-    if parameters is None and rig is not None:
-        origin = f"scenario {rig.name}"
-    with progress(f"export to {target}"):
-        files = write(
-            chosen, target, out, part=part, scenario=rig, step=tool.step, self_test=tool.self_test, origin=origin, fmi=tool.fmi,
-            controller=of.controller, platforms=tool.platforms,
-        )  # fmt: skip
+    chosen = _chosen(law, parameters, set_ or [], scenario, of, trust)
+    files = _write(chosen, target, out, of.controller, tool)
     if json:
-        print_json(_summary(chosen, rig) | {"target": target, "part": part, "files": [str(file) for file in files]})
+        names = [str(file) for file in files]
+        print_json(_summary(chosen.law, chosen.scenario) | {"target": target, "part": chosen.part, "files": names})
     else:
         print("\n".join(f"wrote {file}" for file in files))
     return 0
+
+
+@dataclass(frozen=True)
+class _Chosen:
+    """What is exported: a part of a law or of a machine, and where its parameters are from."""
+
+    part: str
+    law: Law | None
+    scenario: Scenario | None
+    origin: str
+
+
+def _chosen(
+    law: str | None, parameters: str | None, assignments: list[str], scenario: Path | None, of: PartOptions, trust: bool
+) -> _Chosen:
+    """What the options name.
+
+    Raises:
+        InputError: it is not known, or the options do not go together.
+    """
+    from stribeck.exports import SAMPLED
+    from stribeck.scenario import Scenario
+
+    rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
+    part = of.part
+    if part is None:
+        whole = rig is not None and not rig.elements.unnamed and law is None and of.contact is None
+        part = "machine" if whole else "law"
+    chosen: Law | None = None
+    if part == "machine" or part in SAMPLED:
+        rig = _whole(rig, part, assignments, {"LAW": law, "--parameters": parameters, "--contact": of.contact})
+    else:
+        chosen = _law(law, parameters, assignments, rig, of.contact)
+    origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
+    if parameters is None and rig is not None:
+        origin = f"scenario {rig.name}"
+    return _Chosen(part, chosen, rig, origin)
+
+
+def _write(chosen: _Chosen, target: str, out: Path, controller: str | None, tool: ToolOptions) -> list[Path]:
+    """Write the files of the target."""
+    from stribeck.exports import export as write
+
+    with progress(f"export to {target}"):
+        return write(
+            chosen.law, target, out, part=chosen.part, scenario=chosen.scenario, step=tool.step, self_test=tool.self_test,
+            origin=chosen.origin, fmi=tool.fmi, controller=controller, platforms=tool.platforms,
+        )  # fmt: skip
 
 
 def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:

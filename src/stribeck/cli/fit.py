@@ -162,24 +162,44 @@ def fit(
         )
     if simulate:
         raise InputError("--simulate: goes with --plan, which is not given")
+    recordings = _recordings(data or [], logs, transfer)
+    given = {**how.given(), **columns.given(), **recordings}
+    return _fit(data or [], laws, assignments, given, out, verbose=verbose, json=json)
+
+
+def _recordings(data: list[Path], logs: Path | None, transfer: Path | None) -> record.Keywords:
+    """The recordings of a machine, as arguments of :func:`stribeck.fit`; none for a log.
+
+    Raises:
+        InputError: there is no data, or what is given does not go together.
+    """
     if not data:
         raise InputError("DATA: missing: a log to fit, or --plan to learn what to measure")
     if logs is None and transfer is not None:
         raise InputError(f"--transfer: {str(transfer)!r}: needs --logs")
     if logs is not None and len(data) != 1:
         raise InputError(f"DATA: {len(data)} files: with --logs there must be one, the machine's")
+    return {} if logs is None else {"logs": logs, "transfer": transfer}
+
+
+# -- call ------------------------------------------------------------------------------------------------------------
+
+
+def _fit(
+    data: list[Path], laws: list[str], assignments: list[str], given: record.Keywords, out: Path | None, *, verbose: bool,
+    json: bool,
+) -> int:  # fmt: skip
+    """Fit, write the files asked for, print what was found."""
     from stribeck.identify.written import FILES, write_fit
 
-    reads, names = ([data[0], logs], FILES) if logs is not None else ([], ())
+    reads, names = ([data[0], given["logs"]], FILES) if "logs" in given else ([], ())
     with OutputFolder(out, reads, names):
         with progress("fit") as share:
-            given = {**how.given(), **columns.given(), "progress": share}
-            if logs is None:
-                found = _of_log(data, laws, assignments, given)
+            given["progress"] = share
+            if "logs" in given:
+                found = _of_machine(data[0], laws, assignments, given | {"folder": out})
             else:
-                found = _of_machine(
-                    data[0], laws, assignments, given | {"logs": logs, "transfer": transfer, "folder": out}
-                )
+                found = _of_log(data, laws, assignments, given)
         written: list[str] = []
         try:
             if out is not None:
@@ -187,9 +207,6 @@ def fit(
         finally:  # while the page is drawn, too: what was found is said
             _show(found, data, written, out, verbose=verbose, json=json)
     return {"done": 0, "stopped": 130}.get(found.status, 1)
-
-
-# -- call ------------------------------------------------------------------------------------------------------------
 
 
 def _of_log(data: list[Path], laws: list[str], assignments: list[str], given: record.Keywords) -> Fit:

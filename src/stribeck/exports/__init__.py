@@ -96,19 +96,19 @@ def export(
     if part == "machine":
         what = _machine(law, scenario, step, origin, options)
     elif part in SAMPLED:
-        if law is not None:
-            raise InputError(f"{arg('law')}: {law.name!r}: must be left out: part '{part}' takes all from the machine")
-        what = block_of(scenario, part, controller, step, origin, options)
+        what = _block(law, scenario, part, controller, step, origin, options)
     else:
-        what = Request(_law(law, scenario, contact), part, scenario, step, origin, options)
-        if (lost := what.law.beside) and not chosen.loads:
-            able = ", ".join(name for name, each in TARGETS.items() if each.loads)
-            raise InputError(f"{', '.join(lost)}: would be lost: target '{target}' cannot be given them; {able} can")
-    made = chosen.parts[part]
+        what = Request(_law(law, scenario, contact, chosen), part, scenario, step, origin, options)
+    return _write(out, chosen, part, what)
+
+
+def _write(out: Path, target: Target, part: str, what: MachineModel | Block | Request) -> list[Path]:
+    """The files of a part, after its notes."""
+    made = target.parts[part]
     content, notes = made.files(what), made.notes(what)
     for text in notes:
         note(text)
-    return _write_folder(out, content) if chosen.folder else _write_file(out, content)
+    return _write_folder(out, content) if target.folder else _write_file(out, content)
 
 
 def _machine(
@@ -121,13 +121,27 @@ def _machine(
     return MachineModel(scenario, origin, options)
 
 
-def _law(law: Law | None, scenario: Scenario | None, contact: str | None) -> Law:
-    """The law given, or the friction of the scenario's contact."""
+def _block(
+    law: Law | None, scenario: Scenario | None, part: str, controller: str | None, step: float | None, origin: str,
+    options: Options,
+) -> Block:  # fmt: skip
+    """A sampled controller, of which all is taken from the machine."""
     if law is not None:
-        return law
-    if scenario is None:
+        raise InputError(f"{arg('law')}: {law.name!r}: must be left out: part '{part}' takes all from the machine")
+    return block_of(scenario, part, controller, step, origin, options)
+
+
+def _law(law: Law | None, scenario: Scenario | None, contact: str | None, target: Target) -> Law:
+    """The law given, or the friction of the scenario's contact, with all that the target must be given."""
+    if law is None and scenario is None:
         raise InputError(f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it")
-    return contact_law(scenario, contact)
+    found = contact_law(scenario, contact) if law is None and scenario is not None else law
+    assert found is not None
+    if found.beside and not target.loads:
+        able = ", ".join(name for name, each in TARGETS.items() if each.loads)
+        text = f"would be lost: target '{target.name}' cannot be given them; {able} can"
+        raise InputError(f"{', '.join(found.beside)}: {text}")
+    return found
 
 
 def _write_file(out: Path, content: Content) -> list[Path]:

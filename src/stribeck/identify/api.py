@@ -84,14 +84,22 @@ def fit(
         tuple(speeds), dict(unknown or {}),
     )  # fmt: skip
     of_file = ColumnNames({**(columns or {}), **named}, with_counts(units or {}, counts), force_gain)
-    if logs is not None:
-        _refuse_of_a_log(options, of_file, cutoff)
-        return fit_machine(
-            data, logs, laws=_by_contact(law), unknown=options.unknown, transfer_to=transfer, starts=starts, seed=seed,
-            progress=progress, folder=None if folder is None else Path(folder),
-        )  # fmt: skip
-    if transfer is not None:
-        raise InputError(f"{arg('transfer')}: {show(str(transfer))}: needs {arg('logs')}")
+    if logs is None:
+        if transfer is not None:
+            raise InputError(f"{arg('transfer')}: {show(str(transfer))}: needs {arg('logs')}")
+        return _fit_read(data, law, of_file, options, cutoff, progress)
+    _refuse_of_a_log(options, of_file, cutoff)
+    return fit_machine(
+        data, logs, laws=_by_contact(law), unknown=options.unknown, transfer_to=transfer, starts=starts, seed=seed,
+        progress=progress, folder=None if folder is None else Path(folder),
+    )  # fmt: skip
+
+
+def _fit_read(
+    data: Data, law: Law, of_file: ColumnNames, options: FitOptions, cutoff: float | None,
+    progress: Callable[[float], None] | None,
+) -> LogFit:  # fmt: skip
+    """Read a log and fit it, with the share of both."""
     if isinstance(law, Mapping):
         raise InputError(f"{arg('law')}: {show(law)}: laws by contact need {arg('logs')}")
     names = [] if law is None else [law] if isinstance(law, str) else list(law)
