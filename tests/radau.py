@@ -11,9 +11,9 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.scenario import Scenario
-from stribeck.signals.pieces import JUMP, SMOOTH
 from stribeck.simulation.rates import RateFunctions
 from stribeck.simulation.result import Result, Stats, ended, held_back
+from stribeck.waveforms.pieces import JUMP, SMOOTH
 
 _SAME_TIME = 1e-12  # as in runtime/run.c
 

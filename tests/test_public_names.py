@@ -116,6 +116,18 @@ def test_simulate_gives_a_solution_or_an_ensemble(law):
         st.simulate(SMALL, threads=2)
 
 
+def test_signals_are_named_by_their_kind():
+    assert st.signals.Sine(0.1, 0.8).to_table() == {"kind": "sine", "amplitude": 0.1, "frequency": 0.8}
+    assert st.signals.Step(1.0, at=0.5).to_table() == {"kind": "step", "value": 1.0, "time": 0.5}
+    with pytest.raises(AttributeError, match="Sinus"):
+        st.signals.Sinus  # noqa: B018
+
+
+def test_predict_takes_a_fit_or_a_machine():
+    with pytest.raises(st.InputError, match="fit, machine: one must be given"):
+        st.predict("record.csv")
+
+
 def test_load_and_import(tmp_path):
     found = st.load(examples.path("servo"), {"solve.t_end": 0.2})
     assert found == st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2})
@@ -132,7 +144,9 @@ def test_sweep(tmp_path, law):
     found = st.sweep(SMALL, {"law.parameters.F_s": [1.5, 2.0]}, tmp_path / "one", summary=True)
     assert found.parts == 1
     assert found.files == [str(tmp_path / "one" / name) for name in ("_manifest.json", "part-000000.parquet")]
-    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Load.follow("p", "a", st.Sine(2.0, 1.0)))
+    machine = st.Machine(
+        st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Load.follow("p", "a", st.signals.Sine(2.0, 1.0))
+    )
     varied = machine.vary({"bodies.a.mass": [0.5, 1.0, 2.0]})
     assert len(st.sweep(varied, out=tmp_path / "two", t_end=0.1, step=0.01).lanes) == 3
 

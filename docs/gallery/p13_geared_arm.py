@@ -20,7 +20,7 @@ rig = st.Machine(
     st.Contact("seal", "arm", seal),
     st.Load.pendulum("gravity", "arm", 4.0),
     st.Controller.cascade(
-        "axis", on="rotor", signal=st.PointToPoint([0.1, 0.7], [0.0, 50.0]), K_p=20, K_v=0.02, T_i=0.04
+        "axis", on="rotor", signal=st.signals.PointToPoint([0.1, 0.7], [0.0, 50.0]), K_p=20, K_v=0.02, T_i=0.04
     ),
 )
 solution = st.simulate(rig, t_end=1.5, step=2e-3)

@@ -19,7 +19,7 @@ for share in (0.0, 0.1):
         st.Body("arm", inertia=0.08),
         st.Link("gear", "rotor", "arm", stiffness=60.0, damping=0.1),
         st.Contact("mesh", "rotor", mesh, loads=loads),
-        st.Load.follow("push", "rotor", st.Sine(4.0, 0.5)),
+        st.Load.follow("push", "rotor", st.signals.Sine(4.0, 0.5)),
         st.Load.pendulum("gravity", "arm", 2.0),
     )
     solution = st.simulate(rig, t_end=4.0, step=2e-3)

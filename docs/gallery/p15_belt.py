@@ -12,7 +12,7 @@ import stribeck as st
 
 rub = st.law("lugre_majorant", parameters="canudas1995", k_v=1e6)
 rig = st.Machine(
-    st.Body("belt", velocity=st.Ramp(0.002)),
+    st.Body("belt", velocity=st.signals.Ramp(0.002)),
     st.Body("mass", mass=1.0),
     st.Contact("rub", "mass", rub, end="belt"),
     st.Link("spring", "mass", stiffness=2.0),

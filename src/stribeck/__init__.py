@@ -13,11 +13,13 @@ if TYPE_CHECKING:
     from stribeck.exports import export
     from stribeck.exports.exchange import import_
     from stribeck.identify.api import fit
+    from stribeck.identify.predict import predict
     from stribeck.identify.result import Fit
     from stribeck.laws import law
     from stribeck.laws.base import BristleLaw, Law, StaticLaw
     from stribeck.laws.library import library
     from stribeck.loops import design
+    from stribeck.machine import signal as signals
     from stribeck.machine.elements.bodies import Body
     from stribeck.machine.elements.contacts import Contact
     from stribeck.machine.elements.controllers import Controller
@@ -25,7 +27,6 @@ if TYPE_CHECKING:
     from stribeck.machine.elements.loads import Load
     from stribeck.machine.elements.motors import Motor
     from stribeck.machine.elements.sensors import Sensor
-    from stribeck.machine.signal import File, Points, PointToPoint, Ramp, Sine, Spline, Step
     from stribeck.properties import check
     from stribeck.scenario import Scenario, load
     from stribeck.scenario.objects import Machine
@@ -33,9 +34,9 @@ if TYPE_CHECKING:
     from stribeck.sweeps.job import sweep
 
 __all__ = [
-    "Body", "BristleLaw", "Constant", "Contact", "Controller", "Ensemble", "File", "Fit", "InputError", "Law", "Link",
-    "Load", "Machine", "Motor", "PointToPoint", "Points", "Ramp", "Scenario", "Sensor", "Sine", "Solution", "Spline", "StaticLaw",
-    "Step", "StribeckError", "check", "design", "export", "fit", "import_", "law", "library", "load", "simulate", "sweep",
+    "Body", "BristleLaw", "Constant", "Contact", "Controller", "Ensemble", "Fit", "InputError", "Law", "Link", "Load",
+    "Machine", "Motor", "Scenario", "Sensor", "Solution", "StaticLaw", "StribeckError", "check", "design", "export", "fit",
+    "import_", "law", "library", "load", "predict", "signals", "simulate", "sweep",
 ]  # fmt: skip
 
 # The modules that the public names come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -45,6 +46,7 @@ _HOME = {
     "stribeck.exports.exchange": ("import_",),
     "stribeck.exports": ("export",),
     "stribeck.identify.api": ("fit",),
+    "stribeck.identify.predict": ("predict",),
     "stribeck.identify.result": ("Fit",),
     "stribeck.laws": ("law",),
     "stribeck.laws.base": ("BristleLaw", "Law", "StaticLaw"),
@@ -59,20 +61,22 @@ _HOME = {
     "stribeck.machine.elements.loads": ("Load",),
     "stribeck.machine.elements.motors": ("Motor",),
     "stribeck.machine.elements.sensors": ("Sensor",),
-    "stribeck.machine.signal": ("File", "PointToPoint", "Points", "Ramp", "Sine", "Spline", "Step"),
     "stribeck.scenario.objects": ("Machine",),
     "stribeck.simulation": ("Ensemble", "Solution", "simulate"),
     "stribeck.sweeps.job": ("sweep",),
 }  # fmt: skip
-_EXTRA = {"export": "fmu", "fit": "fit"}  # where one package alone would not be enough
+_MODULES = {"signals": "stribeck.machine.signal"}  # names that are a module of theirs
+_EXTRA = {"export": "fmu", "fit": "fit", "predict": "fit"}  # where one package alone would not be enough
 
 
 def __getattr__(name: str) -> Any:
     if name in __all__:
         from stribeck.errors import needed
 
-        home = next(module for module, names in _HOME.items() if name in names)
         with needed(f"stribeck.{name}", _EXTRA.get(name, "")):
+            if name in _MODULES:
+                return importlib.import_module(_MODULES[name])
+            home = next(module for module, names in _HOME.items() if name in names)
             return getattr(importlib.import_module(home), name)
     raise AttributeError(f"module 'stribeck' has no attribute {name!r}")
 

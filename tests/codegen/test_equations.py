@@ -7,7 +7,7 @@ import pytest
 
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol
-from stribeck.signals import Segment
+from stribeck.waveforms import Segment
 from tests.codegen.harness import compiled
 from tests.codegen.systems import IDS, VALUES, VARIANTS, one_signal_each, parameters, states, systems
 from tests.simulation.rig import needs_compiler

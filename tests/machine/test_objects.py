@@ -16,7 +16,7 @@ def rig():
         st.Body("rotor", inertia=3.1e-5), st.Body("arm", inertia=0.35),
         st.Link("gear", "rotor", "arm", ratio=0.01, stiffness=9e3, damping=2.0, gap=2e-4),
         st.Contact("mesh", "arm", st.law("lugre_majorant", parameters="canudas1995", k_v=1e6)),
-        st.Controller.cascade("axis", on="rotor", signal=st.Step(1.0, at=0.1), K_p=30, K_v=0.05),
+        st.Controller.cascade("axis", on="rotor", signal=st.signals.Step(1.0, at=0.1), K_p=30, K_v=0.05),
     )  # fmt: skip
 
 
@@ -36,7 +36,7 @@ def test_a_file_as_objects():
         st.Load.ripple("cogging", "rotor", [2e-3], [14], [0.0]),
         st.Motor("drive", "rotor", K=0.07, R=0.4, L=2e-4, voltage=24.0),
         st.Controller.cascade(
-            "axis", on="drive", measures="rotor", signal=st.PointToPoint([0.1, 0.7], [0.0, 50.0]), K_p=20.0, K_v=0.02,
+            "axis", on="drive", measures="rotor", signal=st.signals.PointToPoint([0.1, 0.7], [0.0, 50.0]), K_p=20.0, K_v=0.02,
             T_i=0.04, limit=1.0, sampling={"period": 1e-3, "delay": 4e-4, "resolution": 1.5339807878856412e-3},
         ),
         name="arm",
@@ -95,12 +95,12 @@ WRITTEN = {  # refused where it is written, with the path that it would have in 
     "text": (lambda: body(inertia="x"), ["bodies.a.inertia: 'x': must be a finite number > 0, not text"]),
     "nan": (lambda: body(inertia=np.nan), ["bodies.a.inertia: nan: must be a finite number > 0"]),
     "array": (lambda: body(inertia=[1.0, 2.0]), ["bodies.a.inertia: [1.0, 2.0]: must be a finite number > 0"]),
-    "gain": (lambda: st.Controller.pid("u", on="a", signal=st.Step(1.0, at=0.1), K_p="3"),
+    "gain": (lambda: st.Controller.pid("u", on="a", signal=st.signals.Step(1.0, at=0.1), K_p="3"),
              ["controllers.u.K_p: '3': must be a finite number, not text"]),
-    "signal": (lambda: st.Sine("x", 1.0), ["amplitude: 'x': must be a finite number, not text"]),
+    "signal": (lambda: st.signals.Sine("x", 1.0), ["amplitude: 'x': must be a finite number, not text"]),
     "two": (lambda: st.Link("k", "a", stiffness="x", dampin=1.0),
             ["links.k.stiffness: 'x': must be", "links.k.dampin: 1.0: unknown key (did you mean 'damping'?)"]),
-    "too many": (lambda: st.Ramp(1.0, 2.0), ["ramp: takes 1 value by position (rate)"]),
+    "too many": (lambda: st.signals.Ramp(1.0, 2.0), ["ramp: takes 1 value by position (rate)"]),
 }  # fmt: skip
 TOGETHER = {  # refused when the machine is made
     "nobody": ([body(), st.Contact("c", "b", LAW)], ["contacts.c.from: 'b': there is no such body (there is a)"]),
@@ -139,7 +139,7 @@ def test_an_element_is_its_equations():
 
 
 def test_a_body_whose_velocity_is_given_may_turn():
-    made = st.Machine(st.Body("a", velocity=st.Sine(1.0, 1.0), rotary=True), st.Contact("c", "a", LAW))
+    made = st.Machine(st.Body("a", velocity=st.signals.Sine(1.0, 1.0), rotary=True), st.Contact("c", "a", LAW))
     units = {c.name: c.unit for c in made.scenario(1.0).system.columns}
     assert (units["a.v"], units["c.F"]) == ("rad/s", "N m")
     with pytest.raises(st.InputError, match=r"bodies\.a\.rotary: true: must be left out: mass \(kg\) or inertia"):
@@ -170,7 +170,9 @@ def test_a_law_of_ones_own_in_a_contact():
             return v - abs(v) * p.sigma_0 / p.F_c * z
 
     p = {"sigma_0": 1e4, "sigma_1": 10.0, "sigma_2": 0.1, "F_c": 1.0, "F_s": 1.0, "v_s": 0.01}
-    made = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", Own(p)), st.Load.follow("p", "a", st.Sine(2.0, 1.0)))
+    made = st.Machine(
+        st.Body("a", mass=1.0), st.Contact("c", "a", Own(p)), st.Load.follow("p", "a", st.signals.Sine(2.0, 1.0))
+    )
     assert made.scenario(1.0).law.values["F_c"] == 1.0
     assert "mass 1 kg" in made.show()
 

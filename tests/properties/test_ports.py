@@ -15,7 +15,7 @@ from stribeck.properties.checked import CheckedAlways
 from stribeck.properties.ranges import of_contact, of_force, of_signal
 from stribeck.properties.verdicts import refusals
 from stribeck.properties.worst import Varied
-from stribeck.signals import KINDS
+from stribeck.waveforms import KINDS
 from tests.machine.test_servo import MACHINE
 
 PASSIVE = {"sigma_0": 1e4, "sigma_1": 10.0, "sigma_2": 60.0, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01}

@@ -9,7 +9,7 @@ from stribeck.constants import Constant
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
 from stribeck.scenario.tables import Output, Solve
-from stribeck.signals import FileSignal, PointsSignal
+from stribeck.waveforms import FileSignal, PointsSignal
 
 MOST_POINTS = 12  # a signal with more points is a curve, and gets no sliders
 

@@ -25,10 +25,10 @@ from stribeck.files import write_text
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.mouth.page import in_script
 from stribeck.scenario import Scenario
-from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM
 from stribeck.simulation.wasm import System, with_functions
 from stribeck.version import __version__
+from stribeck.waveforms import PointsSignal
 
 
 def explore(

@@ -111,6 +111,9 @@ def predict(
         trust: execute a fit's law in a file (``FILE.py:NAME``) wherever it lies.
         **named: columns by role.
 
+    Returns:
+        The predicted force of a fit, or the motion of the machine beside the measured one; each with its errors.
+
     Raises:
         InputError: the record or the fit cannot be used; not one of fit and machine is given.
     """

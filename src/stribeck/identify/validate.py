@@ -15,8 +15,8 @@ from stribeck.errors import InputError, arg, note
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.mouth.document import Document, Told
 from stribeck.scenario import Scenario
-from stribeck.signals.piecewise import FileSignal
 from stribeck.simulation import simulate
+from stribeck.waveforms.piecewise import FileSignal
 
 _COLUMNS = {"position": ("y", "m"), "velocity": ("v", "m/s"), "force": ("F", "N")}
 

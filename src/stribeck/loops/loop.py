@@ -15,8 +15,8 @@ from stribeck.errors import InputError
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
 from stribeck.scenario.counterpart import as_machine
-from stribeck.signals import KINDS, Signal, SumSignal
-from stribeck.signals.trajectories import Curve
+from stribeck.waveforms import KINDS, Signal, SumSignal
+from stribeck.waveforms.trajectories import Curve
 
 MOST_STEPS = 200_000  # of one lane: some 1 s alone, a tenth of that beside others; a run that would need more ends
 _FAST = 1e3  # natural speeds: fast enough that every contact slides

@@ -12,8 +12,8 @@ from stribeck.arrays import Array
 from stribeck.loops.loop import Loop, controller_of, replaced, resolution_of, rests_at, some_parameter
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
-from stribeck.signals import Signal
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
+from stribeck.waveforms import Signal
 
 _WAVES = 4  # of the sine; the first lets transients die out
 _ROWS = 4000  # of a move: a thousand in each wave of the sine

@@ -9,7 +9,7 @@ from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitu
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.machine.table import joined
-from stribeck.signals.pieces import Reference
+from stribeck.waveforms.pieces import Reference
 
 if TYPE_CHECKING:
     from stribeck.machine.element import BetweenBodies, Element

@@ -11,7 +11,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Column, Constant
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.expressions.names import Names
-from stribeck.signals.pieces import STRAIGHT
+from stribeck.waveforms.pieces import STRAIGHT
 
 Events = tuple[str, str, str, str]
 Watched = tuple[str, Events]

@@ -10,7 +10,7 @@ from stribeck.expressions.ops import where
 from stribeck.laws.base import Law
 from stribeck.laws.steady import SLOWEST, steady_force
 from stribeck.machine.law import Friction
-from stribeck.signals.pieces import Reference
+from stribeck.waveforms.pieces import Reference
 
 
 def compensation(

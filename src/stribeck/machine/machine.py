@@ -18,8 +18,8 @@ from stribeck.machine.element import GROUND, SECTIONS, Element
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.system import SIGNAL_ORDER, MachineSystem, same
 from stribeck.machine.table import SYMBOLS, Carrier, ConstantLeaf, Frozen, Key
-from stribeck.signals import Signal
-from stribeck.signals.pieces import Pieces, merged, pieces
+from stribeck.waveforms import Signal
+from stribeck.waveforms.pieces import Pieces, merged, pieces
 
 if TYPE_CHECKING:
     from stribeck.machine.elements.bodies import Body

@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, ValidationError, ValidationInfo, WithJsonSchema
 
-from stribeck import signals
+from stribeck import waveforms
 from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, naming
 from stribeck.expressions.graph import Expr, symbol
@@ -29,7 +29,7 @@ from stribeck.machine.table import (
     refused,
     unknown_key,
 )
-from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
+from stribeck.waveforms.pieces import DIRECTION, Reference, constants, fields, reference
 
 INPUT = "input"  # what an exported machine adds to a signal
 _INPUT = Constant("", "added to the signal", default=0.0)
@@ -43,7 +43,7 @@ class SignalUse:
 
     name: str
     path: str
-    kind: type[signals.Signal] | None
+    kind: type[waveforms.Signal] | None
     turns: bool = False
     open: bool = False
 
@@ -71,10 +71,10 @@ class SignalTable(Family, family=True):
     made_by: ClassVar[type[Any]]  # the class that has the equation
 
     @cached_property
-    def built(self) -> signals.Signal:
+    def built(self) -> waveforms.Signal:
         """The signal itself."""
         keys = {info.alias or name: name for name, info in type(self).model_fields.items()}
-        made: signals.Signal = self.made_by({n: getattr(self, keys[n]) for n in self.made_by.constants})
+        made: waveforms.Signal = self.made_by({n: getattr(self, keys[n]) for n in self.made_by.constants})
         return made
 
     def leaves(self, path: str) -> Iterator[ConstantLeaf]:
@@ -82,7 +82,7 @@ class SignalTable(Family, family=True):
         return super().leaves(path) if self._in_code() else iter(())
 
     @property
-    def _form(self) -> type[signals.Signal] | None:
+    def _form(self) -> type[waveforms.Signal] | None:
         """The class of its equation; None for straight pieces."""
         return self.made_by if self.made_by.smooth else None
 
@@ -111,9 +111,9 @@ class _Through(SignalTable):
     value: tuple[float, ...] = given_as(_VALUES, many=True, in_code=False)
 
     @cached_property
-    def built(self) -> signals.Signal:
+    def built(self) -> waveforms.Signal:
         """See :class:`SignalTable`."""
-        made: signals.Signal = self.made_by(np.array(self.t), np.array(self.value))
+        made: waveforms.Signal = self.made_by(np.array(self.t), np.array(self.value))
         return made
 
     def wrong(self) -> list[Problem]:
@@ -124,36 +124,36 @@ class _Through(SignalTable):
 class Points(_Through):
     """Straight lines between points, constant outside; two equal times make a jump."""
 
-    made_by = signals.PointsSignal
+    made_by = waveforms.PointsSignal
     kind: Literal["points"] = "points"
 
 
 class Ramp(SignalTable):
     """rate * t."""
 
-    made_by, positional = signals.RampSignal, ("rate",)
+    made_by, positional = waveforms.RampSignal, ("rate",)
     kind: Literal["ramp"] = "ramp"
-    rate: float = given_as(signals.RampSignal.constants["rate"])
+    rate: float = given_as(waveforms.RampSignal.constants["rate"])
 
 
 class Sine(SignalTable):
     """offset + amplitude sin(2 pi frequency t + phase); frequency in Hz, phase in rad."""
 
-    made_by, positional = signals.SineSignal, ("amplitude", "frequency", "offset", "phase")
+    made_by, positional = waveforms.SineSignal, ("amplitude", "frequency", "offset", "phase")
     kind: Literal["sine"] = "sine"
-    amplitude: float = given_as(signals.SineSignal.constants["amplitude"])
-    frequency: float = given_as(signals.SineSignal.constants["frequency"])
-    offset: float = given_as(signals.SineSignal.constants["offset"])
-    phase: float = given_as(signals.SineSignal.constants["phase"])
+    amplitude: float = given_as(waveforms.SineSignal.constants["amplitude"])
+    frequency: float = given_as(waveforms.SineSignal.constants["frequency"])
+    offset: float = given_as(waveforms.SineSignal.constants["offset"])
+    phase: float = given_as(waveforms.SineSignal.constants["phase"])
 
 
 class Step(SignalTable):
     """0 before ``at`` (s), ``value`` from then on."""
 
-    made_by = signals.StepSignal
+    made_by = waveforms.StepSignal
     kind: Literal["step"] = "step"
-    value: float = given_as(signals.StepSignal.constants["value"])
-    at: float = given_as(signals.StepSignal.constants["time"], alias="time")
+    value: float = given_as(waveforms.StepSignal.constants["value"])
+    at: float = given_as(waveforms.StepSignal.constants["time"], alias="time")
 
     def __init__(self, value: float, at: float = 0.0) -> None:
         super().__init__(value=value, at=at)  # type: ignore[call-arg]
@@ -168,9 +168,9 @@ def _text_of_path(value: object) -> object:
 class File(SignalTable):
     """Two columns of a CSV, Parquet, MAT or NPZ file, read as points."""
 
-    made_by, positional = signals.FileSignal, ("path", "time", "value")
+    made_by, positional = waveforms.FileSignal, ("path", "time", "value")
     kind: Literal["file"] = "file"
-    scale: float = given_as(signals.FileSignal.constants["scale"], in_code=False)
+    scale: float = given_as(waveforms.FileSignal.constants["scale"], in_code=False)
     path: Annotated[str, BeforeValidator(_text_of_path)] = Field(
         min_length=1, description="CSV, Parquet, MAT or NPZ file, relative to the scenario file"
     )
@@ -188,10 +188,10 @@ class File(SignalTable):
         return {**data, "folder": reading.folder} if reading.of_file else data
 
     @cached_property
-    def built(self) -> signals.Signal:
+    def built(self) -> waveforms.Signal:
         """See :class:`SignalTable`."""
         columns = ((self.folder or Path()) / self.path, self.time, self.value)
-        return signals.FileSignal.read(*columns, self.unit, self.time_unit, self.scale)
+        return waveforms.FileSignal.read(*columns, self.unit, self.time_unit, self.scale)
 
     def wrong(self) -> list[Problem]:
         """What the file does not hold."""
@@ -209,43 +209,43 @@ class File(SignalTable):
 class PointToPoint(_Through):
     """Moves from point to point that begin and end without speed, acceleration and jerk."""
 
-    made_by = signals.PointToPointSignal
+    made_by = waveforms.PointToPointSignal
     kind: Literal["point_to_point"] = "point_to_point"
 
 
 class Spline(_Through):
     """A spline of order seven through points, at rest at the first and the last."""
 
-    made_by = signals.SplineSignal
+    made_by = waveforms.SplineSignal
     kind: Literal["spline"] = "spline"
 
 
 class Square(SignalTable):
     """offset + amplitude for half a period, offset - amplitude for the other half, ``cycles`` times; then offset."""
 
-    made_by, positional = signals.SquareSignal, ("amplitude", "frequency", "cycles", "offset")
+    made_by, positional = waveforms.SquareSignal, ("amplitude", "frequency", "cycles", "offset")
     kind: Literal["square"] = "square"
-    amplitude: float = given_as(signals.SquareSignal.constants["amplitude"])
-    frequency: float = given_as(signals.SquareSignal.constants["frequency"])
+    amplitude: float = given_as(waveforms.SquareSignal.constants["amplitude"])
+    frequency: float = given_as(waveforms.SquareSignal.constants["frequency"])
     cycles: int = Field(ge=1, le=100_000, description="how many periods")
-    offset: float = given_as(signals.SquareSignal.constants["offset"])
+    offset: float = given_as(waveforms.SquareSignal.constants["offset"])
 
 
 class Staircase(SignalTable):
     """Each of ``levels`` for ``hold`` s, from one to the next within ``ramp`` s (0: at once); the last one stays."""
 
-    made_by, positional = signals.StaircaseSignal, ("levels", "hold", "ramp")
+    made_by, positional = waveforms.StaircaseSignal, ("levels", "hold", "ramp")
     kind: Literal["staircase"] = "staircase"
     levels: tuple[float, ...] = given_as(
         Constant("", "the signal's levels, one after the other"), many=True, in_code=False
     )
-    hold: float = given_as(signals.StaircaseSignal.constants["hold"], in_code=False)
-    ramp: float = given_as(signals.StaircaseSignal.constants["ramp"], in_code=False)
+    hold: float = given_as(waveforms.StaircaseSignal.constants["hold"], in_code=False)
+    ramp: float = given_as(waveforms.StaircaseSignal.constants["ramp"], in_code=False)
 
     @cached_property
-    def built(self) -> signals.Signal:
+    def built(self) -> waveforms.Signal:
         """See :class:`SignalTable`."""
-        return signals.StaircaseSignal.through(np.array(self.levels), self.hold, self.ramp)
+        return waveforms.StaircaseSignal.through(np.array(self.levels), self.hold, self.ramp)
 
 
 def _signals(value: object, info: ValidationInfo) -> tuple[SignalTable, ...]:
@@ -266,7 +266,7 @@ def _signals(value: object, info: ValidationInfo) -> tuple[SignalTable, ...]:
 class Sum(SignalTable):
     """The sum of several signals of any kinds."""
 
-    made_by, positional = signals.SumSignal, ("of",)
+    made_by, positional = waveforms.SumSignal, ("of",)
     kind: Literal["sum"] = "sum"
     of: Annotated[
         Held,
@@ -275,12 +275,12 @@ class Sum(SignalTable):
     ] = Field(description="a list of signals: tables with kind and their constants")
 
     @cached_property
-    def built(self) -> signals.Signal:
+    def built(self) -> waveforms.Signal:
         """See :class:`SignalTable`."""
-        return signals.SumSignal.flattened([each.built for each in self.of])
+        return waveforms.SumSignal.flattened([each.built for each in self.of])
 
     @property
-    def _form(self) -> type[signals.Signal]:
+    def _form(self) -> type[waveforms.Signal]:
         return type(self.built)
 
     def wrong(self) -> list[Problem]:

@@ -20,7 +20,7 @@ from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.graph import symbol
 from stribeck.expressions.ops import Value
-from stribeck.signals import Signal
+from stribeck.waveforms import Signal
 
 Problem = tuple[str, str]  # path, message
 Key = tuple[str, str]  # the table and the name of a run-time constant

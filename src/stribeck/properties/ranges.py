@@ -17,7 +17,7 @@ from stribeck.machine.elements.motors import Motor
 from stribeck.machine.machine import Elements
 from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.worst import Varied
-from stribeck.signals import Curve, PointsSignal, Signal, SineSignal, SumSignal
+from stribeck.waveforms import Curve, PointsSignal, Signal, SineSignal, SumSignal
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: without end
 _SLACK = Fraction(1, 2**49)  # of a piece's size: more than its rounding

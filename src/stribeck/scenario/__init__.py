@@ -24,8 +24,8 @@ from stribeck.scenario.reader import Reader
 from stribeck.scenario.schema1 import Called
 from stribeck.scenario.tables import Output, Solve
 from stribeck.scenario.trust import named
-from stribeck.signals import Signal
-from stribeck.signals.pieces import Pieces
+from stribeck.waveforms import Signal
+from stribeck.waveforms.pieces import Pieces
 
 __all__ = ["Scenario", "parse_assignment", "parse_assignments"]
 

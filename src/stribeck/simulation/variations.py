@@ -19,8 +19,8 @@ from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import Key
 from stribeck.scenario import Scenario
 from stribeck.scenario.declared import declared
-from stribeck.signals import Signal
-from stribeck.signals.pieces import Pieces
+from stribeck.waveforms import Signal
+from stribeck.waveforms.pieces import Pieces
 
 _SHIFT = "shift."  # before a state's name: what is added to it where a lane begins
 

@@ -7,7 +7,7 @@ import pytest
 
 from stribeck import InputError, Scenario, simulate
 from stribeck.machine.sampled import tracked
-from stribeck.signals import PointToPointSignal, SplineSignal
+from stribeck.waveforms import PointToPointSignal, SplineSignal
 from tests.machine.pneumatic.servos import data, last, servo, solved
 from tests.simulation.rig import needs_compiler
 

@@ -25,7 +25,7 @@ from stribeck.machine.machine import Elements
 from stribeck.machine.observed import observed
 from stribeck.machine.sampled import SAMPLING
 from stribeck.scenario import Scenario
-from stribeck.signals.pieces import Reference, fields, pieces
+from stribeck.waveforms.pieces import Reference, fields, pieces
 
 _CALLED = ("exp", "tanh", "atan", "sin", "cos", "sqrt", "log", "pow")
 _COUNTED = {"add": "addition", "sub": "addition", "neg": "addition", "mul": "multiplication", "div": "division"}

@@ -14,8 +14,8 @@ from stribeck.errors import nearest
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.recorded.units import si_unit
 from stribeck.scenario import Scenario
-from stribeck.signals.piecewise import PointsSignal
-from stribeck.signals.trajectories import SplineSignal
+from stribeck.waveforms.piecewise import PointsSignal
+from stribeck.waveforms.trajectories import SplineSignal
 
 _CHORDS = 3  # of a curve from one sample to the next
 # The column that an element's signal becomes.

@@ -18,9 +18,9 @@ from stribeck.errors import BuildError, InputError, StribeckError
 from stribeck.identify.actuator.inputs import RecordedInput, later, misread, recorded_input, table_at
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
-from stribeck.signals.piecewise import PointsSignal
 from stribeck.simulation import compiler, lanes
 from stribeck.simulation.variations import Variations, vary
+from stribeck.waveforms.piecewise import PointsSignal
 
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5

@@ -15,7 +15,7 @@ from stribeck.laws.base import Scales
 from stribeck.machine.element import NONE, Element, Own, State, ratio_constant
 from stribeck.machine.signal import SignalTable, SignalUse
 from stribeck.machine.table import Aside, FileTable, Loc, Problem, Refers, quantity
-from stribeck.signals.sums import least_of
+from stribeck.waveforms.sums import least_of
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from stribeck import signals
+from stribeck import waveforms
 from stribeck.constants import Column, Constant, kind_of, show
 from stribeck.errors import nearest
 from stribeck.expressions.graph import ZERO, Expr, derivative, wrap
@@ -152,18 +152,18 @@ class Factor(FileTable):
         return a.reference(self.signal).value if self.signal is not None else 1 + sum_of_waves(self, d)
 
 
-def extremes(signal: signals.Signal) -> tuple[float, float] | None:
+def extremes(signal: waveforms.Signal) -> tuple[float, float] | None:
     """The least and the largest value of a signal; None where it begins at 0."""
-    if isinstance(signal, signals.PointsSignal):
+    if isinstance(signal, waveforms.PointsSignal):
         return float(np.min(signal.value)), float(np.max(signal.value))
-    if isinstance(signal, signals.SineSignal):
+    if isinstance(signal, waveforms.SineSignal):
         middle, size = signal.values["offset"], abs(signal.values["amplitude"])
         return middle - size, middle + size
-    if isinstance(signal, signals.SumSignal):
+    if isinstance(signal, waveforms.SumSignal):
         every = [extremes(part) for part in signal.parts]
         ends = [x for x in every if x is not None]
         return (sum(x for x, _ in ends), sum(x for _, x in ends)) if len(ends) == len(every) else None
-    if isinstance(signal, signals.StepSignal) or not signal.smooth:
+    if isinstance(signal, waveforms.StepSignal) or not signal.smooth:
         return None
     values = signal.at(np.linspace(signal.pieces[0][0], signal.pieces[-1][0], 4001))
     return float(np.min(values)), float(np.max(values))
@@ -333,7 +333,7 @@ def _not_to_multiply(of: str, law: Law, numbers: list[str]) -> str | None:
     return f"unknown key: law '{law.name}' has no such number{guess}"
 
 
-def _not_positive(signal: signals.Signal) -> str | None:
+def _not_positive(signal: waveforms.Signal) -> str | None:
     """Why a signal cannot be a factor, or None."""
     if (found := extremes(signal)) is None:
         return f"{show(signal.kind)}: begins at 0: a factor must be > 0 at all times"

@@ -35,7 +35,7 @@ from stribeck.machine.table import (
     quantity,
     table_path,
 )
-from stribeck.signals.pieces import Reference
+from stribeck.waveforms.pieces import Reference
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly

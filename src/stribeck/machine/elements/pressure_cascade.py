@@ -56,7 +56,7 @@ from stribeck.machine.table import (
     table_path,
     unknown_key,
 )
-from stribeck.signals import Signal
+from stribeck.waveforms import Signal
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly

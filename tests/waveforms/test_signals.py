@@ -6,8 +6,8 @@ import pytest
 from pyarrow import csv, parquet
 
 from stribeck.errors import InputError
-from stribeck.signals import FileSignal, PointsSignal, RampSignal, SineSignal, StepSignal
-from stribeck.signals.piecewise import KINDS
+from stribeck.waveforms import FileSignal, PointsSignal, RampSignal, SineSignal, StepSignal
+from stribeck.waveforms.piecewise import KINDS
 
 
 def points(t, value):

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.expressions.ops import Value
-from stribeck.signals.piecewise import Signal, SineSignal
-from stribeck.signals.trajectories import COEFFICIENTS, Curve
+from stribeck.waveforms.piecewise import Signal, SineSignal
+from stribeck.waveforms.trajectories import COEFFICIENTS, Curve
 
 _SINE = tuple(SineSignal.constants)
 _SAMPLES = (

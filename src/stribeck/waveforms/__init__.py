@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from stribeck.signals import piecewise, sums, trajectories
-from stribeck.signals.piecewise import (
+from stribeck.waveforms import piecewise, sums, trajectories
+from stribeck.waveforms.piecewise import (
     FileSignal,
     PointsSignal,
     RampSignal,
@@ -15,8 +15,8 @@ from stribeck.signals.piecewise import (
     StaircaseSignal,
     StepSignal,
 )
-from stribeck.signals.sums import SumSignal
-from stribeck.signals.trajectories import Curve, PointToPointSignal, SplineSignal
+from stribeck.waveforms.sums import SumSignal
+from stribeck.waveforms.trajectories import Curve, PointToPointSignal, SplineSignal
 
 __all__ = [
     "KINDS", "Curve", "FileSignal", "PointToPointSignal", "PointsSignal", "RampSignal", "Segment", "Segments", "Signal",

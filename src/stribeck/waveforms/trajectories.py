@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import needed
 from stribeck.expressions.ops import Value
-from stribeck.signals.piecewise import PointsSignal, Signal
+from stribeck.waveforms.piecewise import PointsSignal, Signal
 
 COEFFICIENTS = tuple(f"c{n}" for n in range(8))
 _MOVE = (35.0, -84.0, 70.0, -20.0)  # of x^4 to x^7: from 0 to 1 with zero speed, acceleration and jerk at both ends

@@ -17,9 +17,9 @@ from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.ops import Value
-from stribeck.signals.piecewise import Segment, Signal
-from stribeck.signals.sums import SumSignal
-from stribeck.signals.trajectories import Curve
+from stribeck.waveforms.piecewise import Segment, Signal
+from stribeck.waveforms.sums import SumSignal
+from stribeck.waveforms.trajectories import Curve
 
 # How the signal continues at a breakpoint: smoothly, or with a jump of its value or slope. After a jump the integration
 # restarts with a step of unknown length. runtime/method.c has the same numbers.
