@@ -101,13 +101,23 @@ class How:
         ),
     ] = None
 
+    require: Annotated[
+        list[str] | None,
+        _advanced(
+            "--require",
+            "NAME=SHARE",
+            "Half width within which a number must be known, such as F_c=5%. Otherwise the notes say what to measure, and the "
+            "exit status is 1; may be repeated.",
+        ),
+    ] = None
+
     def given(self) -> record.Keywords:
         """The same as arguments of :func:`stribeck.fit`."""
         return {
             "mass": self.mass, "method": self.method, "free": self.free or (), "terms": self.term or (),
             "forms": not self.no_forms, "filter": self.filter_, "weight": not self.no_weight, "speeds": self.speed or (),
             "cutoff": self.cutoff, "starts": self.starts, "seed": self.seed, "output": self.output,
-            "unknown": sought(self.unknown or []),
+            "unknown": sought(self.unknown or []), "require": shares(self.require or []),
         }  # fmt: skip
 
 
@@ -190,6 +200,7 @@ def _fit(
     json: bool,
 ) -> int:  # fmt: skip
     """Fit, write the files asked for, print what was found."""
+    from stribeck.identify.required import unmet
     from stribeck.identify.written import FILES, write_fit
 
     reads, names = ([data[0], given["logs"]], FILES) if "logs" in given else ([], ())
@@ -206,7 +217,8 @@ def _fit(
                 write_fit(found, out, command_line(), written)
         finally:  # while the page is drawn, too: what was found is said
             _show(found, data, written, out, verbose=verbose, json=json)
-    return {"done": 0, "stopped": 130}.get(found.status, 1)
+    missed = found.status == "done" and unmet(found, given["require"])
+    return 1 if missed else {"done": 0, "stopped": 130}.get(found.status, 1)
 
 
 def _of_log(data: list[Path], laws: list[str], assignments: list[str], given: record.Keywords) -> Fit:
@@ -246,6 +258,22 @@ def sought(texts: Sequence[str]) -> dict[str, object]:
             raise InputError(f"--unknown: {text!r}: must be PATH=LOW:HIGH, or PATH={{ low = X, high = X, start = X }}")
         found.append((path.strip(), table))
     refuse_twice([path for path, _ in found], "--unknown")
+    return dict(found)
+
+
+def shares(texts: Sequence[str]) -> dict[str, float]:
+    """``NAME=5%``, or ``NAME=0.05``, as a mapping."""
+    found: list[tuple[str, float]] = []
+    for text in texts:
+        name, _, given = text.partition("=")
+        number, sign, rest = given.strip().partition("%")
+        try:
+            found.append((name.strip(), float(number) / (100 if sign else 1)))
+        except ValueError:
+            rest = text
+        if rest or not name.strip():
+            raise InputError(f"--require: {text!r}: must be NAME=SHARE, such as F_c=5%")
+    refuse_twice([name for name, _ in found], "--require")
     return dict(found)
 
 

@@ -12,6 +12,7 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.api import fit_machine
 from stribeck.identify.actuator.recordings import Logs
+from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES, with_counts
@@ -20,6 +21,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
 from stribeck.identify.methods.static import LAWS, Setting, check_motion, fit_static
 from stribeck.identify.options import FitOptions
+from stribeck.identify.required import with_requirements
 from stribeck.identify.result import Fit, LogFit
 from stribeck.recorded import is_table
 
@@ -35,7 +37,8 @@ def fit(
     constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
     forms: bool = True, filter: str | None = None, weight: bool = True, speeds: Sequence[float] = (),
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
-    unknown: Mapping[str, object] | None = None, folder: str | Path | None = None,
+    unknown: Mapping[str, object] | None = None, require: Mapping[str, float] | None = None,
+    folder: str | Path | None = None,
     progress: Callable[[float], None] | None = None, **named: str,
 ) -> Fit:  # fmt: skip
     """Fit a friction law to a measured log, or a machine to recordings of it.
@@ -68,6 +71,8 @@ def fit(
         unknown: what is known of fitted numbers, by name: (low, high), or a table of low, high, start and prior as in
             LOGS.toml. A static fit takes low and high of what bends the law's curve (v_s, k_v): the rest has one optimum.
             With ``logs`` further unknowns, by path.
+        require: half widths that numbers must be known within, as shares of them (``{"F_c": 0.05}``): a number is identified
+            if its model range is as narrow; the first notes say what is missing, and what to measure.
         folder: where a fit of a machine keeps how far it has come, so that one that was stopped goes on.
         progress: called with the share of the work done, 0 to 1, in any thread. Ctrl-C ends a fit by simulation; the best
             values so far are returned, with status "stopped".
@@ -81,7 +86,7 @@ def fit(
     """
     options = FitOptions(
         mass, method, dict(constants or {}), tuple(free), tuple(terms), starts, seed, output, forms, filter, weight,
-        tuple(speeds), dict(unknown or {}),
+        tuple(speeds), dict(unknown or {}), dict(require or {}),
     )  # fmt: skip
     of_file = ColumnNames({**(columns or {}), **named}, with_counts(units or {}, counts), force_gain)
     if logs is None:
@@ -89,10 +94,19 @@ def fit(
             raise InputError(f"{arg('transfer')}: {show(str(transfer))}: needs {arg('logs')}")
         return _fit_read(data, law, of_file, options, cutoff, progress)
     _refuse_of_a_log(options, of_file, cutoff)
-    return fit_machine(
-        data, logs, laws=_by_contact(law), unknown=options.unknown, transfer_to=transfer, starts=starts, seed=seed,
-        progress=progress, folder=None if folder is None else Path(folder),
+    return _fit_recorded(data, logs, law, transfer, options, folder, progress)
+
+
+def _fit_recorded(
+    data: Data, logs: Logs | str | Path, law: Law, transfer: Logs | str | Path | None, options: FitOptions,
+    folder: str | Path | None, progress: Callable[[float], None] | None,
+) -> MachineFit:  # fmt: skip
+    """Fit a machine to its recordings."""
+    found = fit_machine(
+        data, logs, laws=_by_contact(law), unknown=options.unknown, transfer_to=transfer, starts=options.starts,
+        seed=options.seed, progress=progress, folder=None if folder is None else Path(folder),
     )  # fmt: skip
+    return with_requirements(found, options.require)
 
 
 def _fit_read(
@@ -109,7 +123,8 @@ def _fit_read(
     if progress is not None:
         progress(_READ)
         rest = lambda share: progress(_READ + (1 - _READ) * share)  # noqa: E731
-    return replace(fit_log(log, names, options, rest), reading=reading(data, of_file, how, options))
+    of_log = replace(fit_log(log, names, options, rest), reading=reading(data, of_file, how, options))
+    return with_requirements(of_log, options.require)
 
 
 def _refuse_of_a_log(options: FitOptions, columns: ColumnNames, cutoff: float | None) -> None:
@@ -120,7 +135,7 @@ def _refuse_of_a_log(options: FitOptions, columns: ColumnNames, cutoff: float | 
     """
     usual = FitOptions()
     given = [f.name for f in fields(FitOptions) if getattr(options, f.name) != getattr(usual, f.name)]
-    wrong = [n for n in given if n not in ("starts", "seed", "unknown")]
+    wrong = [n for n in given if n not in ("starts", "seed", "unknown", "require")]
     wrong += [*columns.names, *(["units"] if columns.units else [])]
     wrong += [n for n, x in (("force_gain", columns.force_gain), ("cutoff", cutoff)) if x is not None]
     if wrong:

@@ -15,6 +15,7 @@ from stribeck.identify.models.terms import OF_MOTION, TERMS, problem
 
 METHODS = ("static", "dynamic")
 FILTERS = ("published",)
+LOOSEST = 0.5  # of a number: a wider range is not narrow to anybody
 OUTPUTS = ("force", "position", "velocity")  # what a simulation is to meet
 
 
@@ -39,6 +40,7 @@ class FitOptions:
     weight: bool = True
     speeds: tuple[float, ...] = ()
     unknown: Mapping[str, object] = field(default_factory=dict)
+    require: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.method is not None and self.method not in METHODS:
@@ -50,6 +52,10 @@ class FitOptions:
             raise InputError(
                 f"{arg('output')}: {self.output!r}: must be {', '.join(OUTPUTS)}{nearest(self.output, OUTPUTS)}"
             )
+        wide = [(n, x) for n, x in self.require.items() if not 0 < x <= LOOSEST]
+        if wide:
+            text = f"must be a half width above 0, and at most {LOOSEST:g} of the number"
+            raise InputError([f"{arg('require')}: {n}: {show(x)}: {text}" for n, x in wide])
         if wrong := [x for x in self.speeds if not 0 < x <= LARGEST]:
             raise InputError([f"{arg('speed')}: {show(x)}: must be above 0, and at most {LARGEST:g}" for x in wrong])
 

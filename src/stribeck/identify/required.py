@@ -1,0 +1,103 @@
+"""How well numbers must be known: what a fit does not reach, and which experiment gives it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from stribeck.errors import InputError, arg
+from stribeck.identify.actuator.result import MachineFit
+from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.features.guess import sizes_of
+from stribeck.identify.features.what_to_measure import experiment_for
+from stribeck.identify.result import Fit, LogFit
+from stribeck.mouth.cells import percent
+
+Kind = TypeVar("Kind", LogFit, MachineFit)
+
+
+def with_requirements(fit: Kind, require: Mapping[str, float]) -> Kind:
+    """The fit judged by what the user requires: a number is identified if its model range is within this share of it.
+
+    Args:
+        require: half widths as shares of the estimates, by name.
+
+    Raises:
+        InputError: the fit has no such number.
+    """
+    wrong = [f"{arg('require')}: {error.args[0]}" for name in require if (error := _missing(fit, name))]
+    if wrong:
+        raise InputError(wrong)
+    judged: dict[str, Estimate] = {}
+    notes: list[str] = []
+    for name, share in require.items():
+        e = fit[name]
+        path = next(n for n, each in fit.parameters.items() if each is e)
+        judged[path] = _judged(e, share)
+        if judged[path].state is not EstimateState.IDENTIFIED:
+            judged[path] = replace(judged[path], experiment=e.experiment or _experiment(fit, path))
+            notes.append(_note(path, judged[path], share))
+    of = {"estimates": fit.estimates, "levels": fit.levels} | ({"body": fit.body} if isinstance(fit, LogFit) else {})
+    changed = {part: {n: judged.get(n, e) for n, e in numbers.items()} for part, numbers in of.items()}
+    own = [*notes, *fit.notes]
+    return replace(fit, **changed, notes=tuple(own) if isinstance(fit, LogFit) else own)  # type: ignore[arg-type]
+
+
+def unmet(fit: Fit, require: Mapping[str, float]) -> bool:
+    """Whether something that is required is not reached."""
+    return any(fit[name].state is not EstimateState.IDENTIFIED for name in require)
+
+
+def _missing(fit: Fit, name: str) -> KeyError | None:
+    try:
+        fit[name]
+    except KeyError as error:
+        return error
+    return None
+
+
+def half_width(ends: tuple[float, float] | None, value: float) -> float:
+    """How far the farther end is from an estimate, as a share of it."""
+    if ends is None or not value:
+        return np.inf
+    return max(abs(ends[0] - value), abs(ends[1] - value)) / abs(value)
+
+
+def _judged(e: Estimate, share: float) -> Estimate:
+    """By the required width in the place of a factor of two; a bound stays one, and what nothing identifies stays so."""
+    if not e.identifiable or e.state in (EstimateState.AT_LEAST, EstimateState.AT_MOST):
+        return e
+    if half_width(e.interval, e.value) > share:
+        return replace(e, state=EstimateState.NOT_IDENTIFIABLE)
+    if e.range is not None and half_width(e.range, e.value) > share:
+        return replace(e, state=EstimateState.MODEL_DEPENDENT)
+    return e
+
+
+def _experiment(fit: Fit, name: str) -> str:
+    """What would tell a number of a log."""
+    if not isinstance(fit, LogFit) or fit.log is None or name in fit.levels:
+        return ""
+    used = {n: x for n, x in fit.used.items() if isinstance(x, int | float)}
+    return experiment_for(name, used, sizes_of(fit.log), fit.unidentified, rotary=fit.log.rotary)
+
+
+def _note(name: str, e: Estimate, share: float) -> str:
+    """What is missing, and what to measure, in one sentence."""
+    own, wide = half_width(e.interval, e.value), half_width(e.range or e.interval, e.value)
+    if e.state in (EstimateState.AT_LEAST, EstimateState.AT_MOST):
+        known = f"is known as a bound only ({e.state})"
+    elif own > share:
+        known = f"is known within {_share(own)} by its interval" if np.isfinite(own) else "has an open interval"
+    else:
+        cause = f", because of {e.depends_on}" if e.depends_on else ""
+        known = f"is known within {_share(own)} by its interval, but {_share(wide)} by its model range{cause}"
+    measure = f". To measure: {e.experiment}" if e.experiment else ""
+    return f"{name} {known}; {percent(share)} is required{measure}."
+
+
+def _share(x: float) -> str:
+    return percent(x) if x < 1 else f"{x:.2g} times itself"

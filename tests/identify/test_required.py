@@ -1,0 +1,76 @@
+"""What a user requires decides what is identified, and the notes say what is missing."""
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.cli import _status
+from stribeck.errors import InputError
+from stribeck.identify.required import half_width
+from tests.identify.actuator.recorded import body, logs, record
+
+LAW = stribeck.law("stribeck_tanh", k_v=1e4, F_c=1.0, F_s=1.4, v_s=0.01, sigma_2=2.0)
+
+
+@pytest.fixture(scope="module")
+def columns():
+    t = 0.002 * np.arange(10_000)
+    y = 0.05 * np.sin(0.7 * t) + 0.01 * np.sin(2.3 * t)
+    v, a = np.gradient(y, t), np.gradient(np.gradient(y, t), t)
+    noise = 0.05 * np.random.default_rng(5).standard_normal(len(t))
+    return {"t": t, "y": y, "F": 1.5 * a + np.asarray(LAW.steady_force(v)) + noise}
+
+
+def fitted(columns, **more):
+    return stribeck.fit(columns, "stribeck_tanh", time="t", position="y", force="F", **more)
+
+
+def test_a_number_is_identified_as_far_as_it_is_required(columns):
+    usual = fitted(columns)
+    assert usual["F_c"].state == "identified"
+    own, wide = (half_width(x, usual["F_c"].value) for x in (usual["F_c"].interval, usual["F_c"].range))
+    assert own < wide
+    between = fitted(columns, require={"F_c": (own + wide) / 2})
+    assert between["F_c"].state == "model-dependent"
+    assert between.notes[0].startswith("F_c is known within")
+    assert fitted(columns, require={"F_c": 1.01 * wide})["F_c"].state == "identified"
+    assert 1.01 * wide < 0.5
+
+
+def test_what_to_measure_stands_with_what_is_missing(columns):
+    found = fitted(columns, require={"F_c": 1e-4})
+    e = found["F_c"]
+    assert e.state == "not identifiable"
+    assert "constant speeds" in e.experiment
+    assert e.experiment in found.notes[0]
+    assert (e.value, e.interval, e.range) == tuple(
+        getattr(fitted(columns)["F_c"], n) for n in ("value", "interval", "range")
+    )
+
+
+@pytest.mark.parametrize(
+    ("require", "line"),
+    [({"F_x": 0.1}, "F_x"), ({"F_c": 0.0}, "must be a half width"), ({"F_c": 0.6}, "must be a half width")],
+)
+def test_what_cannot_be_required_is_refused(columns, require, line):
+    with pytest.raises(InputError, match=line):
+        fitted(columns, require=require)
+
+
+def test_a_machine_is_judged_by_the_end_of_a_path(tmp_path):
+    record(tmp_path / "run.csv", body(amplitude=5.0))
+    path = logs(tmp_path, ["run.csv"], {"bodies.a.mass": {"low": 0.2, "high": 5.0}})
+    found = stribeck.fit(body(), logs=path, require={"mass": 1e-9})
+    assert found["mass"].state == "not identifiable"
+    assert found.notes[0].startswith("bodies.a.mass is known within")
+
+
+def test_the_command_ends_with_1_where_something_is_not_reached(columns, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    np.savetxt("log.csv", np.column_stack(list(columns.values())), delimiter=",", header="t,y,F", comments="")
+    words = ["fit", "log.csv", "--law", "stribeck_tanh", "--time", "t", "--position", "y", "--force", "F"]
+    assert _status([*words, "--require", "F_c=50%"]) == 0
+    assert _status([*words, "--require", "F_c=0.01%"]) == 1
+    assert "0.01 % is required" in " ".join(capsys.readouterr().out.split())
+    assert _status([*words, "--require", "F_c"]) == 2
+    assert "--require: 'F_c': must be NAME=SHARE" in capsys.readouterr().err
