@@ -118,3 +118,23 @@ def test_a_law_that_needs_only_what_is_determined_is_exported(stribeck, fitted, 
     assert done.status == 0, done.err
     told = tomllib.loads((fitted[0] / "parameters.toml").read_text())["parameters"]
     assert package.law("coulomb_viscous", parameters=file).values["F_c"] == told["F_c"]["value"]
+
+
+def test_values_of_your_own_take_the_place_of_what_is_not_determined(stribeck, fitted, tmp_path):
+    file = str(fitted[0] / "parameters.toml")
+    names = names_of_open_values(fitted[0])
+    own = [word for name in names for word in ("--set", f"{name}=100.0")]
+    export = ("export", "lugre", "--parameters", file, "--target", "c", "--out", tmp_path / "c")
+    assert f"do not determine {names[0]}: give values of your own with --set" in stribeck(*export, *own[2:]).err
+    done = stribeck(*export, *own)
+    assert done.status == 0, done.err
+    assert package.law("lugre", parameters=file, **dict.fromkeys(names, 100.0)).values["sigma_0"] == 100.0
+    scenario = commands(fitted[0])[0][1]
+    paths = [word for name in names for word in ("--set", f"law.parameters.{name}=100.0")]
+    assert stribeck("run", scenario, *paths[2:]).status == 2
+    assert stribeck("run", scenario, *paths).status == 0
+
+
+def names_of_open_values(folder):
+    told = tomllib.loads((folder / "parameters.toml").read_text())["parameters"]
+    return [name for name, row in told.items() if row.get("determined") is False]

@@ -7,6 +7,9 @@ import tomllib
 import pytest
 
 from stribeck.cli import _status
+from tests.shared import SHARED
+
+SERVO = SHARED / "data" / "servo-motor"
 
 
 @pytest.fixture(autouse=True)
@@ -67,3 +70,44 @@ def test_a_joint_is_fitted_and_put_into_a_simulator(tmp_path, capsys):
     assert machine["contacts"]["gearbox"]["loads"][0]["F_c"] == pytest.approx(0.08, rel=0.01)
     run("stribeck export fit/machine.toml --contact gearbox --target mujoco --out joint")
     assert any("0.0799" in file.read_text() for file in (tmp_path / "joint").iterdir())
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(not SERVO.is_dir(), reason="needs shared/data/servo-motor, which is not part of the project")
+def test_the_log_of_a_closed_loop_becomes_a_compensator(tmp_path, capsys):
+    """2000 counts a turn at 1 kHz: what the log does not determine is given, and the rest is the fit's."""
+    run(
+        f"stribeck fit {SERVO / 'closed.csv'} --time t --position theta --unit theta=rad --force i --force-gain 0.05 --out fit"
+    )
+    told = json.loads((tmp_path / "fit" / "fit.json").read_text())["estimates"]
+    truth = {"F_c": 0.02, "F_s": 0.03, "v_s": 1.0, "sigma_2": 1e-4, "mass": 5e-5}
+    open_ = [n for n in truth if told[n]["state"] == "not identifiable"]
+    for name in (n for n in truth if n not in open_):
+        assert told[name]["range"][0] <= truth[name] <= told[name]["range"][1], name
+    assert {"F_c", "F_s", "mass"}.isdisjoint(open_)
+    (tmp_path / "servo.toml").write_text(f"""
+schema = 2
+[bodies.rotor]
+inertia = {told["mass"]["estimate"]}
+[contacts.bearing]
+from = "rotor"
+law = {{ name = "stribeck", k_v = 1e3, parameters = "fit/parameters.toml" }}
+[controllers.axis]
+on = "rotor"
+measures = "rotor"
+kind = "pid"
+K_p = 0.5
+K_d = 5e-3
+signal = {{ kind = "sine", amplitude = 1.0, frequency = 1.0 }}
+sampling = {{ period = 1e-3, delay = 5e-4, resolution = 3.14159e-3 }}
+compensation = {{ contact = "bearing", speed = "reference" }}
+[solve]
+t_end = 4.0
+[output]
+step = 1e-3
+""")
+    own = " ".join(f"--set contacts.bearing.law.parameters.{n}={truth[n]}" for n in open_ if n != "mass")
+    run(f"stribeck design servo.toml {own}")
+    assert "QUIET" in capsys.readouterr().out
+    run(f"stribeck export servo.toml --part compensator --step 1e-3 --target c --self-test {own} --out firmware")
+    assert (tmp_path / "firmware" / "servo_axis_friction_test.c").exists()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import ADVANCED, ControllerName, Json, Trust, Undetermined, command, place
+from stribeck.cli.options import ADVANCED, ControllerName, Json, Trust, Undetermined, command, load_scenario, place
 from stribeck.cli.output import check_file, print_json
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, note
@@ -148,17 +148,18 @@ def _chosen(
         InputError: it is not known, or the options do not go together.
     """
     from stribeck.exports import SAMPLED
-    from stribeck.scenario import Scenario
+    from stribeck.parameter_sets import read_toml
 
-    rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
     part = of.part
     if part is None:
-        whole = rig is not None and not rig.elements.unnamed and law is None and of.contact is None
+        whole = scenario is not None and law is None and of.contact is None and read_toml(scenario).get("schema") == 2
         part = "machine" if whole else "law"
     chosen: Law | None = None
     if part == "machine" or part in SAMPLED:
-        rig = _whole(rig, part, assignments, {"LAW": law, "--parameters": parameters, "--contact": of.contact})
+        _refuse_of_a_law(part, {"LAW": law, "--parameters": parameters, "--contact": of.contact})
+        rig = load_scenario(scenario, assignments, trust) if scenario is not None else None
     else:
+        rig = load_scenario(scenario, [], trust) if scenario is not None else None
         chosen = _law(law, parameters, assignments, rig, of.contact)
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
@@ -185,17 +186,14 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
     return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.values().items()}}
 
 
-def _whole(rig: Scenario | None, part: str, assignments: list[str], given: dict[str, str | None]) -> Scenario | None:
-    """A machine with the changes of --set; everything is taken from it.
+def _refuse_of_a_law(part: str, given: dict[str, str | None]) -> None:
+    """Refuse what is ``given`` of a law where everything is taken from a machine.
 
     Raises:
-        InputError: anything of a law is ``given``.
+        InputError: a line for each.
     """
-    from stribeck.scenario import parse_assignments
-
     if wrong := [f"{n}: {x!r}: must be left out: part '{part}' takes all from the file" for n, x in given.items() if x]:
         raise InputError(wrong)
-    return rig.with_changes(parse_assignments(assignments)) if rig is not None else None
 
 
 def _law(
@@ -216,7 +214,8 @@ def _law(
     given = parse_assignments(assignments)
     values, rotary = {}, False
     if parameters is not None:
-        values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters, needs=()).rotary
+        values = laws.parameters_for(found, parameters, given=given)
+        rotary = parameter_sets.load(parameters, needs=()).rotary
     elif rig is not None and own_law is not None:
         if (whole := contact_law(rig, contact)).inputs:
             return _at_contact(whole, name, given)

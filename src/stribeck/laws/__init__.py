@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -111,18 +111,22 @@ def gap(law: Law) -> str | None:
     return None
 
 
-def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None) -> dict[str, float]:
+def parameters_for(
+    law: type[Law] | None, name: str, folder: Path | None = None, given: Container[str] = ()
+) -> dict[str, float]:
     """The values that a law takes from a parameter set: a machine's set may hold the constants of other laws too.
 
     Args:
         law: the law; None where it is not known, and the machine's own parameters are wanted.
         name: a built-in set, or a TOML file.
         folder: where a file's path begins.
+        given: parameters that are given beside the set: the set need not determine these.
 
     Raises:
         InputError: there is no such set, or it holds a number that no law knows.
     """
-    found = parameter_sets.load(name, folder, None if law is None else law.constants())
+    needs = None if law is None else [n for n in law.constants() if n not in given]
+    found = parameter_sets.load(name, folder, needs)
     values = found.values
     own = law.constants() if law is not None else {}
     known = dict.fromkeys(n for each in (PARAMETERS, own, *(c.constants() for c in builtin().values())) for n in each)
@@ -158,7 +162,10 @@ def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, *
     if not isinstance(rotary, bool | None):
         raise InputError(f"{arg('rotary')}: {show(rotary)}: must be True or False")
     if isinstance(parameters, str | Path):
-        values, turns = parameters_for(found, str(parameters)), parameter_sets.load(str(parameters), needs=()).rotary
+        values, turns = (
+            parameters_for(found, str(parameters), given=constants),
+            parameter_sets.load(str(parameters), needs=()).rotary,
+        )
         return found({**values, **constants}, turns if rotary is None else bool(rotary))
     if parameters is not None and not isinstance(parameters, Mapping):
         must = "must be a table of numbers by name, or a set's name or file"

@@ -36,7 +36,7 @@ _ONE_WAY = 0.9  # net over total motion: with more, the body creeps
 _FEW, _GREW = 6, 10.0  # rows of a run that ended early; growth from its first third to its last that means instability
 _GROWS = 1.15  # growth from one third to the next, at the end of the longest run
 
-WINDS = "an integral still winds up behind friction that holds"
+WINDS = "the force that friction holds still changes"
 SHAKEN = "rest is what its dither alone moves it"
 
 Tell = Callable[[float], None]

@@ -87,11 +87,12 @@ def load(name: str, folder: Path | None = None, needs: Container[str] | None = N
         return parameters()[name]
     if name.endswith(".toml"):
         parameter_set = _read((folder or Path()) / name)
-        undetermined = ", ".join(n for n in parameter_set.undetermined if needs is None or n in needs)
+        undetermined = [n for n in parameter_set.undetermined if needs is None or n in needs]
         if undetermined and not _allowed[0]:
             raise InputError(
-                f"{name!r}: the data of this fit do not determine {undetermined}: allow their best values with "
-                "--allow-undetermined (stribeck.parameter_sets.allow_undetermined()), or measure what [unknown] in it says"
+                f"{name!r}: the data of this fit do not determine {', '.join(undetermined)}: give values of your own with "
+                "--set, allow the best ones with --allow-undetermined (stribeck.parameter_sets.allow_undetermined()), or measure "
+                "what [unknown] in it says"
             )
         return parameter_set
     guess = nearest(name, parameters()) or f" (known: {', '.join(parameters())}; or a file NAME.toml)"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path, PurePath
 
 import numpy as np
@@ -62,9 +62,11 @@ def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: P
         if isinstance(observer := _table_at(new, "drive.observer"), dict):
             _drop_of_observer(observer, folder)
     for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
-        if path in (*renamed, "drive.observer.name") or (
-            unfolds(path) and not _unfold_parameters(new, path.partition(_INSIDE)[0] or "law", folder)
-        ):
+        if path in (*renamed, "drive.observer.name"):
+            continue
+        law = path.partition(_INSIDE)[0] or "law"
+        given = {other.removeprefix(f"{law}{_INSIDE}") for other in changes}
+        if unfolds(path) and not _unfold_parameters(new, law, folder, given):
             continue
         _set(new, path, plain(changes[path], path))
     return new
@@ -102,8 +104,12 @@ def _table_at(data: dict[str, object], path: str) -> object:
     return table
 
 
-def _unfold_parameters(data: dict[str, object], path: str, folder: Path) -> bool:
-    """Put the values of a set in the place of its name; False where there is no such set, as validation will say."""
+def _unfold_parameters(data: dict[str, object], path: str, folder: Path, given: Container[str]) -> bool:
+    """Put the values of a set in the place of its name; False where there is no such set, as validation will say.
+
+    Args:
+        given: parameters that are given beside the set.
+    """
     law = _table_at(data, path)
     if not isinstance(law, dict) or not isinstance(law.get("parameters"), str):
         return True
@@ -113,11 +119,11 @@ def _unfold_parameters(data: dict[str, object], path: str, folder: Path) -> bool
         known = None
     try:
         rotary = parameter_sets.load(law["parameters"], folder, ()).rotary
-        law["parameters"] = laws.parameters_for(known, law["parameters"], folder)
+        law["parameters"] = laws.parameters_for(known, law["parameters"], folder, given)
     except InputError:
         return False
-    if rotary:
-        data.setdefault("rotary", True)  # the set's name said so
+    if rotary and path == "law":
+        data.setdefault("rotary", True)  # the set's name said so; bodies of a machine say it themselves
     return True
 
 
