@@ -128,7 +128,7 @@ class Source:
                 )
             else:
                 shared = list(holders.values()).count(matrix) + list(wanted.values()).count(name) > 2
-                columns[role] = np.array(column.ravel(), float, copy=True if shared or i is not None else None)
+                columns[role] = column.ravel().astype(float, copy=shared or i is not None)
         if problems:
             raise InputError(problems)
         return columns

@@ -1,6 +1,8 @@
 """Recordings of ROS and of LeRobot, in files that their own libraries (or pyarrow) wrote in the test."""
 
 import json
+import struct
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -125,6 +127,22 @@ def test_a_bag_that_was_cut_short_gives_what_it_has(tmp_path):
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
     (recording,) = read_logs(logs(tmp_path, [{"file": "run.mcap", **COLUMNS, "inputs": {}}], UNKNOWN)).recordings
+    assert 8 <= len(recording.t) < N
+    assert any("cut short" in note for note in recording.notes)
+
+
+def test_a_bag_that_ends_within_a_number_gives_what_it_has(tmp_path, monkeypatch):
+    """Releases of mcap before 1.6 raise struct.error there."""
+    reader = pytest.importorskip("mcap.reader").NonSeekingReader
+    mcap_file(tmp_path / "run.mcap")
+    every = reader.iter_messages
+
+    def torn(self, **how):
+        yield from islice(every(self, **how), 20)
+        struct.unpack("<Q", b"1234")
+
+    monkeypatch.setattr(reader, "iter_messages", torn)
+    (recording,) = read_logs(logs(tmp_path, [{"file": "run.mcap", **COLUMNS}], UNKNOWN)).recordings
     assert 8 <= len(recording.t) < N
     assert any("cut short" in note for note in recording.notes)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Iterable, Iterator, Mapping
 from numbers import Real
 from pathlib import Path
@@ -117,7 +118,7 @@ def opened_mcap(path: Path) -> Source:
                 schema, channel, message = next(reader)
             except StopIteration:
                 return
-            except McapError as error:
+            except (McapError, struct.error) as error:  # of a file that ends early; which one hangs on mcap's version
                 if not count:
                     raise
                 notes.append(f"{path.name}: ends in the middle of a message after {count}: was it cut short? ({error})")
@@ -141,7 +142,7 @@ def opened_mcap(path: Path) -> Source:
             raise
         told = ", ".join(f"{topic} ({kind})" for topic, kind in others.items())
         raise InputError(f"{error}; not read, as neither cdr nor json: {told}") from None
-    except (McapError, ValueError, RecursionError) as error:
+    except (McapError, struct.error, ValueError, RecursionError) as error:
         raise InputError(f"'{path}': cannot be read as MCAP: {error or type(error).__name__}") from None
 
 
