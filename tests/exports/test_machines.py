@@ -12,6 +12,7 @@ from stribeck.cli import _status
 from stribeck.exports.fmu import binaries
 from stribeck.simulation.native import sampled_share
 from tests.exports.harness import STRICT, need
+from tests.exports.test_loads import RIG
 from tests.machine.machines import assert_balanced, law, machine
 from tests.machine.test_mistakes import edited
 from tests.machine.test_servo import SAMPLED, SERVO, as_machine
@@ -86,6 +87,23 @@ def test_c(cc, scenario, exact, tmp_path):
     out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
     close(table(out), exact)
     assert_balanced(table(out))
+
+
+def test_with_the_same_steps_c_is_the_simulation(tmp_path):
+    """Each row of the program ends a step, and simulate reads its rows off the steps' polynomials: rows agree as the
+    tolerance says. One advance to the end makes the simulation's own steps, and agrees but for rounding."""
+    need("gcc")
+    run = simulate(RIG)
+    stribeck.export(RIG, "c", tmp_path, part="machine")
+    words = ["gcc", "-O2", *map(str, tmp_path.glob("*.c")), "-o", str(tmp_path / "run"), "-lm"]
+    subprocess.run(words, check=True)
+    end = repr(float(RIG.end))
+    for times, share in (([end, end], 1e-9), ([], 1e-6)):
+        out = subprocess.run([str(tmp_path / "run"), *times], capture_output=True, text=True, check=True).stdout
+        found = table(out)
+        for column in (c.name for c in run.columns):
+            exact = np.asarray(run[column])
+            assert abs(found[column][-1] - exact[-1]) <= share * max(np.abs(exact).max(), 1e-12), column
 
 
 _ODD = """

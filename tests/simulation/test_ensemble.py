@@ -1,5 +1,9 @@
 """Ensembles: each lane is what a single run is, whatever runs beside it."""
 
+import os
+import signal
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -178,6 +182,32 @@ def test_an_interrupt_stops_the_threads():
     with pytest.raises(KeyboardInterrupt):
         simulate(scenario, {"plant.mass": np.linspace(1, 2, 20000)}, progress=interrupt)
     assert time.monotonic() - started < 20  # 20000 lanes take minutes
+
+
+MANY = """
+import sys, numpy as np, stribeck
+data = eval(sys.argv[1])
+print("ready", flush=True)
+stribeck.simulate(data, {"plant.mass": np.linspace(1, 2, 5000)})
+"""
+
+
+@needs_compiler
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+@pytest.mark.parametrize("later", [0.05, 0.5, 1.0])
+def test_ctrl_c_ends_lanes_at_once_and_in_one_piece(later):
+    """Python's Thread.join returned early: arrays were freed while C wrote into them. Full rows were waited for."""
+    data = {**PULLED, "solve": {"t_end": 6.0, "rtol": 1e-11}, "output": {"step": 6.0 / 2000}}
+    words = [sys.executable, "-c", MANY, repr(data)]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(later)
+        started = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        complaint = process.communicate(timeout=60)[1]
+    assert process.returncode in (1, 130, -signal.SIGINT), complaint
+    assert "KeyboardInterrupt" in complaint
+    assert time.monotonic() - started < 10  # 5000 lanes take minutes
 
 
 def test_a_column_that_is_not_there():
