@@ -104,8 +104,3 @@ def test_the_extra_for_pages_is_enough_for_pages(tmp_path):
     others = tuple(package for package, extra in EXTRAS.items() if extra != "plot")
     found = command(tmp_path, "explore", "lugre", "--law", "lugre", "--out", "page.html", blocked=others)
     assert (found.returncode, found.stderr) == (0, "")
-    (tmp_path / "fit").mkdir()
-    (tmp_path / "fit" / "parameters.toml").write_text("")
-    found = command(tmp_path, "explore", "--report", "fit", blocked=others)
-    assert found.returncode == 2
-    assert re.fullmatch(r"stribeck: the page of a fit needs \w+: pip install 'stribeck\[fit\]'\n", found.stderr)

@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from stribeck.explore import explorer_page
-from stribeck.explore.beside import Beside
 
 webdriver = pytest.importorskip("selenium.webdriver")
 CHROMIUM, DRIVER = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
@@ -238,28 +236,6 @@ def test_nothing_sticks_out_on_a_desk_or_a_phone(page, tmp_path, width, scheme):
     assert light is (scheme == "light")
     assert page.execute_script("return [...document.querySelectorAll('.chart')].every(c => c.clientWidth > 250)")
     page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-
-
-def test_what_was_measured_lies_beside_and_its_distance_is_told(browser, scenario, tmp_path):
-    solution = simulate(scenario)
-    t, y = solution.t[::7], solution["y"][::7]
-    beside = Beside("log.csv", {"y": (t, y + 1e-3), "v": (t, solution["v"][::7])}, given=("v",))
-    path = tmp_path / "page.html"
-    path.write_text(explorer_page(scenario, (), fitted={"law.parameters.F_s": (1.4, 1.7)}, beside=beside))
-    browser.get("about:blank")
-    browser.get(path.as_uri())
-    settle(browser)
-    told = browser.execute_script("return document.getElementById('status').textContent")
-    share = 100 * 1e-3 / np.std(y)
-    assert f"Misses the measured y 1 mm ({share:.2g} %) rms." in told
-    assert "log.csv" in browser.execute_script("return document.getElementById('measured').textContent")
-    assert "95 %: 1.4 to 1.7" in browser.execute_script("return document.getElementById('numbers').textContent")
-    dots = browser.execute_script("return model('position-measured-y').data.y.length")
-    assert dots == len(t)
-    slide(browser, "law.parameters.F_s", 0.6)
-    moved = browser.execute_script("return document.getElementById('status').textContent")
-    assert "Misses the measured y" in moved
-    assert moved.split("Misses")[1] != told.split("Misses")[1]
 
 
 _MOVING = """

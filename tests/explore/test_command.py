@@ -52,7 +52,6 @@ def test_the_command_writes_a_page(stribeck, tmp_path):  # noqa: F811
             (str(examples.path("servo")), "--law", "lugre"),
             "--law: lugre: a servo, or a drive that follows a curve, keeps the laws",
         ),
-        (("--report", "."), "--report: '.': must be a folder"),
     ],
 )
 def test_bad_input_is_one_line(stribeck, words, line, tmp_path, monkeypatch):  # noqa: F811
@@ -71,35 +70,3 @@ def test_a_missing_extra_is_one_line(tmp_path):
     found = command(tmp_path, "explore", "lugre", blocked=("bokeh",))
     assert found.returncode == 2
     assert found.stderr == "stribeck: an explorer needs bokeh: pip install 'stribeck[plot]'\n"
-
-
-def test_a_page_is_added_to_what_run_left(stribeck, tmp_path):  # noqa: F811
-    from stribeck import Scenario
-
-    words = ("--set", "law.name=lugre_majorant", "--set", "solve.t_end=2.0")
-    assert stribeck("run", examples.path("stick_slip"), *words, "--out", tmp_path / "first").status == 0
-    assert "Moves up to" in (tmp_path / "first" / "report.html").read_text()
-    found = stribeck("explore", "--report", tmp_path / "first", "--law", "lugre")
-    assert (found.status, found.err) == (0, "")
-    text = (tmp_path / "first" / "explore.html").read_text()
-    number = text[text.index('"solve.t_end"') :]
-    assert '"value": 2.0' in number[:200]
-    assert Scenario.load(examples.path("stick_slip")).solve.t_end == 40.0
-
-
-def test_a_run_of_a_stranger_executes_no_law_elsewhere(stribeck, tmp_path, monkeypatch):  # noqa: F811
-    """Its summary.json says which folder its laws are seen from: / held every file of the disk."""
-    (tmp_path / "evil.py").write_text(f"open({str(tmp_path / 'executed')!r}, 'w').close()\n")
-    for name in ("theirs", "mine"):
-        (tmp_path / name).mkdir()
-    tables = {"schema": 1, "law": {"name": f"{str(tmp_path)[1:]}/evil.py:X"},
-              "plant": {"mass": 1.0}, "solve": {"t_end": 1.0}, "output": {"step": 0.1},
-              "drive": {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}}}  # fmt: skip
-    (tmp_path / "theirs" / "summary.json").write_text(json.dumps({"tables": tables, "folder": "/"}))
-    monkeypatch.chdir(tmp_path / "mine")
-    found = stribeck("explore", "--report", tmp_path / "theirs")
-    assert found.status == 2
-    assert "must be in the current folder, in the result's or below them, or allowed with" in found.err
-    assert not (tmp_path / "executed").exists()
-    (tmp_path / "theirs" / "summary.json").write_text(json.dumps({"tables": 3, "folder": "/"}))
-    assert "must be a folder that" in stribeck("explore", "--report", tmp_path / "theirs").err

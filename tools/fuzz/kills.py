@@ -46,12 +46,10 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     ),
     "fit logs": (("axis.toml", "--logs", "logs.toml", "--starts", "1"), ("--seed", "3"), "parameters.toml"),
     "check level": (("lugre", "--parameters", "canudas1995", "--level", "0.8:1.2"), ("--set", "sigma_1=100"), "report.html"),
-    "explore report": (("--report", "ran"), (), None),
 }  # fmt: skip
 _FILES = {  # in out
     "export": "law.fmu",
     "explore": "page.html",
-    "explore report": "page.html",
     "new": "new.toml",
     "library": "machine_set.toml",
     "import": "servo.toml",
@@ -92,8 +90,6 @@ def _prepared(place: Path) -> dict[str, str]:
     bam = {"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}
     (place / "servo.json").write_text(json.dumps(bam))
     _recorded(place)
-    (place / "ran").mkdir()
-    (place / "ran" / "summary.json").write_text(json.dumps({"tables": solution.scenario.data, "folder": ".."}))
     return os.environ | {"STRIBECK_CACHE": os.environ.get("STRIBECK_CACHE", str(place / "cache"))}
 
 

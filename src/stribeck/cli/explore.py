@@ -33,9 +33,6 @@ def explore(
         list[str] | None,
         typer.Option("--law", metavar="NAME", help="Law to offer beside the scenario's own; every law unless given."),
     ] = None,
-    report: Annotated[
-        Path | None, typer.Option("--report", metavar="DIR", help="Folder of a run or fit that gets the page.")
-    ] = None,
     set_: Set = None,
     trust: Trust = False,
     json: Json = False,
@@ -43,25 +40,17 @@ def explore(
 ) -> int:
     """Write a page that simulates the scenario in a browser while you turn its numbers."""
     from stribeck.explore import explore as write
-    from stribeck.explore.beside import Report
-    from stribeck.explore.report import of_folder
     from stribeck.explore.variants import subject
     from stribeck.scenario import parse_assignments
 
-    changes = parse_assignments(set_ or [])
-    if report is not None and what is not None:
-        raise InputError(
-            f"--report: {str(report)!r}: must stand alone: the folder holds the scenario ({what} is given too)"
-        )
-    made = Report(subject(what, changes, trust)) if report is None else of_folder(report, changes, trust)
-    scenario = made.scenario
+    scenario = subject(what, parse_assignments(set_ or []), trust)
     if out is None:
-        out = report / "explore.html" if report is not None else Path(f"{_file_name(scenario.name)}.html")
+        out = Path(f"{_file_name(scenario.name)}.html")
     if out.is_dir():
         raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
     check_file("--out", out, *([Path(what)] if what is not None else []))
     with progress("writing the page") as share:
-        write(scenario, out, law, command_line(), share, made.intervals, made.measured)
+        write(scenario, out, law, command_line(), share)
     page = out
     data = {"status": "done", "scenario": scenario.name}
     tell(lambda: _document(scenario.name, page), data if json else None, [str(out)])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
@@ -14,7 +13,6 @@ from stribeck.scenario import Scenario
 # After the colors of Okabe and Ito, which color-blind readers can distinguish; legible on white and on black.
 _COLOURS = ("#1b87c9", "#e06a10", "#0a9f78", "#c06aa5", "#b09a00", "#7a68d8", "#8c5a2b")
 _GHOST = "#8c8c8c"
-_MEASURED = "#b09a00"
 _NAMES = {
     "y": "position",
     "v": "velocity",
@@ -85,8 +83,8 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
     }
 
 
-def figures(charts: dict[str, Chart], measured: Collection[str] = ()) -> dict[str, object]:
-    """The charts as Bokeh's JSON, by the id of their HTML element; ``measured`` columns get a second line."""
+def figures(charts: dict[str, Chart]) -> dict[str, object]:
+    """The charts as Bokeh's JSON, by the id of their HTML element."""
     with needed("an explorer"):
         from bokeh.embed import json_item
         from bokeh.layouts import column
@@ -95,7 +93,7 @@ def figures(charts: dict[str, Chart], measured: Collection[str] = ()) -> dict[st
     time = DataRange1d()
     together = [name for name, panel in charts.items() if panel.x == "t" and name != "energy"]  # with one time axis
     figures_of = {
-        name: _figure(name, panel, time if name in together else None, name not in together[1:], measured)
+        name: _figure(name, panel, time if name in together else None, name not in together[1:])
         for name, panel in charts.items()
     }
     trajectories = column(*(figures_of[name] for name in together), sizing_mode="stretch_width")
@@ -105,7 +103,7 @@ def figures(charts: dict[str, Chart], measured: Collection[str] = ()) -> dict[st
     }
 
 
-def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool, measured: Collection[str]) -> Any:
+def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool) -> Any:
     from bokeh.models import ColumnDataSource, HoverTool
     from bokeh.models.annotations.geometry import Span
     from bokeh.models.annotations.legends import Legend
@@ -124,13 +122,9 @@ def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool, measured: Coll
     ghost, now = (ColumnDataSource(name=f"{name}-{which}", data=dict(empty)) for which in ("ghost", "now"))
     for series in panel.y:
         drawn.line("along", series.column, source=ghost, color=_GHOST, line_width=1.4, line_alpha=0.75)
-    beside = [s.column for s in panel.y if s.column in measured and panel.x in ("t", *measured)]
-    for column in beside:
-        source = ColumnDataSource(name=f"{name}-measured-{column}", data={"x": [0.1, 1.0], "y": [0.1, 1.0]})
-        drawn.scatter("x", "y", source=source, size=3, color=_MEASURED, line_color=None, legend_label="measured")
     shown = []
     for series, colour in zip(panel.y, cycle(_COLOURS), strict=False):
-        named: dict[str, Any] = {"legend_label": series.name} if len(panel.y) > 1 or panel.log or beside else {}
+        named: dict[str, Any] = {"legend_label": series.name} if len(panel.y) > 1 or panel.log else {}
         shown.append(drawn.line("along", series.column, source=now, color=colour, line_width=1.7, **named))
     if panel.marks:
         for kind, marker, colour in (("slip", "triangle", _COLOURS[1]), ("stick", "circle", _COLOURS[2])):

@@ -9,12 +9,10 @@ from collections.abc import Callable, Iterable, Mapping
 from html import escape
 from importlib import resources
 from pathlib import Path
-from typing import Any
 
 from stribeck.errors import InputError, arg, needed
 from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
-from stribeck.explore.beside import Beside
 from stribeck.explore.figures import figures, panels
 from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections
 from stribeck.explore.measured import measured
@@ -33,18 +31,16 @@ from stribeck.waveforms import PointsSignal
 
 def explore(
     scenario: Scenario, out: Path, laws: Iterable[str] | None = None, command: str = "",
-    progress: Callable[[float], None] | None = None, fitted: Mapping[str, object] | None = None,
-    beside: Beside | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Path:  # fmt: skip
     """Write the page of a scenario; see :func:`explorer_page`."""
-    write_text(out, explorer_page(scenario, laws, command, progress, fitted, beside))
+    write_text(out, explorer_page(scenario, laws, command, progress))
     return out
 
 
 def explorer_page(
     scenario: Scenario, laws: Iterable[str] | None = None, command: str = "",
-    progress: Callable[[float], None] | None = None, fitted: Mapping[str, object] | None = None,
-    beside: Beside | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> str:  # fmt: skip
     """One HTML file with sliders that simulates the scenario in the browser.
 
@@ -53,8 +49,6 @@ def explorer_page(
         laws: names of the laws offered beside its own; all of the package unless given.
         command: the command that makes the page, for its foot.
         progress: called with the share of built modules, 0 to 1.
-        fitted: the 95 % interval of each number of a fit, by its path.
-        beside: measured columns, drawn beside the simulated ones.
 
     Raises:
         MissingExtra: if bokeh is not installed.
@@ -62,7 +56,7 @@ def explorer_page(
     """
     library = _library()
     if measured_whole(scenario):
-        filling = _machine(scenario, laws, command, progress, fitted or {}, beside)
+        filling = _machine(scenario, laws, command)
         return _fill(filling, machine_sections(scenario), library)
     scenarios = variants(scenario, laws)
     modules = []
@@ -72,17 +66,14 @@ def explorer_page(
             progress(len(modules) / len(scenarios))
     law_paths = {number.path for number in of_law(scenario)}
     shown = panels(scenario)
-    intervals = fitted or {}
     data = {
         "name": scenario.name,
         "version": __version__,
         "command": command,
         "scenario": _tables(scenario),
         "law": scenario.law.name,
-        "laws": {
-            name: _law(each, module, intervals) for (name, each), module in zip(scenarios.items(), modules, strict=True)
-        },
-        "numbers": [_number(n.as_data(), intervals) for n in numbers(scenario) if n.path not in law_paths],
+        "laws": {name: _law(each, module) for (name, each), module in zip(scenarios.items(), modules, strict=True)},
+        "numbers": [n.as_data() for n in numbers(scenario) if n.path not in law_paths],
         "claims": CLAIMS,
         "signal": _signal(scenario),
         "machine": None,
@@ -90,16 +81,12 @@ def explorer_page(
         "layout": wasm.layout(),
         "eventRoom": EVENT_ROOM,
         "panels": {name: panel.as_data() for name, panel in shown.items()},
-        "figures": figures(shown, beside.columns if beside is not None else ()),
-        "measured": None if beside is None else beside.as_data(),
+        "figures": figures(shown),
     }
     return _fill(data, _SECTIONS, library)
 
 
-def _machine(
-    scenario: Scenario, laws: Iterable[str] | None, command: str, progress: Callable[[float], None] | None,
-    intervals: Mapping[str, object], beside: Beside | None,
-) -> dict[str, object]:  # fmt: skip
+def _machine(scenario: Scenario, laws: Iterable[str] | None, command: str) -> dict[str, object]:
     if laws:
         what = "a machine" if not scenario.elements.unnamed else "a servo, or a drive that follows a curve,"
         raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
@@ -112,7 +99,7 @@ def _machine(
         "scenario": _plain(measured_machine.scenario.data),
         "law": "machine",
         "laws": {"machine": {**machine_law(scenario), "wasm": _compressed(module.module), "shape": wasm.shape(module)}},
-        "numbers": [_number(n.as_data(), intervals) for n in measured_machine.numbers],
+        "numbers": [n.as_data() for n in measured_machine.numbers],
         "claims": [],
         "signal": None,
         "machine": machine_data(measured_machine),
@@ -120,8 +107,7 @@ def _machine(
         "layout": wasm.layout(),
         "eventRoom": EVENT_ROOM,
         "panels": {name: panel.as_data() for name, panel in shown.items()},
-        "figures": figures(shown, beside.columns if beside is not None else ()),
-        "measured": None if beside is None else beside.as_data(),
+        "figures": figures(shown),
     }
 
 
@@ -155,7 +141,7 @@ def _fill(data: Mapping[str, object], sections: Iterable[tuple[str, str]], libra
     return re.sub(r"\{\{ (\w+) \}\}", lambda field: parts[field[1]], _asset("page.html"))
 
 
-def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) -> dict[str, object]:
+def _law(scenario: Scenario, module: System) -> dict[str, object]:
     law, system = scenario.law, scenario.system
     kind, form = type(law), law.form
     conditions = {}
@@ -169,9 +155,7 @@ def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) ->
         "name": law.name,
         "about": f"{' '.join((kind.__doc__ or '').split())} {kind.source}",
         "table": _plain(law.to_dict()),
-        "numbers": [
-            {**_number(n.as_data(), intervals), "symbol": symbol_name(n.name, latex=False)} for n in of_law(scenario)
-        ],
+        "numbers": [{**n.as_data(), "symbol": symbol_name(n.name, latex=False)} for n in of_law(scenario)],
         "parameters": [".".join(each) for each in system.parameters],
         "states": [state.name for state in system.states],
         "columns": [{"name": c.name, "unit": c.unit, "meaning": c.meaning} for c in columns(system)],
@@ -182,10 +166,6 @@ def _law(scenario: Scenario, module: System, intervals: Mapping[str, object]) ->
         "wasm": _compressed(module.module),
         "shape": wasm.shape(module),
     }
-
-
-def _number(number: dict[str, Any], intervals: Mapping[str, object]) -> dict[str, object]:
-    return {**number, "interval": intervals.get(number["path"])}
 
 
 def _path(scenario: Scenario, name: str) -> str:

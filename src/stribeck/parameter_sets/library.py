@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from stribeck.errors import InputError, nearest
 from stribeck.parameter_sets import read_toml
 
 _FOLDER = Path(__file__).parent / "machines"
@@ -53,15 +52,3 @@ def machine_sets() -> dict[str, MachineSet]:
         words = {key: str(data.get(key, "")) for key in _WORDS}
         found[path.stem] = MachineSet(path.stem, **words, parameters=data["parameters"], machine=data["machine"])
     return found
-
-
-def machine_set(name: str) -> MachineSet:
-    """A machine of the library.
-
-    Raises:
-        InputError: there is no such one.
-    """
-    known = machine_sets()
-    if name not in known:
-        raise InputError(f"{name!r}: no such machine{nearest(name, known) or ' (known: ' + ', '.join(known) + ')'}")
-    return known[name]

@@ -8,9 +8,6 @@ const make = (tag, attributes = {}, ...inside) => {
   node.append(...inside);
   return node;
 };
-for (const each of Object.values(data.measured?.columns ?? {})) {
-  if (!Array.isArray(each.t)) { const step = each.t; each.t = each.x.map((_, i) => i * step); }
-}
 const state = { law: data.law, values: {}, ghost: null, latest: null, id: 0 };
 window.stribeck = { state, result: null, set, idle: true };
 
@@ -76,14 +73,9 @@ function row(number) {
   slider.oninput = () => set(number.path, fromSlider(number, Number(slider.value)), slider);
   field.oninput = () => { if (field.value !== "") set(number.path, Number(field.value), field); };
   slider.ondblclick = () => set(number.path, number.value);
-  const marks = number.interval ? make("span", { className: "interval", title: `95 % interval of the fit: ${number.interval.map((e) => show(e)).join(" to ")}` }) : "";
-  if (number.interval) {
-    const [a, b] = number.interval.map((e) => toSlider(number, e) / STEPS);
-    marks.style.setProperty("--from", a); marks.style.setProperty("--to", b);
-  }
   return make("div", { className: "number", title: `${number.path}: ${number.meaning}` },
     make("label", { htmlFor: id }, number.name), field, make("span", { className: "unit" }, number.unit),
-    make("span", { className: "meaning" }, number.meaning, number.interval ? `; 95 %: ${number.interval.map((e) => show(e, 5)).join(" to ")}` : ""), make("span", { className: "slide" }, marks, slider));
+    make("span", { className: "meaning" }, number.meaning), make("span", { className: "slide" }, slider));
 }
 
 function refresh(path, from) { // the controls of one number
@@ -210,7 +202,7 @@ function answer(result, error) {
   draw(result);
   claims(result.claims);
   equation();
-  $("status").textContent = `${summary(result)} ${data.measured ? `${missed(result)} ` : ""}${result.stats.accepted} steps in ${show(result.stats.milliseconds, 2)} ms.`;
+  $("status").textContent = `${summary(result)} ${result.stats.accepted} steps in ${show(result.stats.milliseconds, 2)} ms.`;
   window.stribeck.wait = performance.now() - flying.since;
 }
 
@@ -376,7 +368,6 @@ async function begin() {
   window.onhashchange = () => { state.values = {}; state.law = data.law; readLink(); choose(state.law); };
   if (data.machine) machineForm();
   if (pullsAndGivesWay()) $("measured").textContent += " Try F_s: well above F_c the body sticks and slips, at F_c it follows smoothly.";
-  if (data.measured) $("measured").textContent = `Dots: measured, ${data.measured.about}. Shaded on the sliders: 95 % intervals of the fit.`;
   readLink();
   const library = make("script", {}, new TextDecoder().decode(await bytes($("charts").textContent)));
   document.head.append(library);

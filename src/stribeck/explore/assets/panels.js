@@ -104,37 +104,12 @@ function chart(name, result, ghost, room = 0.1) { // in BokehJS; the units are c
   figure.y_range.range_padding = room;
   if (panel.x !== "t" && !panel.log) figure.x_range.range_padding = room;
   for (const [source, { from, rows }] of Object.entries(contents(name, result, ghost, [xf, yf]))) put(source, from, rows);
-  measuredPoints(name, xf, yf);
   figure.below[0].axis_label = `${panel.xLabel}${xu ? ` (${xu})` : ""}`;
   figure.left[0].axis_label = `${panel.yLabel}${yu ? ` (${yu})` : ""}`;
   const hover = model(`${name}-hover`);
   if (hover) hover.tooltips = [[panel.x === "t" ? "t" : panel.xName, `@along{0.0000} ${xu}`], ...panel.y.map((s) => [s.name, `@{${s.column}}{0.0000} ${yu}`])];
 }
 
-function measuredPoints(name, xf, yf) { // what was measured, in the chart's present units
-  const { columns } = data.measured ?? { columns: {} }, panel = data.panels[name], across = columns[panel.x];
-  for (const { column } of panel.y) {
-    put(`${name}-measured-${column}`, [xf, yf], () => {
-      const { t, x } = columns[column], along = panel.x === "t" ? t : x.map((_, i) => across.x[i]);
-      return { x: divide(along, xf), y: divide(x, yf) };
-    });
-  }
-}
-
-// How far the simulated columns are from the measured ones: rms, and as a share of the measured changes.
-function missed(result) {
-  const told = [];
-  for (const [name, { t, x }] of Object.entries(data.measured.columns)) {
-    if (data.measured.given.includes(name)) continue;
-    const end = (result.rows - 1) * value("output.step"), unit = law().columns.find((c) => c.name === name).unit;
-    const inside = t.map((_, i) => i).filter((i) => t[i] >= 0 && t[i] <= end * (1 + 1e-9));
-    const mean = inside.reduce((sum, i) => sum + x[i], 0) / inside.length;
-    const square = (each) => Math.sqrt(inside.reduce((sum, i) => sum + each(i) ** 2, 0) / inside.length);
-    const left = square((i) => at(result, name, t[i]) - x[i]), size = square((i) => x[i] - mean);
-    told.push(`${name} ${human(left, unit)} (${show(100 * left / size, 2)} %)`);
-  }
-  return `Misses the measured ${told.join(", ")} rms.`;
-}
 const divide = (list, factor) => factor === 1 ? list : Float64Array.from(list, (x) => x / factor);
 
 function happened(result, element, kind) { // when: data.watched names what the solver's numbers mean
