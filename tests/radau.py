@@ -23,7 +23,7 @@ class _Controllers:
 
     def __init__(self, scenario: Scenario, equations: RateFunctions) -> None:
         system, self.equations = scenario.system, equations
-        samples, self.timing = system.samples(), scenario.sampling()
+        samples, self.timing = system.samples(), scenario.elements.sampling()
         self.noise = held_back(scenario.end, [self.timing])[1]
         inputs = [f"{owner}.{name}" for owner, name in system.parameters]
         inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + [
@@ -91,7 +91,7 @@ class _Run:
         atol = scenario.atol()
         self.atol: Any = np.array([atol[name] for name in names])  # the stubs know only one number
         self.x = np.array([scenario.initial.get(name, 0.0) for name in names])
-        self.thresholds = np.array(scenario.thresholds())
+        self.thresholds = np.array(scenario.elements.thresholds())
         self.moved = names.index("E_in") if scenario.system.moved_energy() is not None else None
         self.rows = np.arange(scenario.rows) * scenario.output.step
         more = len(self.equations.held) + len(scenario.system.shown)
@@ -145,7 +145,7 @@ class _Run:
         scenario, equations, rows = self.scenario, self.equations, self.rows
         solver: Any = Radau(
             equations.rates, begin, self.x, end, jac=equations.jacobian, rtol=max(scenario.solve.rtol, 1e-13),
-            atol=self.atol, max_step=scenario.longest_step,
+            atol=self.atol, max_step=scenario.elements.longest_step,
         )  # fmt: skip
         while solver.status == "running" and self.reason is None:
             try:

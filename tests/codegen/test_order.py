@@ -46,7 +46,7 @@ def pointer(array):
 
 def steps(library, scenario, h, n, inside=0.5):
     """The states at a share of each of n steps of length h."""
-    system, values = scenario.system, scenario.values()
+    system, values = scenario.system, scenario.elements.values
     parameters = np.array([values[key] for key in system.parameters])
     x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
     ones, zero, dense = np.ones(len(x)), np.zeros(3), np.empty((n, len(x)))

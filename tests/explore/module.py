@@ -52,7 +52,7 @@ class Module:
         )[0]
 
     def values(self, scenario):
-        values = {".".join(key): x for key, x in scenario.values().items()}
+        values = {".".join(key): x for key, x in scenario.elements.values.items()}
         return self.put([values[name] for name in self.law["parameters"]])
 
     def run(self, scenario):
@@ -69,7 +69,8 @@ class Module:
         fields = {
             "parameters": p, "atol": self.put(found[:n]), "x": self.put(start_values),
             "piece_start": start, "piece_rows": rows, "out": out, "event_time": self.put(np.zeros(room)),
-            "thresholds": self.put([*scenario.thresholds(), 0.0]), "held": one, "memory": one, "queue": one, "noise": one,
+            "thresholds": self.put([*scenario.elements.thresholds(), 0.0]),
+            "held": one, "memory": one, "queue": one, "noise": one,
             "piece_restart": self.put(pieces.restart, np.int8), "event_what": self.put(np.zeros(room, np.int32), np.int32),
             "sampled": one, "acted": one, "rtol": found[n] * scenario.solve.rtol, "step": scenario.output.step,
             "h": np.inf, "h_smallest": np.inf, "h_limit": found[n + 1], "queue_room": 1, "pieces": len(pieces.start),

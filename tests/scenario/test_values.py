@@ -106,13 +106,13 @@ def test_tolerances_scale_with_the_law():
 def test_values_are_named_by_their_owner():
     scenario = Scenario(VALID["velocity_sine"])
     assert scenario.mass is None  # given, but a moved body needs none
-    assert scenario.values() == {
+    assert scenario.elements.values == {
         **{("contacts.law", n): CANUDAS[n] for n in ("F_c", "F_s", "v_s", "sigma_2")},
         ("contacts.law", "delta"): 1.5, ("contacts.law", "k_v"): 1e6,
         **{("bodies.velocity.signal", n): VALID["velocity_sine"]["drive"]["signal"][n]
            for n in ("amplitude", "frequency", "offset", "phase")},
     }  # fmt: skip
-    spring = Scenario(SPRING).values()
+    spring = Scenario(SPRING).elements.values
     found = spring["bodies", "mass"], spring["links", "stiffness"], spring["contacts.law", "z_ba"]
     assert found == (1.0, 2.0, 7e-6)
     assert set(spring) == set(Scenario(SPRING).system.parameters)

@@ -183,7 +183,7 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
     if law is not None:
         return {"law": law.name, "parameters": law.values, "guarantees": law.guarantees()}
     assert rig is not None
-    return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.values().items()}}
+    return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.elements.values.items()}}
 
 
 def _refuse_of_a_law(part: str, given: dict[str, str | None]) -> None:

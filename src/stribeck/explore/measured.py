@@ -136,7 +136,7 @@ def _constant(scenario: Scenario, group: str, name: str) -> tuple[Constant, floa
     column, words = f"{group.split('.')[1]}.{name}" if "." in group else "", {"y": "position", "v": "velocity"}
     if group.endswith(".initial") and name in words:
         unit = next((c.unit for c in scenario.system.columns if c.name == column), "")
-        return Constant(unit, f"{words[name]} at t = 0"), 10 * scenario.elements.natural().get(column, 0.1)
+        return Constant(unit, f"{words[name]} at t = 0"), 10 * scenario.elements.natural.get(column, 0.1)
     first, _, index = name.partition(".")
     if index.isdigit() and ".signal" in f".{group}":
         words = {"t": "time of point", "value": "the signal at point"}

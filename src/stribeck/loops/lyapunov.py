@@ -121,7 +121,7 @@ def along(solution: Solution) -> Along:
     saturated = np.abs(solution["u"]) >= gains["u_max"] * (1 - 1e-9)
     if cascade.sampling is not None or observer is None or not observer.has_z or cascade.adaptive:
         return Along(solution.t, solution["V"], None, None, saturated, _noise(solution))
-    values: dict[str, float | Array] = {f"{owner}.{name}": x for (owner, name), x in scenario.values().items()}
+    values: dict[str, float | Array] = {f"{owner}.{name}": x for (owner, name), x in scenario.elements.values.items()}
     rows = scenario.pieces().at(solution.t)
     values |= {f"segment.{name}": rows[:, i] for i, name in enumerate(system.piece_fields)}
     states = [state.name for state in system.states]
@@ -137,7 +137,7 @@ def along(solution: Solution) -> Along:
 def _noise(solution: Solution) -> float:
     scenario = solution.scenario
     v, p_1, p_2, z = (scenario.solve.rtol * float(np.max(np.abs(solution[n]))) for n in ("v", "p_1", "p_2", "z"))
-    gains, mass = SimpleNamespace(**gains_of(scenario)), scenario.values()["bodies", "mass"]
+    gains, mass = SimpleNamespace(**gains_of(scenario)), scenario.elements.values["bodies", "mass"]
     return float(energy(gains, mass, v, max(p_1, p_2), z))
 
 

@@ -112,7 +112,7 @@ def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
     """Whether the speed stays where the gains are good; the path's speed is that of the rows, dy_d/dt = v - s + lambda e."""
     lag = gains_of(scenario)["lambda"] * solution["e"]
     path = float(np.max(np.abs(solution["v"] - solution["s"] + lag)))
-    return staying(v_max, scenario.values()["bodies", "mass"], path, float(solution["V"][0]), float(lag[0]))
+    return staying(v_max, scenario.elements.values["bodies", "mass"], path, float(solution["V"][0]), float(lag[0]))
 
 
 def doubts(scenario: Scenario, controller: PressureCascade) -> tuple[str, ...]:

@@ -203,6 +203,7 @@ class Elements:
                     found[start] = Scales(s.length / ratio, s.speed / ratio, s.force * ratio)
         return {name: found.get(name, Scales(_LENGTH, _SPEED, _FORCE)) for name in self.bodies}
 
+    @cached_property
     def natural(self) -> dict[str, Value]:
         """The natural magnitude of each state; a length's where no element knows any."""
         found = {n: x for each in self for n, x in each.natural(self.scales, self).items()}

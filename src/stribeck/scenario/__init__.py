@@ -228,11 +228,6 @@ class Scenario:
         """The structure of the equations, without values."""
         return self.elements.system
 
-    @property
-    def longest_step(self) -> float:
-        """The longest step that cannot miss a wave of a signal, s."""
-        return self.elements.longest_step
-
     def pieces(self) -> Pieces:
         """The signals as a table of pieces."""
         return self._pieces
@@ -240,14 +235,6 @@ class Scenario:
     @cached_property
     def _pieces(self) -> Pieces:
         return self.elements.pieces(self.end)
-
-    def thresholds(self) -> list[float]:
-        """The level of each watched quantity, 0 for none."""
-        return self.elements.thresholds()
-
-    def sampling(self) -> list[dict[str, float]]:
-        """Period, delay, noise and seed of each sampled controller."""
-        return self.elements.sampling()
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Value]:
         """Every column of the output by name, from the states (and what controllers held) at the times t."""
@@ -258,25 +245,13 @@ class Scenario:
         """Every number in which lanes can differ, by its path in the file (:attr:`Elements.places`)."""
         return {self.called.to_file(path): key for path, key in self.elements.places.items()}
 
-    def values(self) -> dict[tuple[str, str], float]:
-        """The system's run-time constants by (group, name)."""
-        return self.elements.values
-
     def atol(self, machine: Elements | None = None, rtol: Value = None) -> dict[str, Any]:
         """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
 
         With ``machine`` it is that of the same machine with other values, with ``rtol`` that of another relative tolerance.
         """
-        if machine is None and rtol is None:
-            return dict(self._own_atol)
-        own = (self.elements if machine is None else machine).natural()
-        return self._atol(own, self.solve.rtol if rtol is None else rtol)
-
-    @cached_property
-    def _own_atol(self) -> dict[str, Any]:
-        return self._atol(self.elements.natural(), self.solve.rtol)
-
-    def _atol(self, natural: dict[str, Value], rtol: Value) -> dict[str, Any]:
+        natural = (self.elements if machine is None else machine).natural
+        rtol = self.solve.rtol if rtol is None else rtol
         return {n: self.solve.atol.get(n, _ATOL_SHARE * rtol * x) for n, x in natural.items()}
 
 

@@ -136,14 +136,14 @@ class SolverInput:
 
 def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> SolverInput:
     """A scenario as input of the compiled solver, with other tolerances than its own if given."""
-    system, values, tolerances = scenario.system, scenario.values(), tolerances or promise.first(scenario)
+    system, values, tolerances = scenario.system, scenario.elements.values, tolerances or promise.first(scenario)
     share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
-    room, noise = held_back(scenario.end, [scenario.sampling()])
+    room, noise = held_back(scenario.end, [scenario.elements.sampling()])
     doubles = {
         "parameters": np.array([values[key] for key in system.parameters]),
         "x": np.array([scenario.initial.get(state.name, 0.0) for state in system.states]),
         "atol": share * tolerances.atol[0], "largest": np.zeros(promise.measures(scenario)),
-        "thresholds": np.array(scenario.thresholds()),
+        "thresholds": np.array(scenario.elements.thresholds()),
         "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
         "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),
         "queue": np.zeros((held, room)), "noise": noise,
@@ -152,7 +152,7 @@ def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> So
     numbers = {
         "rtol": share * scenario.solve.rtol,
         "step": scenario.output.step,
-        "h_limit": float(scenario.longest_step),
+        "h_limit": float(scenario.elements.longest_step),
         "rows_are_steps": tolerances.rows_are_steps,
     }
     return SolverInput(doubles, np.ascontiguousarray(pieces.restart), numbers, room)

@@ -23,7 +23,7 @@ class RateFunctions:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        system, values = scenario.system, scenario.values()
+        system, values = scenario.system, scenario.elements.values
         self.states = [state.name for state in system.states]
         inputs = [f"{owner}.{name}" for owner, name in system.parameters]
         inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + ["t", *self.states]

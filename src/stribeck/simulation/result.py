@@ -82,4 +82,4 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
 
 def ended(scenario: Scenario, t: float, x: Array) -> str | None:
     """Why equations are no longer finite, if the system can report it."""
-    return scenario.system.ended(scenario.values(), t, x)
+    return scenario.system.ended(scenario.elements.values, t, x)

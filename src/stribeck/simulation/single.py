@@ -75,11 +75,11 @@ def simulate_once(
 
 def _remarks(scenario: Scenario) -> list[str]:
     """Notes on values that are allowed but probably a mistake."""
-    remarks, values = list[str](), scenario.values()
+    remarks, values = list[str](), scenario.elements.values
     if scenario.rows == 1:
         step, t_end = scenario.output.step, scenario.solve.t_end
         remarks.append(f"output.step: {step:g}: is longer than solve.t_end = {t_end:g}: the output is one row, t = 0")
-    longest, most = scenario.longest_step, scenario.solve.max_steps
+    longest, most = scenario.elements.longest_step, scenario.solve.max_steps
     if (least := scenario.end / longest) > most:
         why = f"a signal's waves allow no step longer than {longest:.3g} s, and {least:.3g} would be needed"
         remarks.append(f"solve.max_steps: {most:g}: {why}: given up before t = {scenario.end * most / least:.3g} s")

@@ -241,8 +241,14 @@ class Sweep:
         s, lanes = self.lanes.scenario, self.lanes
         table = s.pieces()
         pieces = [table.start, table.rows, table.restart]
-        about = s.data.get("drive", [each["seed"] for each in s.sampling()])
-        numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.thresholds(), s.end]
+        about = s.data.get("drive", [each["seed"] for each in s.elements.sampling()])
+        numbers = [
+            sorted((*key, x) for key, x in s.elements.values.items()),
+            s.initial,
+            s.atol(),
+            s.elements.thresholds(),
+            s.end,
+        ]
         settings = [
             s.solve.rtol, step_share(s), s.solve.max_steps, s.output.step, s.rows, list(lanes.values), about,
         ]  # fmt: skip

@@ -34,7 +34,7 @@ def variables_of(model: MachineModel) -> list[Variable]:
     for each in model.inputs:
         meaning = "added to the signal of the file, held over a step"
         add(each.path, each.unit, meaning, "input", f"m->s.constants[{each.parameter}]", start=0.0)
-    states, first, nominal = model.machine.states, len(found), model.scenario.elements.natural()
+    states, first, nominal = model.machine.states, len(found), model.scenario.elements.natural
     shown = {column.name: column for column in model.columns}
     for i, state in enumerate(states):
         column = shown.get(state.name, state)

@@ -138,9 +138,9 @@ class MachineModel:
         """What the templates need."""
         scenario, machine, held = self.scenario, self.machine, len(self.machine.held)
         pieces, share = scenario.pieces(), step_share(scenario)
-        room, noise = held_back(scenario.end, [scenario.sampling()])
+        room, noise = held_back(scenario.end, [scenario.elements.sampling()])
         atol = scenario.atol()
-        limit = scenario.longest_step
+        limit = scenario.elements.longest_step
         low, high, power = SAMPLED_SHARE
         return {
             "low": low, "high": high, "power": power,
