@@ -9,7 +9,6 @@ import pytest
 
 import stribeck as st
 from stribeck import examples
-from stribeck.simulation.comparison import compare
 from tests.simulation.rig import needs_compiler
 
 SMALL = {"law": {"name": "lugre_majorant", "parameters": "canudas1995", "k_v": 1e6}, "plant": {"mass": 1.0},
@@ -84,23 +83,6 @@ def test_a_scenario_does_not_change(law):
     with pytest.raises(AttributeError, match="does not change"):
         machine.name = "other"
     assert machine.replace({"contacts.c.law": law.replace(F_c=0.9)}).scenario(1.0).law.p.F_c == 0.9
-
-
-@needs_compiler
-def test_compare(law):
-    found = compare(SMALL, {"first": law, "slower": law.replace(sigma_2=2.0), "plain": "lugre_sobczyk"})
-    assert found.status == "done"
-    assert list(found.deviations) == ["slower", "plain"]
-    assert found.deviations["slower"]["y"]["max"] == pytest.approx(
-        np.max(np.abs(found.solutions["slower"]["y"] - found.solutions["first"]["y"])), rel=1e-12
-    )
-    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Contact("d", "a", law))
-    with pytest.raises(st.InputError, match="contact: missing: must be given"):
-        compare(machine, [law], t_end=0.1)
-    assert compare(machine, [law], contact="d", t_end=0.01).status == "done"
-    for laws, text in (([], "empty"), ([law, law], "given twice"), (law, "must be a list")):
-        with pytest.raises(st.InputError, match=text):
-            compare(SMALL, laws)
 
 
 @needs_compiler

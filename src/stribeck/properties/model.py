@@ -347,13 +347,6 @@ def grows(node: Expr, by: Expr) -> bool:
     return node is by or (node.op == "div" and grows(node.args[0], by))
 
 
-def over(node: Expr, by: Expr, inverse: Expr) -> Expr:
-    """node/by, with ``inverse`` = 1/by for what ``by`` does not divide."""
-    found = divided(node, by, lambda rest: rest * inverse)
-    assert found is not None
-    return found
-
-
 def depends(expr: Expr, *on: Expr) -> bool:
     """Whether an expression holds one of these symbols."""
     return bool(symbols([expr]) & {str(x.value) for x in on})

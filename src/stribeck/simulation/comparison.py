@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stribeck.errors import InputError, arg, nearest
-from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
-from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import Solution, simulate
 
 if TYPE_CHECKING:
@@ -94,51 +91,6 @@ def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], N
     reference = solutions[labels[0]]
     deviations_by_label = {label: deviations(reference, solutions[label]) for label in labels[1:]}
     return Comparison(reference.scenario.name, solutions, deviations_by_label)
-
-
-def compare(
-    scenario: Scenario | Machine | str | Path | Mapping[str, object],
-    laws: Sequence[Law | str] | Mapping[str, Law | str],
-    *,
-    contact: str | None = None,
-    t_end: float | None = None,
-    step: float | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> Comparison:
-    """Simulate one scenario or machine under several laws; the first is the reference of the others' deviations.
-
-    Args:
-        scenario: a scenario, a machine, the path of its file, or its tables.
-        laws: laws, or names of laws, which then get the constants of the scenario's law; as a mapping, by label.
-        contact: the contact whose law is replaced, in a machine with several contacts.
-        t_end, step: as for :func:`stribeck.simulate`; t_end is required for a :class:`Machine`.
-        progress: called from time to time with the share done, 0 to 1.
-
-    Returns:
-        ``solutions`` by label, ``deviations`` (largest, and as a share of the reference's peak, by column), ``status``.
-
-    Raises:
-        InputError: if there is no law, an unknown law, the same label twice, or no valid scenario.
-    """
-    base = scenario_of(scenario, t_end, step)
-    table = law_path(base, contact)
-    if isinstance(laws, str | Law):
-        raise InputError("laws: must be a list of laws, or a table of them by label")
-    if isinstance(laws, Mapping):
-        labelled = list(laws.items())
-    else:
-        labelled = [(each.name if isinstance(each, Law) else str(each), each) for each in laws]
-    labels = [label for label, _ in labelled]
-    if not labels:
-        raise InputError("laws: empty: must hold at least one law")
-    if len(set(labels)) < len(labels):
-        twice = max(labels, key=labels.count)
-        raise InputError(f"laws: {twice!r}: given twice; give a table of laws by label")
-    variants = {
-        label: base.with_changes({table: law} if isinstance(law, Law) else {f"{table}.name": law})
-        for label, law in labelled
-    }
-    return compare_laws(variants, progress)
 
 
 def law_path(scenario: Scenario, contact: str | None) -> str:

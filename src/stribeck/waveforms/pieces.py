@@ -172,9 +172,3 @@ def merged(parts: Sequence[Pieces]) -> Pieces:
         restart_of_part = np.where(np.isin(start, part.start), part.restart[row], SMOOTH)
         restart = np.where((restart_of_part == JUMP) | (restart == SMOOTH), restart_of_part, restart).astype(np.int8)
     return Pieces(start, np.concatenate(rows, axis=1) if rows else np.zeros((len(start), 0)), restart)
-
-
-def at_times(signal: Signal, table: Pieces, names: Sequence[str], t: Array) -> SimpleNamespace:
-    """The numbers of a signal's piece, and its constants, at the times t."""
-    rows = table.at(t)
-    return SimpleNamespace(**signal.values, **{name: rows[:, i] for i, name in enumerate(names)})

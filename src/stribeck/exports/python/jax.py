@@ -79,15 +79,6 @@ class JaxLaw:
         x, force, _, _ = self._step(dict(zip(numbers, arrays[5:], strict=True)), tuple(arrays[:5]))
         return x, force
 
-    def settle(self, state: Value, v: Value, dt: Value, load: Value = None, **constants: Value) -> Value:
-        """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
-        jnp: ModuleType = package("jax.numpy")
-        state, v, dt = self._arrays(state, v, dt)
-        p = SimpleNamespace(
-            **{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants, load)).items() if _number(x)}
-        )
-        return stepping.settled(jnp, _loop, _equations(self.law), p, v, state + 0 * v, dt)
-
     @staticmethod
     def _arrays(*values: Value) -> tuple[Value, ...]:
         return tuple(package("jax.numpy").asarray(x, float) for x in values)

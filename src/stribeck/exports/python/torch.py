@@ -88,11 +88,6 @@ class TorchLaw:
         z, friction, _, _ = stepping.solved(self._torch, stepping.loop, self._equations, p, arguments)
         return z, friction
 
-    def settle(self, state: Value, v: Value, dt: Value, load: Value = None, **constants: Value) -> Value:
-        """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
-        p, (v, state, dt) = self._prepared(load, constants, v, state, dt)
-        return stepping.settled(self._torch, stepping.loop, self._equations, p, v, state + 0 * v, dt)
-
     def _prepared(
         self, load: Value, constants: dict[str, Value], *values: Value
     ) -> tuple[SimpleNamespace, list[Value]]:

@@ -93,13 +93,6 @@ class WarpLaw:
             tape.record_func(backward, [x for x in (p, *inputs, z, force) if x.requires_grad])
         return z, force
 
-    def settle(self, state: Value, v: Value, dt: Value, load: Value = None, constants: Value = None) -> Value:
-        """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
-        z = self._wp.zeros(len(v), dtype=self.real, device=v.device)
-        p = self._at_load(constants, load, len(v), v.device)
-        self._launch("settle", len(v), [p, state, v, self._array(dt, v.device)], [z], v.device)
-        return z
-
     def _at_load(self, constants: Value, load: Value, count: int, device: Value) -> Value:
         """The table of constants, with the inputs of a contact's law in it; recorded on an active tape."""
         p = self.constants(device=device) if constants is None else constants
