@@ -136,3 +136,8 @@ def test_files_that_are_no_signal(tmp_path, text, message):
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         FileSignal.read(tmp_path / "log.csv", "t", "v")
+
+
+def test_constants_have_the_unit_of_what_the_signal_is():
+    assert RampSignal.constants["rate"].in_unit("m").unit == "m/s"
+    assert SineSignal.constants["amplitude"].in_unit("N").unit == "N"

@@ -18,21 +18,21 @@ _NEXT = {
     "joint_from_log": "stribeck fit {target} --logs {stem}.logs.toml --out fit",
 }
 _START = "stick_slip"  # the example that a new name starts from, under another law
-_LAW = """\
-[law]
-name = "lugre_majorant"         # smooth, and with these constants passive; 'stribeck library' lists the others
-k_v = 1e6                       # s/m, steepness near rest; 'stribeck check --creep' finds the smallest
-v_d = 0.02                      # m/s, bristle damping falls with speed; without it this set is not passive
-
-"""
-
-_HELP = """\
+_BEGIN = """\
 # {name}: a scenario for 'stribeck run'. SI units everywhere; with rotary = true N m and rad.
 # [law] name: 'stribeck library' lists them; parameters: a table as here, a built-in set ("canudas1995") or a file.
 # [drive] kind: "force" (N), "spring" (position of the far end, m), "pid" (setpoint, m) or "velocity" (m/s);
 #         "cascade", a pneumatic servo, has an example of its own: stribeck new servo.
 # [drive.signal] kind: "points" (t, value), "ramp" (rate), "sine" (amplitude, frequency, offset, phase),
 #                      "step" (value, time) or "file" (path, time, value, unit: columns of a recorded file).
+schema = 1
+name = "{name}"
+
+[law]
+name = "lugre_majorant"         # smooth, and with these constants passive; 'stribeck library' lists the others
+k_v = 1e6                       # s/m, steepness near rest; 'stribeck check --creep' finds the smallest
+v_d = 0.02                      # m/s, bristle damping falls with speed; without it this set is not passive
+
 """
 
 
@@ -68,9 +68,7 @@ def new(
     known = example in examples.names()
     text = examples.path(example if known else _START).read_text(encoding="utf-8")
     if not known:
-        body = text[text.index("schema = ") :].replace(f'name = "{_START}"', f'name = "{name}"', 1)
-        begin, end = body.index("[law]"), body.index("[law.parameters]")
-        text = _HELP.format(name=name) + body[:begin] + _LAW + body[end:]
+        text = _BEGIN.format(name=name) + text[text.index("[law.parameters]") :]
     target = out or Path(f"{name}.toml")
     belonging = examples.companions(example) if known else []
     copies = {target.parent / data.name.replace(f"{example}.", f"{target.stem}."): data for data in belonging}

@@ -10,6 +10,7 @@ from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
 from stribeck.scenario.tables import Output, Solve
 from stribeck.waveforms import FileSignal, PointsSignal
+from stribeck.waveforms.piecewise import OfSignal
 
 MOST_POINTS = 12  # a signal with more points is a curve, and gets no sliders
 
@@ -105,7 +106,7 @@ def _of_signal(scenario: Scenario) -> Iterator[Number]:
     table = scenario.data["drive"]["signal"]
     for name, constant in signal.constants.items():
         value = float(table.get(name, constant.default if constant.default is not None else 0.0))
-        with_unit = replace(constant, unit=constant.unit.replace("signal", unit))
+        with_unit = constant.in_unit(unit) if isinstance(constant, OfSignal) else constant
         yield number_of(group, name, value, with_unit, 1.0, f"{use.path}.{name}" if signal.smooth else "")
     if isinstance(signal, PointsSignal) and not isinstance(signal, FileSignal) and len(signal.t) <= MOST_POINTS:
         for i, (t, value) in enumerate(zip(signal.t, signal.value, strict=True)):

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from stribeck.constants import Constant
 from stribeck.scenario import Scenario
+from stribeck.waveforms.piecewise import OfSignal
 
 
 def declared(scenario: Scenario, path: str) -> Constant | None:
@@ -19,5 +20,5 @@ def declared(scenario: Scenario, path: str) -> Constant | None:
     for use, signal in scenario.elements.signals.items():
         if name in signal.constants and group == use.path:
             own = signal.constants[name]
-            return replace(own, unit="" if "signal" in own.unit else own.unit)
+            return replace(own, unit="") if isinstance(own, OfSignal) else own
     return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +19,17 @@ from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value, pi, sin
 from stribeck.recorded import read_columns
 from stribeck.recorded.units import ANGLE, FORCE, LENGTH, PRESSURE, SPEED, TIME
+
+
+@dataclass(frozen=True)
+class OfSignal(Constant):
+    """A constant in the unit of what the signal is, or in that unit per second (``rate``)."""
+
+    rate: bool = False
+
+    def in_unit(self, unit: str) -> Constant:
+        """The declaration where the signal has this unit."""
+        return replace(self, unit=f"{unit}/s" if self.rate else unit)
 
 
 @dataclass(frozen=True)
@@ -125,7 +136,7 @@ class RampSignal(Signal):
     """rate * t."""
 
     kind, meaning = "ramp", "rate * t"
-    constants: ClassVar[dict[str, Constant]] = {"rate": Constant("signal/s", "slope of the signal")}
+    constants: ClassVar[dict[str, Constant]] = {"rate": OfSignal("signal/s", "slope of the signal", rate=True)}
 
     @cached_property
     def segments(self) -> Segments:
@@ -137,7 +148,7 @@ class StepSignal(Signal):
 
     kind, meaning = "step", "0 before time, value from then on"
     constants: ClassVar[dict[str, Constant]] = {
-        "value": Constant("signal", "the signal from time on"),
+        "value": OfSignal("signal", "the signal from time on"),
         "time": Constant("s", "when the signal jumps"),
     }
 
@@ -151,10 +162,10 @@ class SquareSignal(Signal):
 
     kind, meaning = "square", "offset + amplitude and offset - amplitude in turn, for cycles periods; then offset"
     constants: ClassVar[dict[str, Constant]] = {
-        "amplitude": Constant("signal", "amplitude"),
+        "amplitude": OfSignal("signal", "amplitude"),
         "frequency": Constant("Hz", "frequency", above=0),
         "cycles": Constant("", "how many periods", above=0),
-        "offset": Constant("signal", "mean", default=0.0),
+        "offset": OfSignal("signal", "mean", default=0.0),
     }
 
     @cached_property
@@ -170,9 +181,9 @@ class SineSignal(Signal):
 
     kind, meaning, smooth = "sine", "offset + amplitude sin(2 pi frequency t + phase)", True
     constants: ClassVar[dict[str, Constant]] = {
-        "amplitude": Constant("signal", "amplitude"),
+        "amplitude": OfSignal("signal", "amplitude"),
         "frequency": Constant("Hz", "frequency", above=0),
-        "offset": Constant("signal", "mean", default=0.0),
+        "offset": OfSignal("signal", "mean", default=0.0),
         "phase": Constant("rad", "phase at t = 0", default=0.0),
     }
 
