@@ -134,7 +134,7 @@ class Friction:
     kind: type[Law]
     form: Form
     p: Constants
-    law: Law | None = None  # with the numbers of a file only
+    law: Law | None = None  # while the numbers are those of the file
     listed: frozenset[str] = frozenset()  # constants that the file has among the parameters
     written: Mapping[str, Any] = field(default_factory=dict)  # the table
     machine: Mapping[str, float] = field(default_factory=dict)  # its parameters, also those that the law does not use
@@ -172,7 +172,10 @@ class Friction:
     def carrying(self, path: str, carrier: Carrier) -> Friction:
         """See :class:`FileTable`."""
         p = self.kind.symbolic(lambda name: carrier.put(path, name), self.form)
-        return Friction(self.kind, self.form, p) if carrier.structure else replace(self, p=p, law=None)
+        if carrier.structure:
+            return Friction(self.kind, self.form, p)
+        kept = all(x is vars(self.p)[name] for name, x in vars(p).items())
+        return replace(self, p=p, law=self.law if kept else None)
 
     def to_table(self) -> dict[str, Any]:
         """What a file would hold."""
