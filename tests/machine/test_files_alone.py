@@ -182,3 +182,14 @@ def test_a_mass_that_is_taken_away():
             InputError, match=f"^bodies.a.added: takes the mass down to {least}: must leave more than 0$"
         ):
             Scenario(LADEN).with_changes({"bodies.a.added": signal})
+
+
+def test_a_link_leads_to_the_ground_unless_it_says_where():
+    """As a contact does."""
+    link = {"from": "slide", "stiffness": 100.0}
+    data = {
+        "schema": 2, "bodies": {"slide": {"mass": 1.0, "initial": {"y": 0.1}}}, "links": {"spring": link},
+        "solve": {"t_end": 1.0}, "output": {"step": 0.1},
+    }  # fmt: skip
+    said = {**data, "links": {"spring": {**link, "to": "ground"}}}
+    np.testing.assert_array_equal(simulate(data)["slide.y"], simulate(said)["slide.y"])

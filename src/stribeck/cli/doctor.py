@@ -6,7 +6,6 @@ import os
 import platform
 import sys
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, TypedDict, TypeVar
 
 from stribeck.cli.options import Json, command
@@ -103,6 +102,8 @@ def _tried(what: Callable[[], T], otherwise: T) -> tuple[T, str]:
 
 
 def _version(name: str) -> str | None:
+    from importlib.metadata import PackageNotFoundError, version  # slow to import, for every command
+
     try:
         return version(name)
     except PackageNotFoundError:

@@ -52,7 +52,7 @@ class Link(BetweenBodies, family=True):
     start: Annotated[str | FarEnd, Refers(("bodies",)), BeforeValidator(_start)] = Field(
         alias="from", description="a body, or { signal = ... }, the position of a far end"
     )
-    end: BodyOrGround = Field(alias="to", description="a body, or 'ground'")
+    end: BodyOrGround = Field(GROUND, alias="to", description="a body, or 'ground'")
     stiffness: float = quantity("N/m", "stiffness, on the side of `to`", at_least=0, rotary_unit="N m/rad")
     damping: float | None = quantity("N s/m", "damping", at_least=0, off_at_zero=True, rotary_unit="N m s/rad")
     gap: float | None = quantity("m", "total play", at_least=0, off_at_zero=True, rotary_unit="rad")
@@ -62,6 +62,11 @@ class Link(BetweenBodies, family=True):
         super().__init__(name=name, start=start, end=end, **keys)
 
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # of Python alone, as in FileTable
+
+    def wrong(self) -> list[Problem]:
+        """A far end that nothing is tied to."""
+        text = "must be a body, as a far end is the other side"
+        return [("to", f"{show(self.end)}: {text}")] if self.far is not None and self.end == GROUND else []
 
     def stretch(self, d: Value) -> Value:
         """What the spring is stretched by: d, less the play."""
@@ -133,7 +138,7 @@ class StagedSpring(Link):
 
     def wrong(self) -> list[Problem]:
         """One of a stage's two numbers without the other; play, which a preload would close."""
-        found = []
+        found = super().wrong()
         for name, other in (("reach", "second"), ("second", "reach")):
             if getattr(self, name) is not None and getattr(self, other) is None:
                 found.append((other, f"missing: must be given with {name}"))
