@@ -143,9 +143,27 @@ def test_a_number_that_may_be_thousands_is_asked_about(tmp_path, cell):
     assert found["force"][1] == float(cell.replace(",", "."))
 
 
+@pytest.mark.parametrize("cell", ["1.004", "2.000"])
+def test_it_is_asked_about_wherever_it_stands(tmp_path, cell):
+    """Beyond the beginning from which the marks are known."""
+    path = tmp_path / "a.csv"
+    path.write_text("time;force\n" + "".join(f"{i};{cell if i == 15_000 else i % 900}\n" for i in range(20_000)))
+    with pytest.warns(StribeckNote, match=f"{cell!r} in column 'force' is read as"):
+        read_columns(path, {"time": "time", "force": "force"})
+
+
+def test_a_head_that_is_longer_than_the_beginning_is_read(tmp_path):
+    path = tmp_path / "a.csv"
+    names = ["time", "force", *(f"channel_{i}" for i in range(9_000))]
+    path.write_text(",".join(names) + "\n" + "".join(",".join([str(i)] * len(names)) + "\n" for i in range(9)))
+    assert read_columns(path, {"time": "time", "force": "force"})["force"].tolist() == list(range(9))
+
+
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("cells", [["0,004", "3", "1,5"], ["1,004", "1,250", "2,000"], ["1,004", "3", "4500"]])
+@pytest.mark.parametrize(
+    "cells", [["0,004", "3", "1,5", "0"], ["1,004", "1,250", "2,000", "3,125"], ["1,004", "3", "4500", "0"]]
+)
 def test_plain_decimals_are_not_asked_about(tmp_path, cells):
     path = tmp_path / "a.csv"
-    path.write_text("time;force\n" + "".join(f"{i};{x}\n" for i, x in enumerate([*cells, "0"])))
+    path.write_text("time;force\n" + "".join(f"{i};{x}\n" for i, x in enumerate(cells)))
     assert len(read_columns(path, {"time": "time", "force": "force"})["force"]) == 4

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from stribeck import platforms
 from stribeck.arrays import Array, of_arrow
 from stribeck.errors import InputError, StribeckError, arg, nearest, needed, note
-from stribeck.recorded.layout import commas_twice, encoding_of, is_units, table_begins, thousands
+from stribeck.recorded.layout import commas_twice, encoding_of, is_units, may_be_thousands, table_begins, thousands
 
 Numbers = NDArray[Any]  # of any type
 
@@ -177,6 +178,8 @@ class CsvSource(Source):
         self.encoding = encoding_of(path)
         with path.open("r", encoding=self.encoding, newline="") as file:
             text = file.read(1 << 16)  # so much because the first decimal comma may come late
+            while text.count("\n") < 3 and (more := file.read(len(text))):  # a head of very many names
+                text += more
         if not text.strip():
             raise InputError(f"{arg('data')}: '{path}': is empty")
         if "\0" in text:
@@ -202,22 +205,26 @@ class CsvSource(Source):
             raise InputError(f"{arg('data')}: '{path}': {text}")
         self.constants = {}
         self.decimal = "," if self.separator != "," and "," in second and "." not in second else "."
-        self.sample = [line.split(self.separator) for line in lines[self.rows_from : -1]]  # the last line may be cut
 
     def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
         """The columns by role, as separate arrays."""
         _check_unique(self, wanted)
         include = list(dict.fromkeys(wanted.values()))
+        joined = self._by_arrow(include, wanted) if find_spec("pyarrow") else self._by_lines(include, wanted)
         for name in include if self.separator != "," else ():
-            index = self.names.index(name)
-            if cell := thousands([row[index] for row in self.sample if len(row) > index]):
+            if may_be_thousands(joined[name]) and (cell := thousands(self._cells(name))):
                 text = f"{cell!r} in column {name!r} is read as {cell.replace(',', '.')}, not as a number of thousands"
                 note(f"'{self.path}': {text}: write it without the mark if it is one")
-        joined = self._by_arrow(include, wanted) if find_spec("pyarrow") else self._by_lines(include, wanted)
         return {
             role: joined[name] if list(wanted.values()).count(name) == 1 else joined[name].copy()
             for role, name in wanted.items()
         }
+
+    def _cells(self, name: str) -> list[str]:
+        """The cells of a column as they are written."""
+        with self.file.open("r", encoding=self.encoding, newline="") as file:
+            rows = islice(csv.reader(file, delimiter=self.separator), self.rows_from, None)
+            return [row[self.names.index(name)] for row in rows if row]
 
     def _by_lines(self, include: list[str], wanted: dict[str, str]) -> dict[str, Array]:
         """The columns without pyarrow, which is some twenty times slower."""

@@ -6,6 +6,10 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
+from stribeck.arrays import Array
+
 _LONGEST_PREAMBLE = 200  # lines before the head of a text file: settings of instruments have at most some dozens
 
 
@@ -61,6 +65,13 @@ def commas_twice(lines: Sequence[str], first: int) -> bool:
     """Whether rows from the line ``first`` on have two cells for each name, the effect of decimal commas."""
     names, row = (len(line.split(",")) for line in (lines[first - 1], lines[first]))
     return names > 1 and row == 2 * names and "." not in lines[first]
+
+
+def may_be_thousands(x: Array) -> bool:
+    """Whether the numbers of a column can stem from cells for which :func:`thousands` asks."""
+    x = x[np.isfinite(x)]
+    whole = x == np.rint(x)
+    return bool(np.all(abs(x[whole]) < 1000) and np.all(abs(1e3 * x - np.rint(1e3 * x)) < 1e-6))
 
 
 def thousands(cells: Sequence[str]) -> str:
