@@ -70,10 +70,11 @@ def _unpickled(file: str, module_name: str, name: str) -> FromFile:
     Raises:
         InputError: if the file cannot be read, does not load, or has changed.
     """
-    module, path, _ = load_module(f"{file}:{name}", None)
-    if module.__name__ != module_name:
+    full, path = f"{file}:{name}", Path(file)
+    text = _text(full, path)
+    if _module_name(path, text) != module_name:
         raise InputError(f"{path}: has changed since '{name}' was pickled")
-    kind = getattr(module, name)
+    kind = getattr(_module(full, path, text), name)
     assert isinstance(kind, FromFile)
     return kind
 
@@ -99,11 +100,7 @@ def load_module(name: str, folder: Path | None) -> tuple[ModuleType, Path, str]:
     """
     file, _, wanted = name.rpartition(":")
     path = (folder or Path()) / file
-    try:
-        text = read_file(path)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', None) or error}") from None
-    return _module(name, path, text), path, wanted
+    return _module(name, path, _text(name, path)), path, wanted
 
 
 def find_class(name: str, folder: Path | None, base: type[T]) -> type[T]:
@@ -124,10 +121,22 @@ def find_class(name: str, folder: Path | None, base: type[T]) -> type[T]:
     raise InputError(f"{name!r}: {path} has no {what} '{wanted}' (it has {', '.join(others) or 'none'})")
 
 
+def _text(name: str, path: Path) -> bytes:
+    """The content of a user's file."""
+    try:
+        return read_file(path)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', None) or error}") from None
+
+
+def _module_name(path: Path, text: bytes) -> str:
+    """The name of a user's module. The content is part of it: an edited file is loaded again."""
+    return f"{_OF_FILE}{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
+
+
 def _module(name: str, path: Path, text: bytes) -> ModuleType:
     """The module of a user's file, from its text, executed once; byte code beside the file is not used."""
-    # the content is part of the name: an edited file is loaded again
-    module_name = f"{_OF_FILE}{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
+    module_name = _module_name(path, text)
     with _loading:
         if module_name not in sys.modules:
             module = ModuleType(module_name)

@@ -19,13 +19,24 @@ def main(arguments: list[str]) -> int:
         print(__doc__, file=sys.stderr)
         return 2
     try:
-        groups = _read(json.loads(Path(arguments[0]).read_text(encoding="utf-8"), parse_constant=_no_number))
+        text = Path(arguments[0]).read_text(encoding="utf-8")
+        groups = _read(json.loads(text, parse_constant=_no_number, object_pairs_hook=_each_once))
     except (OSError, ValueError, RecursionError, Refused) as error:
         words = fields.escaped(f"{arguments[0]}: holds no certificates: {type(error).__name__}: {error}")
         print(words, file=sys.stderr)
         return 2
     refused = [_checked(where, law, certificates) for where, law, certificates in groups]
     return 1 if any(refused) or not any(certificates for *_, certificates in groups) else 0
+
+
+def _each_once(pairs: list[tuple[str, Json]]) -> Json:
+    """A table; of a name that is given twice, readers of JSON take one or the other."""
+    table: dict[str, Json] = {}
+    for name, value in pairs:
+        if name in table:
+            raise Refused(f"{name!r} is given twice")
+        table[name] = value
+    return table
 
 
 def _no_number(word: str) -> Json:

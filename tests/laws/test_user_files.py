@@ -257,7 +257,8 @@ def test_a_law_of_a_file_in_another_process(tmp_path):
     words = [sys.executable, "-c", program]
     run = subprocess.run(words, input=pickled, capture_output=True, cwd=tmp_path.parent, check=False)
     assert run.stdout.split() == [b"6.0", b"True"], run.stderr
-    path.write_text(path.read_text() + "\n")
+    path.write_text(path.read_text() + "\nprint('executed')\n")
     run = subprocess.run(words, input=pickled, capture_output=True, check=False)
     assert b"has changed since 'Mine' was pickled" in run.stderr
+    assert run.stdout == b""  # seen before anything of it is executed
     assert law("lugre", "canudas1995").same_as(pickle.loads(pickle.dumps(law("lugre", "canudas1995"))))

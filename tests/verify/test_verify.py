@@ -335,7 +335,8 @@ def test_what_a_file_says_is_printed_as_one_line_of_ascii(tmp_path, capsys):
 @pytest.mark.parametrize(
     "text",
     ["[]", "{}", '{"format": 1, "law": ["a"], "certificates": {}}', '{"format": 1, "law": "x", "certificates": []}',
-     '{"format": 1, "law": "x", "certificates": {"bounded": NaN}}', "[" * 100_000 + "]" * 100_000],
+     '{"format": 1, "law": "x", "certificates": {"bounded": NaN}}', "[" * 100_000 + "]" * 100_000,
+     '{"format": 1, "law": "x", "law": "y", "certificates": {}}'],
 )  # fmt: skip
 def test_a_file_that_holds_no_certificates_is_one_line(tmp_path, capsys, text):
     file = tmp_path / "c.json"
