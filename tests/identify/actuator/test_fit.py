@@ -14,6 +14,7 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.scenario import Scenario
 from tests.identify.actuator.recorded import body, logs, record
+from tests.machine.independent import solve
 
 F_C, F_S, MASS = "contacts.guide.law.parameters.F_c", "contacts.guide.law.parameters.F_s", "bodies.a.mass"
 WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
@@ -101,6 +102,17 @@ def test_friction_alone_may_be_sought(recordings):
     found = fit_machine(data, logs(recordings, ["run0.csv"], {F_C: WANTED[F_C]}), starts=2)
     assert found.estimates[F_C].low < 1.0 < found.estimates[F_C].high
     assert found.baselines["no friction"]["fitted"] > 5 * found.error(held_out=False)
+
+
+def test_a_machine_without_the_recorded_force_is_no_comparison(tmp_path):
+    """Without friction there is no guide.F: that was a row of the results, as a mistake in the user's file."""
+    data, force = body(), solve(body())["guide.F"]
+    record(tmp_path / "run.csv", data, change=lambda table: {**table, "F": force})
+    entry = {"file": "run.csv", "outputs": {"a.y": "y", "guide.F": "F"}}
+    found = fit_machine(data, logs(tmp_path, [entry], {F_C: WANTED[F_C]}), starts=1)
+    assert found.status == "done", found.reason
+    assert "no friction" not in found.baselines
+    assert not any("why" in each for each in found.baselines.values())
 
 
 def test_mistakes_in_the_file_are_told_line_by_line(recordings):
