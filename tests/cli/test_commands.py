@@ -100,9 +100,11 @@ def test_new_writes_a_scenario_that_runs(stribeck, tmp_path, name, monkeypatch):
     assert stribeck("new", name).status == 0
     assert Scenario.load(tmp_path / f"{name}.toml").name == name
     assert stribeck("run", f"{name}.toml", "--set", "solve.t_end=0.2").status == 0
-    again = stribeck("new", name)
-    assert again.status == 2
-    assert "exists already" in again.err
+    for given in (name, f"{name}.toml"):
+        again = stribeck("new", given)
+        assert again.status == 2
+        assert "exists already" in again.err
+    assert not (tmp_path / f"{name}.toml.toml").exists()
 
 
 def test_a_new_scenario_begins_with_a_law_that_is_proved_passive(stribeck, tmp_path, monkeypatch):

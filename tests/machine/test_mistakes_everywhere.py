@@ -29,6 +29,8 @@ MISTAKES = [
      'bodies.cart.mass: [1.0]: must be a finite number > 0, not a list'),
     ({'bodies.cart.mass': 10**400},
      'bodies.cart.mass: a whole number of 401 digits: must be a finite number > 0'),
+    ({'solve.t_end': 10**400},
+     'solve.t_end: a whole number of 401 digits: must be a finite number > 0'),
     ({'bodies.cart': {}},
      'bodies.cart.mass: missing: must be given (mass in kg, or inertia in kg m^2 for a body that turns)'),
     ({'bodies': {}},
