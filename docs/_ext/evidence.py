@@ -158,7 +158,7 @@ def learning(d: Any) -> Rows:
 def design_attack(d: Any) -> Rows:
     """Of design_attack.json how many verdicts and factors agree, by kind of machine and of compensation."""
     kinds: dict[tuple[str, str], list[bool]] = {}
-    for what in ("verdicts" if "verdicts" in d else "boundaries", "factors"):
+    for what in ("verdicts", "factors"):
         for r in d[what]:
             kinds.setdefault((what, r["kind"]), []).append(r["agrees"])
     return ["what", "kind", "asked", "agree"], [[*key, len(x), sum(x)] for key, x in kinds.items()]
