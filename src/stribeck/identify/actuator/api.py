@@ -178,7 +178,7 @@ class Fitting:
         """The estimate judged: both uncertainties, states, errors."""
         self.work.section(0.8)
         if not best.stopped and np.isfinite(best.problem.residuals(best.u[None])).all():
-            best.u = settled(best.problem, best.u)
+            best.u, best.ended = settled(best.problem, best.u)
         values = best.values()
         missed = [] if best.stopped else best.missed()
         status, reason = ("stopped", STOPPED) if best.stopped else ("done", "")
@@ -210,6 +210,11 @@ class Fitting:
     def doubts(self, best: BestPoint) -> list[str]:
         """Why nothing may be identified though the recordings are followed, in words."""
         grown = beyond_solver(best.problem, best.u)
+        if not best.ended:
+            grown.append(
+                "The search crept along a narrow valley and did not come to its end, so that nothing is identified (other first "
+                "values, or a motion that tells these numbers apart, help)."
+            )
         if coarse := beyond_noise(best.problem, best.u, best.found.agreeing):
             few = "few starts came to this minimum, so that nothing is identified (more starts may find a better one)"
             return [f"{'; '.join(coarse)}: {few}.", *grown]

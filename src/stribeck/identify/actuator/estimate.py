@@ -43,13 +43,14 @@ Keep = Callable[[dict[str, float], float], None]
 
 @dataclass
 class BestPoint:
-    """The best point of a problem, and how it was come by."""
+    """The best point of a problem, and how it was come by; ``ended``: whether no step from there helps."""
 
     problem: MachineProblem
     u: Array
     found: Found
     notes: list[str]
     windowed: bool
+    ended: bool = True
 
     @property
     def stopped(self) -> bool:

@@ -139,8 +139,9 @@ def fine_slopes(problem: MachineProblem, u: Array) -> Array:
     return problem.central(u, np.clip(_OF_DEVIATION * np.sqrt(np.maximum(variance, 0.0)), *_BETWEEN))
 
 
-def settled(problem: MachineProblem, u: Array) -> Array:
-    """The point from which no step of fine slopes helps by a tenth of a deviation.
+def settled(problem: MachineProblem, u: Array) -> tuple[Array, bool]:
+    """The point from which no step of fine slopes helps by a tenth of a deviation, and whether there is one: in a narrow, bent
+    valley each step is short, and the last one still helps.
 
     Slopes to one side have errors that end a search aside of the optimum, in valleys as long as many deviations.
     """
@@ -152,9 +153,9 @@ def settled(problem: MachineProblem, u: Array) -> Array:
         costs = half_squares(problem.residuals(trials))
         best = int(np.argmin(costs))
         if not costs[best] < cost - _TENTH:
-            break
+            return u, True
         u, cost = trials[best], float(costs[best])
-    return u
+    return u, False
 
 
 def direction(r: Array, J: Array, u: Array, problem: MachineProblem, damping: float) -> Array:

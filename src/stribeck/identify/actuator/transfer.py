@@ -32,10 +32,10 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> Transfer:
     numbered = list(enumerate(other.recordings))
     logs = [LogResult(r.file, True, traces(fit.scenario, r, i, sought, values)) for i, r in numbered]
     own = estimate(fit.scenario, numbered, sought, 1, 0, fit.work, values)
-    own.u = own.u if own.stopped or own.missed() else settled(own.problem, own.u)
-    found = judge.judged(
-        own, fit.scenario, not (own.stopped or own.missed() or beyond_noise(own.problem, own.u, own.found.agreeing))
-    )
+    if not (own.stopped or own.missed()):
+        own.u, own.ended = settled(own.problem, own.u)
+    doubted = own.stopped or own.missed() or not own.ended or beyond_noise(own.problem, own.u, own.found.agreeing)
+    found = judge.judged(own, fit.scenario, not doubted)
     moved, same, open_ = list[Moved](), list[str](), list[str]()
     for name, there in found.estimates.items():
         here = result.estimates[name]
