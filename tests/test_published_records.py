@@ -37,4 +37,5 @@ def test_a_row_is_what_its_command_prints(command, numbers, monkeypatch, capsys)
     values = [found["relative_force_error"], found["friction_error"], found["cross_validated_error"]]
     law, *cells = (cell.strip() for cell in numbers.split("|"))
     assert law == found["law"]
-    assert [float(cell.split()[0]) for cell in cells] == pytest.approx([100 * x for x in values], abs=0.011, rel=2e-3)
+    seen = [min(100 * x, 100.0) for x in values]  # beyond it nothing is predicted, and rounding may choose the model
+    assert [float(cell.split()[0]) for cell in cells] == pytest.approx(seen, abs=0.011, rel=2e-3)

@@ -6,7 +6,7 @@ import pytest
 import stribeck
 from stribeck.cli import _status
 from stribeck.errors import InputError
-from stribeck.identify.required import half_width
+from stribeck.identify.required import half_width, with_requirements
 from tests.identify.actuator.recorded import body, logs, record
 
 LAW = stribeck.law("stribeck_tanh", k_v=1e4, F_c=1.0, F_s=1.4, v_s=0.01, sigma_2=2.0)
@@ -21,31 +21,33 @@ def columns():
     return {"t": t, "y": y, "F": 1.5 * a + np.asarray(LAW.steady_force(v)) + noise}
 
 
+@pytest.fixture(scope="module")
+def usual(columns):
+    return fitted(columns)
+
+
 def fitted(columns, **more):
     return stribeck.fit(columns, "stribeck_tanh", time="t", position="y", force="F", **more)
 
 
-def test_a_number_is_identified_as_far_as_it_is_required(columns):
-    usual = fitted(columns)
+def test_a_number_is_identified_as_far_as_it_is_required(usual):
     assert usual["F_c"].state == "identified"
     own, wide = (half_width(x, usual["F_c"].value) for x in (usual["F_c"].interval, usual["F_c"].range))
     assert own < wide
-    between = fitted(columns, require={"F_c": (own + wide) / 2})
+    between = with_requirements(usual, {"F_c": (own + wide) / 2})
     assert between["F_c"].state == "model-dependent"
     assert between.notes[0].startswith("F_c is known within")
-    assert fitted(columns, require={"F_c": 1.01 * wide})["F_c"].state == "identified"
+    assert with_requirements(usual, {"F_c": 1.01 * wide})["F_c"].state == "identified"
     assert 1.01 * wide < 0.5
 
 
-def test_what_to_measure_stands_with_what_is_missing(columns):
+def test_what_to_measure_stands_with_what_is_missing(columns, usual):
     found = fitted(columns, require={"F_c": 1e-4})
     e = found["F_c"]
     assert e.state == "not identifiable"
     assert "constant speeds" in e.experiment
     assert e.experiment in found.notes[0]
-    assert (e.value, e.interval, e.range) == tuple(
-        getattr(fitted(columns)["F_c"], n) for n in ("value", "interval", "range")
-    )
+    assert (e.value, e.interval, e.range) == tuple(getattr(usual["F_c"], n) for n in ("value", "interval", "range"))
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ ALLOWED: dict[str, str] = {
     **{f"law.parameters.{n}": _NOT_NEGATIVE if n in ("sigma_1", "sigma_2") else _POSITIVE for n in CANUDAS},
     "plant.kind": "word", "plant.mass": _POSITIVE,
     **dict.fromkeys(("plant.initial.y", "plant.initial.v", "plant.initial.z"), _ANY),
-    "drive.kind": "word", "drive.stiffness": _POSITIVE, "drive.signal.kind": "word",
+    "drive.kind": "word", "drive.stiffness": _NOT_NEGATIVE, "drive.signal.kind": "word",
     **{f"drive.{n}": _ANY for n in ("K_p", "K_i", "K_d")},
     **{f"drive.signal.{n}": _ANY for n in ("rate", "time", "amplitude", "offset", "phase")},
     "drive.signal.frequency": _POSITIVE, "drive.signal.t": "list", "drive.signal.path": "path",
