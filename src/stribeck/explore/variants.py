@@ -1,4 +1,4 @@
-"""A scenario under every law that its numbers can feed, for the choice of laws in the page."""
+"""A scenario under every law that accepts its numbers, for the choice of laws in the page."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 
-_TURNED = ("points", "file", "ramp", "sine", "step")  # signals whose pieces the page makes anew as their numbers turn
-_SET = "canudas1995"  # what a law takes whose parameters the scenario does not hold
-# What a law's own constant begins with where the scenario's law has no such constant, from the machine's parameters.
+_TURNED = ("points", "file", "ramp", "sine", "step")  # signals whose pieces the page rebuilds as their numbers change
+_SET = "canudas1995"  # parameters of a law for which the scenario has none
+# Initial values, from the machine's parameters, of constants that the scenario's law does not have.
 _GUESSES: dict[str, Callable[[Mapping[str, float]], float]] = {
     "k_v": lambda p: 1e4 / p["v_s"],
     "z_ba": lambda p: 0.7 * p["F_c"] / p["sigma_0"],
@@ -43,19 +43,19 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
 
 
 def measured_whole(scenario: Scenario) -> bool:
-    """Whether the effect of each number is measured when the page is made, rather than known by its place in the file."""
+    """Whether the effect of each number is measured when the page is made; otherwise its place in the file implies it."""
     return not scenario.elements.unnamed or scenario.called.drive == "cascade" or scenario.signal.kind not in _TURNED
 
 
 def variants(scenario: Scenario, wanted: Iterable[str] | None = None) -> dict[str, Scenario]:
-    """The scenario under its own law, then under each other one that is offered, by the law's name.
+    """The scenario under its own law, then under each other law offered, by the law's name.
 
     Args:
-        scenario: what to explore.
+        scenario: the scenario to explore.
         wanted: names of the laws to offer beside the scenario's own; all of the package unless given.
 
     Raises:
-        InputError: an unknown law, or one that cannot take the scenario's numbers.
+        InputError: a law is unknown, or does not accept the scenario's numbers.
     """
     own = type(scenario.law)
     found = {scenario.law.name: scenario}
@@ -72,7 +72,7 @@ def variants(scenario: Scenario, wanted: Iterable[str] | None = None) -> dict[st
 
 
 def under(scenario: Scenario, kind: type[Law]) -> Scenario:
-    """The scenario under another law, which takes its numbers where it has constants of these names."""
+    """The scenario under another law. Constants of the same name keep their values."""
     law = scenario.law
     given = {**law.machine, **law.p.numbers}
     machine = {**parameter_sets.load(_SET).values, **{n: x for n, x in given.items() if n in PARAMETERS}}

@@ -1,4 +1,4 @@
-"""The documents of fits and predictions: the only place that knows how these are told."""
+"""The documents of fits and predictions. All layout and wording of these reports is here."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ UNCERTAINTIES = (
 _OTHERS = 3  # models in the headline
 _PLACES = 3  # of a share
 
-# -- what both kinds of fits tell ----------------------------------------------------------------------------------------
+# -- parts of both kinds of fits -----------------------------------------------------------------------------------------
 
 
 def _row(name: str, e: Estimate) -> list[Cell]:
@@ -61,7 +61,7 @@ def _numbers(
     notes: Sequence[str],
     more: Sequence[Table] = (),
 ) -> list[Chapter]:
-    """The one table, and why some numbers are open; the notes, of which a terminal prints the first ones behind it."""
+    """The table of estimates, the reasons why some are withheld, and the notes. A terminal prints only the first notes."""
     rows = [*(_row(n, e) for n, e in estimates.items()), *given]
     why: list[list[Cell]] = [[n, e.why, e.experiment or "-"] for n, e in estimates.items() if e.why or e.experiment]
     tables = [Table(HEAD, rows), *more]
@@ -76,7 +76,7 @@ def _numbers(
 
 
 def _beside(lead: str, others: Mapping[str, float | None]) -> str:
-    """The headline with what plainer models leave, the largest first."""
+    """The headline with the residuals of simpler models, the largest first."""
     known = sorted(((x, n) for n, x in others.items() if x is not None), reverse=True)[:_OTHERS]
     return f"{lead} ({', '.join(f'{n} {percent(x)}' for x, n in known)})" if known else lead
 
@@ -99,7 +99,7 @@ def of_log(fit: LogFit) -> Document:
 
 
 def _given(fit: LogFit) -> list[list[Cell]]:
-    """The constants that were given, as rows of the table."""
+    """The given constants as rows of the table."""
     turns = fit.log is not None and fit.log.rotary
     units = {n: c.unit_for(turns) or "1" for n, c in laws.find(fit.law_name).constants().items()}
     return [
@@ -120,7 +120,7 @@ def _correlation(fit: LogFit) -> list[Table]:
 
 
 def _quality(fit: LogFit) -> list[Chapter]:
-    """How many notes about the data there are, for the terminal."""
+    """The number of notes about the data, for the terminal."""
     count = 0 if fit.log is None else len(fit.log.quality)
     text = f"{count} {'note' if count == 1 else 'notes'} about the data: on the page"
     return [Chapter("quality", "", facts=[text], on=TERMINAL)] if count else []
@@ -216,7 +216,7 @@ def of_machine(fit: MachineFit) -> Document:
 
 
 def _of_machine(fit: MachineFit) -> list[str]:
-    """What a reader should know, a sentence each: what is wrong, what moved, what is open, what cannot be separated."""
+    """Notes of one sentence each: doubts, changed values, withheld values, and values that cannot be separated."""
     moved = _moved(fit.transfer) if fit.transfer is not None else []
     stopped = fit.status == "stopped"
     open_ones = [
@@ -230,7 +230,7 @@ def _of_machine(fit: MachineFit) -> list[str]:
 
 
 def _moved(transfer: Transfer) -> list[str]:
-    """How well the other recordings were predicted, and which numbers are other there."""
+    """The error of predicting the other recordings, and the parameters that differ there."""
     found = []
     for log in transfer["logs"]:
         errors = log["errors"]
@@ -364,7 +364,7 @@ def _table(rows: list[list[Cell]], head: list[str]) -> Chapter:
 
 
 def _overlay(name: str, time: np.ndarray, shown: figures.Traces, words: tuple[str, str]) -> Chapter:
-    """Each trace measured and otherwise, the whole record and the part in which they differ most; and the residuals."""
+    """Measured and computed traces over the whole record and where they differ most; and the residuals."""
     both = f"{words[0]}, {words[1]}, and the difference."
     pictures = [
         Figure(name, f"The whole record: {both}", partial(figures.overlay, time, shown, words)),

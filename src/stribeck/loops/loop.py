@@ -1,4 +1,7 @@
-"""What of a machine's loop the verdict needs: when its signals come to rest, and its slowest time constant."""
+"""The quantities of a closed loop that the verdict needs.
+
+These are the time from which all signals are constant, and the slowest time constant.
+"""
 
 from __future__ import annotations
 
@@ -18,24 +21,24 @@ from stribeck.scenario.counterpart import as_machine
 from stribeck.waveforms import KINDS, Signal, SumSignal
 from stribeck.waveforms.trajectories import Curve
 
-MOST_STEPS = 200_000  # of one lane: some 1 s alone, a tenth of that beside others; a run that would need more ends
-_FAST = 1e3  # natural speeds: fast enough that every contact slides
-_POINTS = 48  # of a wave that is drawn by a spline
-_ZERO = 1e-9  # of the fastest eigenvalue: what counts as no pull at all
+MOST_STEPS = 200_000  # per lane, then the run ends: about 1 s of computing alone, 0.1 s beside others
+_FAST = 1e3  # in natural speeds: every contact is in gross sliding
+_POINTS = 48  # of the spline that draws a wave
+_ZERO = 1e-9  # of the fastest eigenvalue: a smaller real part counts as 0
 
 
 @dataclass(frozen=True)
 class Loop:
-    """A machine whose signals come to rest, ready to be judged.
+    """A machine whose signals become constant, ready to be judged.
 
     Attributes:
-        scenario: the machine; signals that never rest are held from the file's ``t_end`` on.
-        rest: when the last signal has come to rest, s.
+        scenario: the machine; a signal that never becomes constant is held from the file's ``t_end`` on.
+        rest: the time from which all signals are constant, s.
         slowest: the slowest time constant of the loop while all contacts slide, s.
-        held: the tables of the signals that had to be held.
-        unstable: whether the loop without friction's jumps is unstable.
-        given: the machine as it was given, with signals that never rest as they are.
-        travel: how far each body goes at least, where rest is a share of its travel, m or rad.
+        held: the tables of the signals that are held.
+        unstable: whether the loop is unstable while all contacts slide.
+        given: the machine before any signal was held.
+        travel: a lower bound of each body's travel, m or rad; the threshold of rest is a share of the travel.
     """
 
     scenario: Scenario
@@ -74,7 +77,7 @@ def loop_of(scenario: Scenario) -> Loop:
 
 
 def rests_at(signal: Signal) -> float:
-    """The time from which a signal is constant, s; inf if it never is."""
+    """The time from which a signal is constant, s; inf if it never becomes constant."""
     if isinstance(signal, Curve):
         return max(0.0, signal.pieces[-1][0])
     if isinstance(signal, SumSignal):
@@ -91,7 +94,7 @@ def rests_at(signal: Signal) -> float:
 
 
 def with_rest(scenario: Scenario) -> tuple[Scenario, tuple[str, ...]]:
-    """The scenario with the signals that go on for ever held from ``t_end`` on, and which these are."""
+    """The scenario with every endless signal held from ``t_end`` on, and the names of these signals."""
     machine = scenario.elements
     endless = {use.path: signal for use, signal in machine.signals.items() if not rests_at(signal) < math.inf}
     if not endless:
@@ -113,7 +116,7 @@ def _table(data: object, path: str) -> dict[str, object]:
 
 
 def _held(signal: Signal, t_end: float) -> dict[str, object]:
-    """The same course up to t_end, and its value there from then on."""
+    """The signal up to ``t_end``, then constant."""
     if signal.smooth:
         fastest = 0.125 / signal.longest_step if isinstance(signal, SumSignal) else float(signal.values["frequency"])
         waves = max(1.0, fastest * t_end)
@@ -127,8 +130,8 @@ def _held(signal: Signal, t_end: float) -> dict[str, object]:
 def time_constant(scenario: Scenario) -> tuple[float, bool]:
     """The slowest time constant while all contacts slide, s, and whether a mode grows.
 
-    The eigenvalues of the machine without limits, sampling and compensation, at speeds far above those of the contacts'
-    Stribeck curves and with steady deflections, where the derivative of friction is its viscous part.
+    Both follow from the eigenvalues of the machine without limits, sampling and compensation. Its speeds are far above
+    the Stribeck velocities, and its deflections are steady: the derivative of friction is its viscous part.
     """
     roots = np.linalg.eigvals(SlidingLoop(scenario).jacobian)
     size = float(np.abs(roots).max(initial=0.0))
@@ -138,8 +141,10 @@ def time_constant(scenario: Scenario) -> tuple[float, bool]:
 
 
 class SlidingLoop:
-    """A machine without limits, sampling and compensation while all contacts slide: its states and their Jacobian; with a
-    ``shaken`` controller also by how much the rates differ per unit of its output."""
+    """A machine without limits, sampling and compensation while all contacts slide: its states and their Jacobian.
+
+    With a ``shaken`` controller, also the derivative of the rates by its output.
+    """
 
     def __init__(self, scenario: Scenario, shaken: str | None = None) -> None:
         from stribeck.simulation.rates import RateFunctions
@@ -162,23 +167,23 @@ class SlidingLoop:
         self.states = [functions.states[i] for i in keep]
         self.jacobian = functions.jacobian(t, x)[np.ix_(keep, keep)]
         self.by_output = np.zeros(len(keep))
-        if shaken is not None:  # a quarter of a wave on the dither is 1
+        if shaken is not None:  # a quarter period later the dither is 1
             self.by_output = (functions.rates(t + 1.0, x) - functions.rates(t, x))[keep]
 
     def response(self, frequency: float) -> dict[str, float]:
-        """By how much each body's position swings per unit of the output at a frequency, Hz."""
+        """The gain from the controller's output to each body's position at a frequency, Hz."""
         j_w = 2j * np.pi * frequency * np.eye(len(self.states))
         x = np.linalg.solve(j_w - self.jacobian, self.by_output)
         return {n.removesuffix(".y"): float(abs(v)) for n, v in zip(self.states, x, strict=True) if n.endswith(".y")}
 
 
 def _sliding(scenario: Scenario) -> Array:
-    """A state in which every contact slides fast with its steady deflection, and every play is taken up."""
+    """A state in which every contact slides fast with its steady deflection, and every backlash is closed."""
     machine, system = scenario.elements, scenario.system
     gaps = [machine.values[link.path, "gap"] for link in system.links if link.gap is not None]
     state = dict.fromkeys((s.name for s in system.states), 0.0)
     for i, body in enumerate(system.bodies):
-        share = 1 + 0.377 * i  # so that no two bodies have the same speed
+        share = 1 + 0.377 * i  # no two bodies have the same speed
         if f"{body.name}.v" in state:
             state[f"{body.name}.v"] = _FAST * share * machine.scales[body.name].speed
         if f"{body.name}.y" in state:
@@ -199,7 +204,7 @@ def replaced(scenario: Scenario, controller: str, signal: dict[str, object]) -> 
     table = data["controllers"][controller]
     table["signal"] = signal
     if not KINDS[str(signal["kind"])].smooth:
-        table.pop("feedforward", None)  # it needs a second derivative, as lead does
+        table.pop("feedforward", None)  # needs a second derivative, like lead
         if table.get("compensation"):
             table["compensation"].pop("lead", None)
     return Scenario(data, folder=scenario.folder, trust=True)
@@ -211,12 +216,12 @@ def controller_of(scenario: Scenario, name: str) -> Controller:
 
 
 def resolution_of(scenario: Scenario, controller: Controller) -> float:
-    """The step of a controller's encoder, 0 where it has none."""
+    """The resolution of a controller's encoder, 0 without an encoder."""
     return float(scenario.elements.values.get((f"{controller.path}.sampling", "resolution"), 0.0))
 
 
 def some_parameter(scenario: Scenario) -> dict[str, float]:
-    """A number of the machine by its path, as it is: a lane needs one to be given."""
+    """One parameter of the machine by path, unchanged: parallel simulation needs at least one."""
     places = scenario.places
     return next(
         {path: scenario.elements.values[key]} for path, key in places.items() if key in scenario.elements.values

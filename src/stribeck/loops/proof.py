@@ -1,6 +1,6 @@
 """The derivative of V along the loop (the paper's eq. 19), derived with SymPy from plant, controller and observer.
 
-V = (M s^2 + rho p_err^2 + z_err^2/K)/2. Nothing is typed in: the equations that are simulated are run on SymPy symbols.
+V = (M s^2 + rho p_err^2 + z_err^2/K)/2. The simulator's own equations are evaluated on SymPy symbols.
 """
 
 from __future__ import annotations
@@ -28,9 +28,10 @@ ERRORS = ("s", "p_err", "z_err")
 
 @dataclass(frozen=True)
 class QuadraticForm:
-    """dV/dt = -(ss s^2 + pp p_err^2 + zz z_err^2 + sz s z_err) as SymPy expressions of the gains, sigma_0, sigma_1 and w.
+    """dV/dt = -(ss s^2 + pp p_err^2 + zz z_err^2 + sz s z_err).
 
-    ``rates`` are those of s, p_err and z_err.
+    The coefficients are SymPy expressions of the gains, sigma_0, sigma_1 and w. ``rates`` are those of s, p_err and
+    z_err.
     """
 
     rates: dict[str, sympy.Expr]
@@ -50,7 +51,7 @@ class QuadraticForm:
 
     @property
     def exact(self) -> sympy.Expr:
-        """What must not be negative for dV/dt <= 0 in all errors, where w > 0: 4 ss zz - sz^2, divided by w."""
+        """(4 ss zz - sz^2)/w. If w > 0 and it is not negative, dV/dt <= 0 for all errors."""
         with needed("the proof of a servo's gains"):
             import sympy
 
@@ -58,7 +59,10 @@ class QuadraticForm:
 
     @property
     def sufficient(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """The paper's way to eq. 21, |s z_err| <= (s^2 + z_err^2)/2: neither may be negative (the second divided by w)."""
+        """The two conditions of the paper's eq. 21, from |s z_err| <= (s^2 + z_err^2)/2.
+
+        Neither may be negative. The second is divided by w.
+        """
         with needed("the proof of a servo's gains"):
             import sympy
 
@@ -68,10 +72,10 @@ class QuadraticForm:
 
 @lru_cache(maxsize=1)
 def derive() -> QuadraticForm:
-    """The form for any law dz/dt = S_1(v) v - w(v) z with F = sigma_0 z + sigma_1 dz/dt + sigma_2 v, in plant and observer.
+    """The form for any law dz/dt = S_1(v) v - w(v) z with F = sigma_0 z + sigma_1 dz/dt + sigma_2 v.
 
-    The valve is not at its limit, and the controller knows the plant. A sigma_1 that falls with speed enters by its value,
-    as its rate is part of dp_d/dt and cancels.
+    Plant and observer share the law. Assumptions: the valve does not saturate, and the controller knows the plant. A
+    sigma_1 that falls with speed enters by its value, because its rate is part of dp_d/dt and cancels.
 
     Raises:
         StribeckError: the derivative is not such a form.
@@ -109,7 +113,7 @@ def derive() -> QuadraticForm:
         "z_err": along(z_hat - z),
     }
     E = dict(zip(ERRORS, sympy.symbols(ERRORS, real=True), strict=True))
-    # the states as functions of the errors; what does not cancel stays to be seen
+    # the states as functions of the errors; a state that does not cancel remains and is detected
     by_errors = [
         (p_1, p_2 + p_d + E["p_err"]),
         (z_hat, z + E["z_err"]),
@@ -125,7 +129,7 @@ def derive() -> QuadraticForm:
 
 
 def _hold_against(form: QuadraticForm, K_D: sympy.Symbol, least: sympy.Expr) -> None:
-    """The condition that exports tell must be the one that follows from the form: ``exact`` is 0 there and grows beyond."""
+    """Verify the condition that exports print: at the ``least`` K_D, ``exact`` is 0, and it grows with K_D."""
     import sympy
 
     at_least, slope = sympy.expand(form.exact.subs(K_D, least)), sympy.diff(form.exact, K_D)
@@ -136,7 +140,7 @@ def _hold_against(form: QuadraticForm, K_D: sympy.Symbol, least: sympy.Expr) -> 
 def _form(
     rates: dict[str, sympy.Expr], V: sympy.Expr, E: dict[str, sympy.Symbol], others: set[sympy.Symbol]
 ) -> QuadraticForm:
-    """dV/dt as a form in the errors ``E``, in which none of the ``others`` is left."""
+    """dV/dt as a form in the errors ``E``, free of the symbols ``others``."""
     import sympy
 
     dV = sympy.expand(sum(sympy.diff(V, E[name]) * rate for name, rate in rates.items()))

@@ -1,4 +1,4 @@
-"""Whether the gains of a pneumatic servo make V decrease: conditions, proof, and V along the simulation."""
+"""The Lyapunov function V of a pneumatic servo: conditions on the gains, proof, and V along the simulation."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ServoDesign:
-    """What ``design`` finds of a pneumatic servo: whether its Lyapunov function V decreases with its gains.
+    """The result of ``design`` for a pneumatic servo: whether its Lyapunov function V decreases with its gains.
 
     Attributes:
-        solution: the scenario simulated.
-        gains: the conditions at the speed ``gains.v_max``, by how much they hold, and gains that do.
-        proof: whether dV/dt <= 0 is proved by intervals for all errors and speeds up to it.
-        along: V along the simulation; None where it has no row.
-        staying: from which starts the speed stays below ``v_max``; None as before.
-        not_covered: what of the scenario the proof does not cover, in words.
+        solution: the simulation of the scenario.
+        gains: the conditions at the speed ``gains.v_max``, their margins, and gains that meet them.
+        proof: whether interval arithmetic proves dV/dt <= 0 for all errors and all speeds up to ``gains.v_max``.
+        along: V along the simulation; None if the simulation has no rows.
+        staying: the starts from which the speed stays below ``v_max``; None if the simulation has no rows.
+        not_covered: the parts of the scenario that the proof does not cover, in words.
     """
 
     solution: Solution
@@ -47,7 +47,7 @@ class ServoDesign:
         return self.solution.reason if self.solution.status != "done" else None
 
     def document(self) -> Document:
-        """What the design says to people, for the terminal and for a page."""
+        """The design as a document for the terminal and for a page."""
         from stribeck.loops import servo_said
 
         return servo_said.servo(self)
@@ -70,12 +70,12 @@ class ServoDesign:
 def design_servo(
     rig: Scenario, v_max: float | None = None, tell: Callable[[float, str], None] | None = None
 ) -> ServoDesign:
-    """Whether V decreases with the gains of a servo (``drive.kind = "cascade"``).
+    """Decide whether V decreases with the gains of a servo (``drive.kind = "cascade"``).
 
     Args:
         rig: the servo.
-        v_max: the speed up to which it is asked, m/s; twice the peak of the simulation unless given.
-        tell: called with the share of the simulation done, and what that is.
+        v_max: the largest speed of the proof, m/s; twice the peak speed of the simulation unless given.
+        tell: called with the completed share of the simulation and a description of this step.
 
     Raises:
         InputError: the observer's law is not linear in z, or ``v_max`` is no speed.
@@ -94,7 +94,7 @@ def design_servo(
 
 
 def check_servo(scenario: Scenario, v_max: float | None) -> PressureCascade:
-    """The controller of a servo whose V can be asked about.
+    """The controller of a servo to which the proof applies.
 
     Raises:
         InputError: as :func:`design_servo`.
@@ -109,14 +109,14 @@ def check_servo(scenario: Scenario, v_max: float | None) -> PressureCascade:
 
 
 def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
-    """Whether the speed stays where the gains are good; the path's speed is that of the rows, dy_d/dt = v - s + lambda e."""
+    """Whether the speed stays below ``v_max``. The path's speed follows from the rows: dy_d/dt = v - s + lambda e."""
     lag = gains_of(scenario)["lambda"] * solution["e"]
     path = float(np.max(np.abs(solution["v"] - solution["s"] + lag)))
     return staying(v_max, scenario.elements.values["bodies", "mass"], path, float(solution["V"][0]), float(lag[0]))
 
 
 def doubts(scenario: Scenario, controller: PressureCascade) -> tuple[str, ...]:
-    """What of the scenario the proof does not cover."""
+    """The parts of the scenario that the proof does not cover."""
     found = []
     if controller.observer_law is not None and not controller.observer_law.same_as(scenario.law):
         found.append(

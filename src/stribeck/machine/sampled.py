@@ -1,4 +1,4 @@
-"""What every sampled controller does at its instants, as equations: it reads, estimates, and takes its states one step on."""
+"""The equations of a sampled controller at each sampling instant: read, estimate the motion, step the states."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SAMPLING = {
 
 
 def phi_1(x: Value) -> Value:
-    """(e^x - 1)/x, by its series where the difference would lose digits."""
+    """(e^x - 1)/x, by its series near 0, where the difference loses digits."""
     series: Value = 1.0
     for n in range(9, 1, -1):
         series = 1 + series * x / n
@@ -28,8 +28,8 @@ def phi_1(x: Value) -> Value:
 def tracked(before: Motion, reading: Value, bandwidth: Value, period: Value) -> Motion:
     """Position, velocity and acceleration after another reading: a critically damped g-h-k filter.
 
-    Its poles all lie at q = exp(-bandwidth period): gains 1 - q^3, 1.5 (1 - q^2)(1 - q)/period and (1 - q)^3/period^2
-    (Brookner, Tracking and Kalman Filtering Made Easy, 1998, section 1.3).
+    All poles lie at q = exp(-bandwidth period). The gains are 1 - q^3, 1.5 (1 - q^2)(1 - q)/period and
+    (1 - q)^3/period^2 (Brookner, Tracking and Kalman Filtering Made Easy, 1998, section 1.3).
     """
     q = exp(-bandwidth * period)
     y, v, a = before
@@ -40,7 +40,10 @@ def tracked(before: Motion, reading: Value, bandwidth: Value, period: Value) -> 
 
 
 def turned(u: Value, extreme: Value, way: Value, count: Value, swing: Value) -> tuple[Value, Value, Value]:
-    """How often a sequence turned back by more than ``swing``: the last extreme, the way since (0: none yet), the count."""
+    """Count the reversals of a sequence by more than ``swing``.
+
+    Returns the last extreme, the direction since (0: none yet) and the count.
+    """
     far, on = abs(u - extreme) > swing, (u - extreme) * way > 0
     new = where(u > extreme, 1.0, -1.0)
     begins, back = both(way * way <= 0, far), both(both(way * way > 0, far), (u - extreme) * way <= 0)

@@ -1,4 +1,4 @@
-"""Machines with their numbers: sets from publications, and sets fitted from public records, each with where it is from."""
+"""Machines with their parameters, published or fitted from public records, each with its source."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class MachineSet:
         source, licence, record: who measured (and, if published, fitted) it, the record's licence and its address.
         origin: "published", or "fitted" by ``command`` from the record.
         date: of the fit, or of the publication.
-        holds: the speeds and loads in which it holds, in words.
-        parameters: the numbers that were found, by path: value, unit, verdict and, where it could be given, low and high.
+        holds: the speeds and loads for which it is valid, in words.
+        parameters: the fitted values by path: value, unit, verdict and, if available, low and high.
         machine: the machine's tables (``schema = 2``), for :class:`stribeck.Scenario`.
     """
 
@@ -39,7 +39,7 @@ class MachineSet:
     machine: Mapping[str, object]
 
     def to_dict(self) -> dict[str, object]:
-        """As ``stribeck library --json`` prints it."""
+        """The set as ``stribeck library --json`` prints it."""
         return asdict(self)
 
 

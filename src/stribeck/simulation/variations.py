@@ -1,4 +1,4 @@
-"""A scenario with some of its numbers given lane by lane: what an ensemble simulates."""
+"""A scenario in which some numbers have one value per lane. A lane is one simulation of an ensemble."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from stribeck.scenario.declared import declared
 from stribeck.waveforms import Signal
 from stribeck.waveforms.pieces import Pieces
 
-_SHIFT = "shift."  # before a state's name: what is added to it where a lane begins
+_SHIFT = "shift."  # prefix of a state's name: an offset of its initial value
 
 
 @dataclass(frozen=True)
 class Tables:
-    """The tables of signal pieces that occur, one after the other, and where that of each lane stands."""
+    """The tables of signal pieces in one array, and the range of each lane's table."""
 
     whole: Pieces
     first: NDArray[np.int64]
@@ -35,7 +35,7 @@ class Tables:
 
     @classmethod
     def of(cls, tables: list[Pieces], which: NDArray[np.int64]) -> Tables:
-        """From the tables and which of them each lane has."""
+        """Join the tables; ``which`` is the index of each lane's table."""
         end = np.cumsum([len(table.start) for table in tables])
         first = np.concatenate([[0], end[:-1]]).astype(np.int64)
         start = np.concatenate([table.start for table in tables])
@@ -44,24 +44,26 @@ class Tables:
 
 
 def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | LaneByLane:
-    """A scenario with values for each lane: in lanes where only numbers differ, one by one where the form does.
+    """A scenario with values for each lane.
+
+    If only numbers differ, the lanes are simulated in parallel; if the structure differs, one by one.
 
     Raises:
-        InputError: a path is none that can be varied, or its values are no arrays of numbers of equal length.
+        InputError: a path cannot be varied, or its values are not arrays of numbers of equal length.
     """
     given, unnamed = arrays(values), scenario.elements.unnamed
     if any(each.follows_others for each in scenario.elements):
-        return LaneByLane(scenario, values)  # what its controller knows of the plant changes with the plant
+        return LaneByLane(scenario, values)  # the controller's model of the plant changes with the plant
     known = scenario.places
     if all(path in known for path in given):
         return Variations(scenario, values)
-    try:  # constants that are off, such as a play that is not given
+    try:  # constants that are off, such as an omitted backlash
         scenario = scenario.with_changes({path: float(x[0]) for path, x in given.items() if path not in known})
     except InputError:
         return (Variations if unnamed else LaneByLane)(scenario, values)
     known = scenario.places
     unknown = [path for path in given if path not in known]
-    numbers = not unnamed or all(path.startswith("law.") for path in unknown)  # which a law may leave unused
+    numbers = not unnamed or all(path.startswith("law.") for path in unknown)  # a law may leave these unused
     return (LaneByLane if unknown and numbers else Variations)(scenario, values)
 
 
@@ -69,19 +71,19 @@ class Variations:
     """A scenario and, by path, the values of some of its numbers: one for each lane.
 
     Args:
-        scenario: what all lanes share.
+        scenario: the scenario that all lanes share.
         values: arrays of equal length by path, such as ``{"law.k_v": [1e6, 1e7]}``; a single number holds for all.
-            ``shift.NAME`` is what is added to a state at t = 0.
+            ``shift.NAME`` is added to a state at t = 0.
 
     Raises:
-        InputError: a path is none that can be varied, or its values are no such arrays.
+        InputError: a path cannot be varied, or its values are not such arrays.
     """
 
     def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
         given = arrays(values)
         self.shift = {path.removeprefix(_SHIFT): x for path, x in given.items() if path.startswith(_SHIFT)}
         self.values = {path: x for path, x in given.items() if not path.startswith(_SHIFT)}
-        self.played: Mapping[str, Sequence[Signal]] = {}  # by the path of a signal, what it is in each lane
+        self.played: Mapping[str, Sequence[Signal]] = {}  # by path, the signal of each lane
         self.scenario = scenario
         self.machine, self.places = scenario.elements, scenario.places
         if unknown := [path for path in self.values if path not in self.places]:
@@ -92,7 +94,7 @@ class Variations:
 
     @property
     def numbers(self) -> dict[str, Array]:
-        """All that differs from lane to lane, as it was given."""
+        """The given values of all numbers that differ between lanes."""
         return self.values | {f"{_SHIFT}{name}": x for name, x in self.shift.items()}
 
     def part(self, lanes: NDArray[np.int64]) -> Variations:
@@ -102,7 +104,7 @@ class Variations:
         return found
 
     def changes(self, lane: int) -> dict[str, float]:
-        """What makes the scenario that of one lane, for :meth:`Scenario.with_changes`."""
+        """The changes that turn the scenario into one lane's, for :meth:`Scenario.with_changes`."""
         return {path: float(x[lane]) for path, x in self.values.items()}
 
     def columns(self, t: Array, states: Array, held: Array) -> dict[str, Array]:
@@ -118,11 +120,11 @@ class Variations:
         found = machine.output_columns(shaped, segment, t, named)
         return {name: np.broadcast_to(np.asarray(x, float), shape) for name, x in found.items()}
 
-    # -- what the equations take, a row for each lane --------------------------------------------------------------
+    # -- inputs of the equations, a row for each lane --------------------------------------------------------------
 
     @cached_property
     def _carried(self) -> Elements:
-        """The machine of all lanes: an array of one value for each lane in the place of each constant that varies."""
+        """The machine of all lanes: each constant that varies is an array with one value per lane."""
         return self.machine.with_values(self._constants) if self._constants else self.machine
 
     def parameters(self) -> Array:
@@ -142,7 +144,7 @@ class Variations:
         try:
             found = self.scenario.atol(self._carried)
             return self._table([found[name] for name in names])
-        except (TypeError, ValueError):  # of a user's law, whose scales are written for numbers
+        except (TypeError, ValueError):  # a user's law whose scales do not accept arrays
             lanes = ({key: float(x[lane]) for key, x in self._constants.items()} for lane in range(len(self)))
             rows = (self.scenario.atol(self.machine.with_values(values)) for values in lanes)
             return np.array([[row[name] for name in names] for row in rows])
@@ -153,7 +155,7 @@ class Variations:
         return self._table(found) if found else np.zeros((len(self), 0))
 
     def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
-        """Events of a lane that no state tells, as far as it came (:meth:`Elements.more_events`)."""
+        """Events of a lane that do not depend on its states, up to the time reached (:meth:`Elements.more_events`)."""
         if not self.machine.given_alone:
             return []
         signals, which = self._signals(next(iter(self.machine.signals)))
@@ -170,7 +172,7 @@ class Variations:
                 for lane in lanes]  # fmt: skip
 
     def _signals(self, use: SignalUse, in_pieces: bool = False) -> tuple[Sequence[Signal], NDArray[np.int64]]:
-        """The signals that occur in one place, and which of them each lane has; ``in_pieces``: those whose pieces differ."""
+        """The distinct signals of one place, and the index of each lane's; ``in_pieces``: distinct by their pieces."""
         if use.path in self.played:
             return self.played[use.path], np.arange(len(self))
         signal, in_code = self.machine.signals[use], set() if use.turns or not in_pieces else self.machine.values.keys()
@@ -183,7 +185,7 @@ class Variations:
         return [type(signal)({**signal.values, **row}) for row in rows], np.asarray(which, np.int64).reshape(-1)
 
     def longest_step(self) -> Array:
-        """The longest step that cannot miss a wave of a signal, s."""
+        """The longest step that cannot skip a wave of a signal, s."""
         found = np.full(len(self), np.inf)
         for use in self.machine.signals:
             signals, which = self._signals(use)
@@ -198,7 +200,7 @@ class Variations:
 
     @cached_property
     def _tables(self) -> tuple[list[Pieces], NDArray[np.int64]]:
-        """The tables that occur, and which of them each lane has."""
+        """The distinct tables, and the index of each lane's."""
         parts = {use: self._signals(use, in_pieces=True) for use in self.machine.signals}
         rows = np.stack([np.zeros(len(self), np.int64), *(which for _, which in parts.values())], axis=1)
         each, lanes = np.unique(rows, axis=0, return_inverse=True)
@@ -208,7 +210,7 @@ class Variations:
     # -- values that no scenario may have --------------------------------------------------------------------------
 
     def problems(self) -> list[str | None]:
-        """What is wrong with each lane's values, in the words of a scenario's validation; None where nothing is."""
+        """The error of each lane's values, worded as in the validation of a scenario; None for a valid lane."""
         found: list[str | None] = [None] * len(self)
         for path, x in self.values.items():
             constant = declared(self.scenario, path) or Constant("", "")
@@ -224,7 +226,7 @@ class Variations:
         return self.machine.laws
 
     def _relations(self, owner: str, law: Law, found: list[str | None]) -> None:
-        """What is wrong with the constants of a law taken together."""
+        """Add the violated relations between the constants of a law."""
         paths = {place: path for path, place in self.places.items()}
         fixed, names = law.machine | law.values, {**PARAMETERS, **law.constants()}
         values = {name: self._carried.values.get((owner, name), fixed.get(name)) for name in names}
@@ -243,7 +245,7 @@ class Variations:
 
     @cached_property
     def _constants(self) -> dict[Key, Array]:
-        """What varies of the run-time constants."""
+        """The run-time constants that vary."""
         return {key: x for key, x in self._varied.items() if key in self.machine.values}
 
     @cached_property
@@ -255,9 +257,9 @@ class Variations:
 
 
 class LaneByLane:
-    """The same for scenarios that are more than a body under a drive: each lane is a scenario of its own.
+    """Variations of a scenario whose structure depends on its numbers: each lane is a scenario of its own.
 
-    Whatever is a number in the scenario can vary; lanes are validated one by one.
+    Every number of the scenario can vary. Lanes are validated one by one.
     """
 
     def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
@@ -269,11 +271,11 @@ class LaneByLane:
         return len(next(iter(self.values.values())))
 
     def changes(self, lane: int) -> dict[str, float]:
-        """What makes the scenario that of one lane."""
+        """The changes that turn the scenario into one lane's."""
         return {path: self._number(path, float(x[lane])) for path, x in self.values.items()}
 
     def _number(self, path: str, x: float) -> float:
-        """A whole number where the scenario has one, such as a seed."""
+        """The number as an integer if the scenario has an integer there, such as a seed."""
         now: object = self.scenario.data
         for name in path.split("."):
             now = now.get(name) if isinstance(now, dict) else None
@@ -281,7 +283,7 @@ class LaneByLane:
         return int(x) if seed and x.is_integer() else x
 
     def problems(self) -> list[str | None]:
-        """What is wrong with each lane's values; None where nothing is."""
+        """The error of each lane's values; None for a valid lane."""
         return [next(iter(self._wrong(lane)), None) for lane in range(len(self))]
 
     def _wrong(self, lane: int) -> list[str]:

@@ -1,4 +1,4 @@
-"""Friction observers: what the controller takes the friction force to be, from any law with a time derivative."""
+"""Friction observers: the controller's estimate of the friction force, from any law with a time derivative."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from stribeck.laws.base import Law
 from stribeck.laws.values import Constants, told
 
 Z_HAT = Column("z_hat", "m", "the observer's deflection")
-_LAYER = 0.05  # share of a bound over which the projection fades the rate out
+_LAYER = 0.05  # share of a bound within which the projection reduces the rate to 0
 
-# Scales by which the known parameters are multiplied: of sigma_0, sigma_1, sigma_2 and of 1/g.
+# Adapted factors on sigma_0, sigma_1, sigma_2 and 1/g.
 SCALES = (
     Column("a_0", "1", "adapted scale of sigma_0"),
     Column("a_1", "1", "adapted scale of sigma_1"),
@@ -22,13 +22,14 @@ SCALES = (
     Column("a_g", "1", "adapted scale of 1/g"),
 )
 ETA = Column("eta", "m", "how much z_hat grows by a_g")
-START = {Z_HAT.name: 0.0, ETA.name: 0.0, **{scale.name: 1.0 for scale in SCALES}}  # where the states begin
+START = {Z_HAT.name: 0.0, ETA.name: 0.0, **{scale.name: 1.0 for scale in SCALES}}  # initial states
 
 
 def least_K_D(K: Value, sigma_0: Value, sigma_1: Value, w: Value) -> Value:
-    """The smallest gain on s, N s/m, with which V never grows for a law linear in z whose w = -d(dz/dt)/dz is at most ``w``.
+    """The smallest gain on s, N s/m, with which V never grows.
 
-    :func:`stribeck.loops.proof.derive` holds it against what it derives from the loop's equations.
+    The law is linear in z, and w = -d(dz/dt)/dz is at most ``w``. :func:`stribeck.loops.proof.derive` verifies the
+    formula with the loop's equations.
     """
     return K * sigma_1 * (sigma_1 * w / 4 - sigma_0)
 
@@ -49,7 +50,7 @@ class Adaptation:
 
 @dataclass(frozen=True)
 class Observed:
-    """What an observer gives: the friction force (N), its own deflection (m), and the rates of its states."""
+    """An observer's output: the friction force (N), the deflection (m), and the rates of its states."""
 
     F: Value
     z: Value
@@ -57,12 +58,12 @@ class Observed:
 
 
 def correction(p: SimpleNamespace, K: Value, s: Value) -> Value:
-    """What the tracking error s adds to the rate of z_hat, m/s (the last term of eq. 15)."""
+    """The term of the rate of z_hat from the tracking error s, m/s (the last term of eq. 15)."""
     return -K * p.sigma_0 * s
 
 
 def observe(law: type[Law] | None, p: SimpleNamespace, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Observed:
-    """Eqs 14 and 15: the law driven by the measured velocity and by the tracking error s; without a law, no friction."""
+    """Eqs 14 and 15: measured velocity and tracking error s drive the law. Without a law, friction is 0."""
     if law is None:
         return Observed(0.0 * v, 0.0 * v, {})
     if not law.has_z:
@@ -75,10 +76,10 @@ def observe(law: type[Law] | None, p: SimpleNamespace, K: Value, v: Value, s: Va
 def adapt(
     law: type[Law], p: SimpleNamespace, a: SimpleNamespace, K: Value, v: Value, s: Value, x: dict[str, Value]
 ) -> Observed:
-    """The observer whose parameters are adapted (docs/explanation/servo.md): the law is linear in z, ``a`` holds the gains.
+    """The adaptive observer (docs/explanation/servo.md). The law is linear in z; ``a`` holds the gains.
 
-    a_g multiplies what is linear in z, so it scales 1/g; eta is the sensitivity of z_hat to it, which makes a_g enter
-    the error of F_hat linearly, up to terms of second order.
+    a_g multiplies the part that is linear in z, so it scales 1/g. eta is the sensitivity of z_hat to a_g. With eta,
+    a_g enters the error of F_hat linearly, up to terms of second order.
     """
     z, eta, scale = x["z_hat"], x["eta"], x["a_g"]
     scaled = {f"sigma_{i}": getattr(p, f"sigma_{i}") * x[f"a_{i}"] for i in range(3)}
@@ -100,7 +101,7 @@ def adapt(
 
 
 def projected(value: Value, rate: Value, bound: Value) -> Value:
-    """A rate that fades out at 1/bound and bound, so that the value stays between."""
+    """The rate, reduced to 0 at 1/bound and bound, so that the value stays between them."""
     above = clip((bound - value) / (_LAYER * bound), 0.0, 1.0)
     below = clip((value - 1 / bound) / (_LAYER / bound), 0.0, 1.0)
     return rate * where(rate >= 0, above, below)
