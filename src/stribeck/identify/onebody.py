@@ -1,7 +1,7 @@
-"""A log of one body, fitted by simulation: a machine of one body and one contact, fitted as every machine is.
+"""Fits a log of one body by simulation, as a machine of one body and one contact.
 
-Where the force is met, the measured motion moves the body: the contact's friction is compared with the measured force, less what
-belongs to the rig. Where the motion is met, the measured force drives the body.
+If the fitted output is the force, the measured motion moves the body. The contact's friction is then compared with the
+measured force less the rig's other forces. If the output is the motion, the measured force drives the body.
 """
 
 from __future__ import annotations
@@ -46,35 +46,35 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
 Progress = Callable[[float], None]
-Values = Mapping[str, Any]  # numbers, and words of a law
-OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is met
-_MOST_ROWS = 100_000  # of a record: of more, stretches evenly over it, as static fits take
-_FEWEST = 8  # rows of a run that is simulated
-_SIGN = 0.01  # of the largest speed: what a smooth sign takes to change, for first values
-_ROOM = 3.0  # times a first value, and the friction level in its units: how far a coefficient is searched
-_STROKE = 5.0  # ways to break-away: bristles have let go after two or three
-_BENT = 5.0  # ways to break-away: how far the bristles may be bent where a run begins
+Values = Mapping[str, Any]  # numbers, and a law's choices in words
+OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
+_MOST_ROWS = 100_000  # of a record; a longer one is reduced to even stretches, as in static fits
+_FEWEST = 8  # rows of a simulated run
+_SIGN = 0.01  # of the largest speed: width of the smooth sign for initial values
+_ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
+_STROKE = 5.0  # break-away distances: gross sliding begins after two or three
+_BENT = 5.0  # break-away distances: largest deflection of the bristles at the start of a run
 _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
-BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms that a fit of the motion can have
+BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms available in a fit of the motion
 _LAW = "contacts.contact.law"
-_BEFORE = 0.3  # of the work of a fit of the motion, by the clock: its windows
-_QUARTERS, _SHORTEST, _MANY, _LONGER = 4, 40, 16, 4  # windows: parts of the time between reversals; rows, at least; how
-# many; how much longer the second ones are
-_MOVING = 0.05  # of the largest speed: slower is near rest
+_BEFORE = 0.3  # of the computing time of a fit of the motion: the windows' share
+# windows: parts of the time between reversals; least number of rows; number of windows; factor to the longer windows
+_QUARTERS, _SHORTEST, _MANY, _LONGER = 4, 40, 16, 4
+_MOVING = 0.05  # of the largest speed: a slower body is near rest
 _Q95 = float(norm.ppf(0.975))
 
 
 @dataclass(frozen=True)
 class OneBody:
-    """What is known and what is sought.
+    """The model of one body: given and fitted parameters.
 
     Attributes:
-        law: its class; ``name``: as it was given.
-        free: constants to fit; ``fixed``: constants that are given, words too.
-        held: terms that are given; ``wanted``: terms to fit.
-        output: what is met: "force", "position" or "velocity".
-        first: first values and ranges, by name.
+        law: its class; ``name``: as given.
+        free: constants to fit; ``fixed``: given constants, words too.
+        held: given terms; ``wanted``: terms to fit.
+        output: the fitted output: "force", "position" or "velocity".
+        first: initial values and ranges, by name.
     """
 
     law: type[Law]
@@ -87,7 +87,7 @@ class OneBody:
     first: dict[str, Guess] = field(default_factory=dict)
 
     def path(self, name: str) -> str:
-        """Where a number of the fit is in the machine, or beside its output."""
+        """The path of a parameter in the machine, or beside its output."""
         if name in self.law.constants():
             return f"{_LAW}.parameters.{name}" if name in PARAMETERS else f"{_LAW}.{name}"
         if self.output == "force" or name == "delay":
@@ -97,12 +97,12 @@ class OneBody:
 
 
 def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> LogFit:
-    """Fit a law's constants, and terms beside it, by simulation.
+    """Fit a law's constants, and further terms, by simulation.
 
     Args:
         log: the record, SI units.
         name: the law's name, or FILE.py:NAME.
-        options: what is given, sought and met.
+        options: given values, parameters to fit and the output.
         progress: called with the share done, 0 to 1.
 
     Raises:
@@ -122,15 +122,15 @@ def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress |
 
 
 def _interrupt(share: float) -> None:
-    """Ctrl-C, for a fit whose first part was stopped."""
+    """Stop the second part of a fit if Ctrl-C stopped its first part."""
     raise KeyboardInterrupt
 
 
 def _near(log: Log, model: OneBody, options: FitOptions, progress: Progress | None) -> tuple[dict[str, float], bool]:
-    """Numbers from which the motion over whole runs can be met, and whether Ctrl-C ended the search.
+    """Initial values for a fit of the motion over whole runs, and whether Ctrl-C ended the search.
 
-    Over a long record the motion under the measured force has many minima; the force along the measured motion has few, and the
-    motion in short windows, each with a start of its own.
+    Over a long record, the fit of the motion under the measured force has many local minima. The fit of the force along
+    the measured motion has few. So has the fit of the motion in short windows with an initial state each.
     """
     work, first = Work(progress), {n: guess.value for n, guess in model.first.items()}
     inverse = replace(model, output="force", wanted=tuple(n for n in model.wanted if n != "delay"))
@@ -153,7 +153,7 @@ def _near(log: Log, model: OneBody, options: FitOptions, progress: Progress | No
 
 @dataclass(frozen=True)
 class _Near:
-    """Where a search ended: the numbers, the cost, whether Ctrl-C ended it, whether noise alone is left."""
+    """The end of a search: values, cost, whether Ctrl-C ended it, whether the residual is noise."""
 
     values: dict[str, float]
     cost: float
@@ -164,7 +164,7 @@ class _Near:
 def _searched(
     log: Log, model: OneBody, options: FitOptions, starts: int, begin: Mapping[str, float], work: Work, window: float | None
 ) -> _Near:  # fmt: skip
-    """The best numbers from these and other starts, over whole runs or in windows of about so many seconds."""
+    """The best values from ``begin`` and other starts, over whole runs or in windows of about ``window`` seconds."""
     sought, paths = _sought(model, log, options)
     recordings = [(i, _recording(log, rows, model, i)) for i, rows in enumerate(_runs(log))]
     scenario = loosened(_scenario(model, log.rotary))
@@ -185,7 +185,7 @@ def _searched(
 
 
 def _window(log: Log) -> float:
-    """A quarter of the time between two reversals, s."""
+    """The length of a window: a quarter of the median time between two reversals, s."""
     moving = abs(log.velocity) > _MOVING * np.max(abs(log.velocity))
     between = [np.diff(np.flatnonzero(np.diff(np.sign(log.velocity[r][moving[r]])))) for r in _runs(log)]
     rows = np.concatenate(between)
@@ -195,7 +195,7 @@ def _window(log: Log) -> float:
 def _in_motion(
     log: Log, runs: Sequence[RecordedRun], begun: Sequence[MachineCoordinate]
 ) -> tuple[list[RecordedRun], list[MachineCoordinate]]:
-    """Some of the windows, evenly over the record: those that begin in motion, where bristles are as they must be."""
+    """Windows spread evenly over the record that begin in motion, where the bristles' deflection is steady."""
     firsts = [_runs(log)[run.log].start + round(float(run.piece or 0) / log.step) for run in runs]
     moving = abs(log.velocity[firsts]) > _MOVING * np.max(abs(log.velocity))
     those = np.flatnonzero(moving) if moving.any() else np.arange(len(runs))
@@ -218,12 +218,12 @@ def _fitted(
 
 
 def _scenario(model: OneBody, rotary: bool) -> Scenario:
-    """The machine with first values."""
+    """The machine with initial values."""
     return Scenario(_tables(model, rotary), folder=Path(), trust=True)
 
 
 def _share(progress: Progress | None, begin: float, end: float) -> Progress | None:
-    """The progress of a part of the work."""
+    """The progress of one part of the work."""
     return None if progress is None else lambda share: progress(begin + share * (end - begin))
 
 
@@ -231,14 +231,14 @@ def _runs(log: Log) -> list[slice]:
     return [rows for rows in log.runs() if rows.stop - rows.start >= _FEWEST]
 
 
-# -- what is known and sought ------------------------------------------------------------------------------------------
+# -- given and fitted parameters ---------------------------------------------------------------------------------------
 
 
 def _model(log: Log, name: str, options: FitOptions) -> OneBody:
-    """What is known and sought of a law on a record, with first values.
+    """The given and fitted parameters of a law on a record, with initial values.
 
     Raises:
-        InputError: constants or terms are unknown, missing, or have no place here; a line for each problem.
+        InputError: constants or terms are unknown, missing, or not allowed here; a line for each problem.
     """
     law, output = laws.find(name), options.output
     held = {n: float(x) for n, x in options.constants.items() if n in TERMS}
@@ -266,7 +266,7 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
 
 
 def _free(law: type[Law], name: str, fixed: Mapping[str, object], more: Sequence[str]) -> list[str]:
-    """The constants to fit: those of the machine, or of the law's own if it has none, and those that are freed."""
+    """The constants to fit: the machine's, or the law's own if it uses none of these, and those freed by the user."""
     known = law.constants()
     wanted = [n for n in dict.fromkeys((*(law.uses or law.own_constants()), *more)) if n in known and n not in fixed]
     problems = [
@@ -289,7 +289,10 @@ def _defaults(law: type[Law], fixed: Values, free: Sequence[str]) -> dict[str, f
 
 
 def _first(model: OneBody, log: Log) -> None:
-    """First values and ranges: of terms by least squares beside plain friction, of constants from what is left."""
+    """Set initial values and ranges.
+
+    Terms follow from least squares together with Coulomb and viscous friction, constants from the remaining force.
+    """
     columns = {n: terms.column(n, log, model.held) for n in (*model.wanted, *model.held) if TERMS[n].column is not None}
     force = log.force - sum((x * columns[n] for n, x in model.held.items() if n in columns), np.zeros(len(log)))
     slow = max(_SIGN * float(np.max(abs(log.velocity))), 1e-300)
@@ -326,7 +329,7 @@ def _law_table(model: OneBody, values: Values) -> dict[str, object]:
 
 
 def _tables(model: OneBody, rotary: bool) -> dict[str, object]:
-    """Its tables."""
+    """The machine's tables."""
     values = {**model.fixed, **{n: g.value for n, g in model.first.items()}, **model.held}
     turns = {"rotary": True} if rotary else {}
     body: dict[str, object] = {"velocity": {"signal": _HELD}, **turns}
@@ -368,13 +371,13 @@ def _recording(log: Log, rows: slice, model: OneBody, number: int) -> Recording:
 
 
 def raw(log: Log, output: str) -> Array:
-    """What is met as it was measured, before any filter, where the log has it."""
+    """The fitted output as measured, before any filter, if the log has it."""
     kept = log.unfiltered if log.sources.get("unfiltered") == output else None
     return np.asarray(getattr(log, output) if kept is None else kept)
 
 
 def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought, ...], dict[str, str]]:
-    """What the machine fit seeks, and the name of each path."""
+    """The parameters of the machine fit, and the name of each path."""
     found, names = list[Sought](), dict[str, str]()
     for n, guess in model.first.items():
         low, high = guess.bounds if n in model.law.constants() else (guess.low, guess.high)
@@ -405,7 +408,7 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought
 
 
 def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> LogFit:
-    """The machine's fit as one of the log."""
+    """The machine's fit as a fit of the log."""
     values = {n: found.parameters[path].value for path, n in names.items()}
     constants = model.law.constants()
     used = {**model.fixed, **model.held, **values}
@@ -450,7 +453,7 @@ def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, s
 
 
 def _estimates(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> dict[str, Estimate]:
-    """Each number as the machine fit judges it, by its name, and what would tell it."""
+    """The machine fit's estimates by name, each with the experiment that would determine the parameter."""
     constants, sizes, out = model.law.constants(), sizes_of(log), dict[str, Estimate]()
     values = {n: found.parameters[path].value for path, n in names.items()}
     open_ = [n for path, n in names.items() if not found.parameters[path].identifiable]
@@ -466,7 +469,7 @@ def _estimates(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, 
 
 
 def _without_curve(estimates: dict[str, Estimate], log: Log, used: Values) -> dict[str, Estimate]:
-    """Where v_s is open no speed tells where the curve ends, F_s; and without a stroke that slides the level may be either."""
+    """Withhold F_s if v_s is not identifiable; also F_c if no stroke reaches gross sliding."""
     if "v_s" not in estimates or estimates["v_s"].identifiable:
         return estimates
     found, way = dict(estimates), used["F_c"] / used.get("sigma_0", np.inf)
@@ -482,8 +485,10 @@ def _without_curve(estimates: dict[str, Estimate], log: Log, used: Values) -> di
 
 
 def _doubted_recordings(log: Log, model: OneBody) -> Iterator[Recording]:
-    """The runs, each with what errors may have made of it. Nobody measured what drives the body between two samples: it may run
-    straight as well."""
+    """The runs, each with alternatives that measurement errors allow.
+
+    The drive between two samples is not measured, so a straight line is one alternative.
+    """
     filtered = model.output == "force" or log.sources.get("unfiltered") != model.output
     as_well = other_motions(log) if filtered else {}
     for i, rows in enumerate(_runs(log)):
@@ -496,21 +501,21 @@ def _doubted_recordings(log: Log, model: OneBody) -> Iterator[Recording]:
 
 
 def _words(model: OneBody, names: Mapping[str, str]) -> dict[str, str]:
-    """What a log's fit calls the machine's paths: its numbers by their names, and errors of its output, which no number is."""
+    """Names in a log's fit for the machine's paths: parameters, and errors of the output's sensor."""
     errors = {"clock": "clock drift", "delay": "delay", "gain": "gain", "offset": "offset"}
     of_output = {f"outputs.{OUTPUTS[model.output]}.{n}": f"{text} of the {model.output}" for n, text in errors.items()}
     return {**of_output, **names, "contact: ": ""}
 
 
 def _in_names(text: str, words: Mapping[str, str]) -> str:
-    """What the machine fit says, in the words of a log."""
+    """A text of the machine fit with the names of a log's fit."""
     for path, word in words.items():
         text = text.replace(path, word)
     return text
 
 
 def _covariance(found: MachineFit, names: Mapping[str, str]) -> Array:
-    """Of the numbers that were sought, by their intervals and how they go together."""
+    """The covariance of the fitted parameters, from their intervals and correlations."""
     if found.relation is None:
         return np.full((len(names), len(names)), np.nan)
     asked, relation = found.relation
@@ -524,11 +529,11 @@ def _covariance(found: MachineFit, names: Mapping[str, str]) -> Array:
 
 
 def parts(name: str, values: Values, log: Log, bent: Sequence[float | None] = ()) -> tuple[Array, Array]:
-    """The friction of a fitted law along a record, and what else its force holds, N at each row.
+    """The friction of a fitted law along a record, and the rest of its force, N at each row.
 
     Args:
         values: the law's constants, and terms.
-        bent: how far the bristles are bent at the start of each run, m; as they are that have slid at its speed unless given.
+        bent: deflection of the bristles at the start of each run, m; the steady deflection at its speed unless given.
 
     Raises:
         StribeckError: the law cannot be simulated along the motion.
@@ -541,7 +546,7 @@ def parts(name: str, values: Values, log: Log, bent: Sequence[float | None] = ()
 
 
 def beside_friction(values: Values, log: Log) -> Array:
-    """What terms say of the force that is no friction, N at each row."""
+    """The force of the terms beside friction, N at each row."""
     numbers = {n: float(x) for n, x in values.items() if n in TERMS}
     return _sum({n: x for n, x in numbers.items() if not TERMS[n].friction}, numbers, log)
 
@@ -552,7 +557,7 @@ def _sum(some: Mapping[str, float], numbers: Mapping[str, float], log: Log) -> A
 
 
 def later(log: Log, x: Array, by: float) -> Array:
-    """A column of the record at times later by so many seconds; the ends of runs are held."""
+    """A column of the record at times later by ``by`` seconds; beyond the ends of a run it is constant."""
     if not by:
         return x
     found = np.empty(len(log))

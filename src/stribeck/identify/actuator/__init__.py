@@ -1,4 +1,4 @@
-"""A machine's unknown numbers from recordings of it: what is simulated is compared with everything that was measured."""
+"""Estimates a machine's unknown parameters: the simulation is compared with all measured columns of its recordings."""
 
 from __future__ import annotations
 

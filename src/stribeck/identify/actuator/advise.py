@@ -1,4 +1,7 @@
-"""Which further recording would tell what these do not: each that could be made is simulated, and its slopes counted."""
+"""Advises which further recording would identify the open parameters.
+
+Each candidate is simulated. Its information is J^T J, with the derivatives J of its outputs by the parameters.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +18,14 @@ from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.problem import STEP, MachineProblem
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 
-_BETTER = 1.3  # times narrower than by repeating a recording: worth the trouble
-_MOST = 28  # recordings that are tried on paper
-_NOISE = 0.01  # of a column's changes: a sensor's that is not there yet
+_BETTER = 1.3  # times narrower interval than from a repeated recording: a smaller gain is not worth an experiment
+_MOST = 28  # simulated candidates
+_NOISE = 0.01  # of a column's changes: assumed noise of a sensor that is not installed yet
 _LOADS = ("mass", "inertia", "amplitude")
 
 
 def experiments(best: BestPoint, J: Array, open_: list[int]) -> dict[int, str]:
-    """For each of these coordinates what would tell it, in words; ``J``: the slopes of what is compared already."""
+    """For each open coordinate the recording that would identify it, in words; ``J``: the fit's Jacobian."""
     if not open_:
         return {}
     problem = best.problem
@@ -68,7 +71,7 @@ def _added(base: Array, more: Array, at: list[int]) -> Array:
 
 
 def _information(best: BestPoint, run: RecordedRun, shared: list[int]) -> Array | None:
-    """J^T J of one recording for the shared coordinates, or None where it cannot be simulated."""
+    """J^T J of one recording for the shared coordinates; None if the simulation fails."""
     problem = best.problem
     sought = [problem.sought[i] for i in shared]
     u = best.u[shared]
@@ -86,7 +89,7 @@ def _information(best: BestPoint, run: RecordedRun, shared: list[int]) -> Array 
     found, at = np.zeros((len(u), len(u))), 0
     for target in run.targets:
         rows = J[0, at : at + len(target.t)]
-        if target.column not in problem.noise:  # a sensor that is not there: of so much noise
+        if target.column not in problem.noise:  # a sensor that is not installed yet
             size = float(np.std(r[0, at : at + len(target.t)]))
             rows = rows / (_NOISE * size) if size > 0 else 0 * rows
         found += rows.T @ rows
@@ -95,8 +98,7 @@ def _information(best: BestPoint, run: RecordedRun, shared: list[int]) -> Array 
 
 
 def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, RecordedRun]]:
-    """Recordings that could be made: this one with another load, a larger, smaller, slower or faster drive, or another
-    column measured."""
+    """Candidates: this recording with another load, a larger, smaller, slower or faster drive, or one more column."""
     count = 0
     for words, changes in [*_loads(best, run), *_drives(run)]:
         if count >= _MOST:
@@ -115,7 +117,7 @@ def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, Recorde
 
 
 def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
-    """Numbers that can be other in a further recording: those that the recordings differ in, and masses and loads."""
+    """Numbers that can differ in a further recording: those that differ between recordings, masses and loads."""
     sought = paths(best.problem.sought)
     places = run.scenario.places
     for path in places:
@@ -130,7 +132,7 @@ def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, o
 
 
 def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
-    """Its drives otherwise."""
+    """The recording with a changed amplitude or speed of its drives."""
     for use, signal in run.scenario.elements.signals.items():
         table = _table(run.scenario.data, use.path)
         if table is None:

@@ -1,4 +1,4 @@
-"""``stribeck fit MACHINE.toml --logs LOGS.toml``: a machine and its recordings in, numbers that one can trust out."""
+"""``stribeck fit MACHINE.toml --logs LOGS.toml``: estimates a machine's parameters from its recordings."""
 
 from __future__ import annotations
 
@@ -42,25 +42,25 @@ def fit_machine(
     progress: Callable[[float], None] | None = None,
     folder: Path | None = None,
 ) -> MachineFit:
-    """The unknown numbers of a machine from recordings of it, each with an interval, a model range and a state.
+    """Estimate the unknown parameters of a machine from its recordings, each with an interval, a model range and a state.
 
     Args:
-        machine: the machine (``schema = 2``) that holds the structure and every number that is not sought.
-        logs: LOGS.toml, or what :func:`read_logs` made of it (docs/reference/fit-files.md).
-        laws: laws to try, by contact; the one that predicts held-out recordings best is taken.
-        unknown: what is sought beside [unknown] of the logs, and instead of the same path there: by path low and high, or
-            a table as in LOGS.toml.
+        machine: the machine (``schema = 2``): its structure and all known numbers.
+        logs: LOGS.toml, or the result of :func:`read_logs` (docs/reference/fit-files.md).
+        laws: laws to try, by contact; the one that predicts held-out recordings best is chosen.
+        unknown: further parameters to fit: by path low and high, or a table as in LOGS.toml. Replaces the same path in
+            [unknown] of the logs.
         transfer_to: recordings of another unit, or another day, which the fit predicts and is then compared with.
-        starts: how many starts the search has; ``seed`` makes them the same each time.
-        baselines: fit no friction, Coulomb and viscous, and Coulomb, Stribeck and viscous friction beside.
+        starts: number of starts of the search; ``seed`` makes them reproducible.
+        baselines: also fit no friction, Coulomb and viscous, and Coulomb, Stribeck and viscous friction.
         progress: called with the share done, 0 to 1.
-        folder: where to keep how far it has come, so that a fit that was stopped goes on.
+        folder: where progress is saved, so that an interrupted fit continues.
 
     Returns:
-        The fit; with ``status`` "stopped" what Ctrl-C left, "missed" where the machine does not follow its recordings.
+        The fit. ``status`` is "stopped" after Ctrl-C, and "missed" if the machine does not describe its recordings.
 
     Raises:
-        InputError: the machine, the logs or a path are not what they must be; a line for each problem.
+        InputError: the machine, the logs or a path are invalid; a line for each problem.
     """
     scenario = Scenario.of(machine)
     logs = seeking(logs if isinstance(logs, Logs) else read_logs(logs, not unknown), unknown or {})
@@ -76,10 +76,10 @@ def fit_machine(
 
 
 def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
-    """The recordings with more that is sought.
+    """The recordings with further parameters to fit.
 
     Raises:
-        InputError: a line of it is wrong, or nothing is for fitting; a line for each problem.
+        InputError: an entry is wrong, or no recording is for fitting; a line for each problem.
     """
     if not unknown:
         return logs
@@ -92,7 +92,7 @@ def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
 
 
 def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
-    """What is sought, after a look at everything that the recordings say of the machine.
+    """The coordinates to fit, after all references of the recordings to the machine are checked.
 
     Raises:
         InputError: a line for each mistake.
@@ -134,7 +134,7 @@ class Fitting:
         self.held = [(i, r) for i, r in self.numbered if r.hold_out]
 
     def run(self, laws: Mapping[str, Sequence[str]], other: Logs | None, baselines: bool) -> MachineFit:
-        """Everything, in order."""
+        """All steps, in order."""
         self.work.section(0.6)
         picked: Picked | None = None
         before: list[str] = []
@@ -175,7 +175,7 @@ class Fitting:
         return result
 
     def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
-        """The estimate judged: both uncertainties, states, errors."""
+        """The result: the estimate with both uncertainties, states and errors."""
         self.work.section(0.8)
         if not best.stopped and np.isfinite(best.problem.residuals(best.u[None])).all():
             best.u, best.ended = settled(best.problem, best.u)
@@ -208,7 +208,7 @@ class Fitting:
         return result
 
     def doubts(self, best: BestPoint) -> list[str]:
-        """Why nothing may be identified though the recordings are followed, in words."""
+        """Reasons to withhold all parameters although the machine describes the recordings, in words."""
         grown = beyond_solver(best.problem, best.u)
         if not best.ended:
             grown.append(
@@ -221,15 +221,17 @@ class Fitting:
         return grown
 
     def suspected(self, best: BestPoint) -> list[str]:
-        """What may be wrong with the recordings that are not followed."""
+        """Possible errors in recordings that the machine does not describe."""
         told = checks.hypotheses(self.unbroken(best))
-        if not told and best.windowed:  # no whole recording may be followed whatever its columns are in
+        if not told and best.windowed:  # whole recordings may fail with correct units too
             told = checks.hypotheses(best.problem)
         return told
 
     def unbroken(self, best: BestPoint) -> MachineProblem:
-        """The problem of whole recordings, where nobody asked for stretches: what one that errs does to all that follows
-        shows which it is."""
+        """The problem of whole recordings, unless the user asked for stretches.
+
+        A wrong column disturbs all later samples of a whole recording, which reveals the column.
+        """
         if not best.windowed or any(r.window for _, r in self.fitted):
             return best.problem
         sought = [c for c in best.problem.sought if not c.nuisance]
@@ -237,7 +239,7 @@ class Fitting:
         return replace(best.problem, runs=runs, sought=[*sought, *own], noise=dict(best.problem.noise), tied=False)
 
     def errors(self, best: BestPoint, values: dict[str, float]) -> list[LogResult]:
-        """Each recording against what the numbers make of it."""
+        """The errors of each recording's simulation with these values."""
         window = _window(best)
         return [
             LogResult(
@@ -248,14 +250,14 @@ class Fitting:
 
 
 def _window(best: BestPoint) -> float | None:
-    """The length of the stretches of a fit in stretches."""
+    """The length of the stretches, if the fit is in stretches."""
     if not best.windowed:
         return None
     return float(np.median([run.scenario.end for run in best.problem.runs]))
 
 
 def filled(scenario: Scenario, sought: Sequence[MachineCoordinate], values: Mapping[str, float]) -> dict[str, object]:
-    """The machine's tables with what was found in them."""
+    """The machine's tables with the fitted values."""
     changes = {
         path: scale * values[c.name]
         for c in sought if c.log is None and c.name in values

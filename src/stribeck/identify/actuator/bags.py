@@ -1,4 +1,4 @@
-"""Recordings of ROS: MCAP files and rosbags, each topic's numbers as columns with times of their own."""
+"""Reads recordings of ROS: MCAP files and rosbags. The numbers of each topic become columns with their own times."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, needed
 from stribeck.recorded import Source
 
-_LONGEST = 64  # numbers of an array: a longer one is a picture or a cloud, no signal of an actuator
-_NAMES = ("name", "names", "joint_names", "interface_names")  # fields that name what arrays of the same length hold
+_LONGEST = 64  # numbers of an array: a longer one is an image or a point cloud, not an actuator's signal
+_NAMES = ("name", "names", "joint_names", "interface_names")  # fields with the names of an equally long array's entries
 
 Messages = Iterable[tuple[str, int, object]]  # topic, time (ns), message
 
 
 class BagSource(Source):
-    """Columns ``TOPIC.FIELD`` (``/joint_states.elbow.position``), and ``TOPIC.t``: the header's stamp, or when the message
-    was recorded, in s from the first message. ``times`` names the time column of each column."""
+    """Columns ``TOPIC.FIELD`` (``/joint_states.elbow.position``), and ``TOPIC.t`` in s from the first message.
+
+    ``TOPIC.t`` is the header's stamp, or the time of recording without one. ``times`` maps each column to its time
+    column.
+    """
 
     def __init__(self, path: Path, messages: Messages) -> None:
         rows: dict[str, list[tuple[int, dict[str, float]]]] = {}
@@ -47,7 +50,7 @@ class BagSource(Source):
 
 
 def _stamp(message: object) -> int | None:
-    """The time in a message's header, ns; None where there is none, or nobody has set it."""
+    """The time in a message's header, ns; None without a header, or if the stamp is not set."""
     stamp = _get(_get(message, "header"), "stamp")
     seconds = _get(stamp, "sec", _get(stamp, "secs"))
     rest = _get(stamp, "nanosec", _get(stamp, "nsecs", 0))
@@ -61,7 +64,7 @@ def _get(message: object, name: str, other: object = None) -> object:
 
 
 def _inside(message: object) -> dict[str, object] | None:
-    """A message's fields; None for what is none."""
+    """A message's fields; None if the value is not a message."""
     if isinstance(message, Mapping):
         return {str(n): x for n, x in message.items()}
     names = getattr(message, "__dataclass_fields__", None) or getattr(message, "__slots__", None)
@@ -69,7 +72,7 @@ def _inside(message: object) -> dict[str, object] | None:
 
 
 def _fields(path: str, value: object, called: tuple[str, ...]) -> Iterator[tuple[str, float]]:
-    """The numbers in a message by path; arrays as long as ``called`` by those names, others by their number."""
+    """The numbers in a message by path. Entries of arrays as long as ``called`` have these names, others their index."""
     if isinstance(value, Real):
         yield path, float(value)
     elif isinstance(value, str | bytes):
@@ -101,7 +104,7 @@ def opened_mcap(path: Path) -> Source:
 
     Raises:
         MissingExtra: the library ``mcap`` is not installed.
-        InputError: it cannot be read, or holds nothing of these.
+        InputError: it cannot be read, or holds no such messages.
     """
     with needed("reading MCAP files"):
         from mcap.exceptions import McapError
@@ -112,13 +115,13 @@ def opened_mcap(path: Path) -> Source:
 
     def messages() -> Iterator[tuple[str, int, object]]:
         factory, count = DecoderFactory(), 0
-        reader = NonSeekingReader(file).iter_messages(log_time_order=False)  # needs no index, which a torn file lacks
+        reader = NonSeekingReader(file).iter_messages(log_time_order=False)  # needs no index; a truncated file has none
         while True:
             try:
                 schema, channel, message = next(reader)
             except StopIteration:
                 return
-            except (McapError, struct.error) as error:  # of a file that ends early; which one hangs on mcap's version
+            except (McapError, struct.error) as error:  # a truncated file; the class depends on mcap's version
                 if not count:
                     raise
                 notes.append(f"{path.name}: ends in the middle of a message after {count}: was it cut short? ({error})")
@@ -157,7 +160,7 @@ def opened_rosbag(path: Path) -> Source:
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.interfaces import ConnectionExtRosbag2
         from rosbags.typesys import Stores, get_typestore
-    stores = get_typestore(Stores.ROS2_JAZZY)  # for bags that say no more than their types' names
+    stores = get_typestore(Stores.ROS2_JAZZY)  # for bags without type definitions
     try:
         with AnyReader([path], default_typestore=stores) as bag:
             known = [

@@ -1,4 +1,4 @@
-"""What drove a machine while samples of it are missing: a curve across each gap, and how far it may be off."""
+"""Interpolates a machine's inputs across gaps of missing samples, with an estimate of the error."""
 
 from __future__ import annotations
 
@@ -9,18 +9,20 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 
-GAP = 1.6  # sample times: a longer one lacks a sample
-_INSIDE = 50  # points set in a gap, at most
-_NEAR = 4.5, 12.5  # samples' times from which the slope at an end of a gap is taken
+GAP = 1.6  # sampling periods: a longer interval lacks a sample
+_INSIDE = 50  # interpolated points in a gap, at most
+_NEAR = 4.5, 12.5  # sampling periods from which the slope at an end of a gap is estimated
 _LEAST, _MOST = 4, 12
-_TESTS = 24  # gaps of the same length that are made elsewhere, to see how well they are crossed
-_DRAWS = 4  # of what may be wrong, each gap to one side or the other
+_TESTS = 24  # artificial gaps of the same length elsewhere, from which the error is estimated
+_DRAWS = 4  # of the interpolation error, with a random sign in each gap
 
 
 @dataclass(frozen=True)
 class Bridged:
-    """A signal with its gaps crossed: ``x`` in the best way; ``others`` (draws, times), wrong in each gap by as much as it may
-    be, times one over ``doubt`` (0: nothing is missing), to a side of its own."""
+    """A signal with interpolated gaps: ``x``, and ``others`` (draws, times) with the possible error added in each gap.
+
+    The error has a random sign in each gap and is scaled by 1/``doubt``. ``doubt`` is 0 if nothing is missing.
+    """
 
     t: Array
     x: Array
@@ -29,8 +31,10 @@ class Bridged:
 
 
 def bridged(t: Array, x: Array) -> Bridged:
-    """A signal with points set in its gaps: a cubic with the slopes that it has before and after, or straight, whichever
-    misses less where the same samples are missing elsewhere."""
+    """Interpolate the gaps of a signal by a straight line, or by a cubic with the slopes before and after.
+
+    The method with the smaller error in artificial gaps of the same length is chosen.
+    """
     gaps = np.diff(t)
     step = float(np.median(gaps)) if len(gaps) else 1.0
     at = np.flatnonzero(gaps > GAP * step).tolist()
@@ -46,7 +50,7 @@ def bridged(t: Array, x: Array) -> Bridged:
     whole = np.concatenate([x, *(each.x for each in found)])[order]
     if not doubt > 0:
         return Bridged(new[order], whole, whole[None])
-    size = float(np.sqrt(np.mean(x**2)))  # what the draws are off by where it is worst: far above the solver's error
+    size = float(np.sqrt(np.mean(x**2)))  # largest error of the draws: far above the solver's error
     aside = [size * w / doubt * side[:, None] * each.aside for w, side, each in zip(wrong, sides.T, found, strict=True)]
     others = whole + np.concatenate([np.zeros((_DRAWS, len(t))), *aside], axis=1)[:, order]
     return Bridged(new[order], whole, others, doubt / size)
@@ -54,7 +58,7 @@ def bridged(t: Array, x: Array) -> Bridged:
 
 @dataclass(frozen=True)
 class _Crossed:
-    """Points in a gap: times, values, by how much they are wrong (root mean square), and the shape of that."""
+    """Interpolated points of a gap: times, values, their rms error and its shape."""
 
     t: Array
     x: Array
@@ -63,7 +67,7 @@ class _Crossed:
 
 
 def _crossed(t: Array, x: Array, i: int, step: float, grid: tuple[NDArray[np.int64], Array]) -> _Crossed:
-    """The gap after sample i, crossed in the way that misses least where the same samples are missing elsewhere."""
+    """The gap after sample i, interpolated by the method with the least error in artificial gaps elsewhere."""
     some = slice(max(i - _MOST, 0), min(i + 2 + _MOST, len(t)))
     here, lack = i - some.start, round((t[i + 1] - t[i]) / step)
     inner = np.linspace(t[i], t[i + 1], min(lack, _INSIDE) + 1)[1:-1]
@@ -90,7 +94,7 @@ def _bump(inner: Array, begin: float, end: float) -> Array:
 
 
 def _on_grid(t: Array, x: Array, step: float) -> tuple[NDArray[np.int64], Array]:
-    """The samples' numbers on an even grid, and the signal there, nan where there is none."""
+    """The samples' indices on an even grid, and the signal there, nan where a sample is missing."""
     number = np.rint((t - t[0]) / step).astype(np.int64)
     even = np.full(int(number[-1]) + 1, np.nan)
     even[number] = x
@@ -98,8 +102,10 @@ def _on_grid(t: Array, x: Array, step: float) -> tuple[NDArray[np.int64], Array]
 
 
 def _ways(t: Array, x: Array, i: int, when: Array, step: float) -> Array:
-    """Signals (times, signals) from sample i to the next, (ways, when, signals): straight, and as cubics with slopes from few
-    and from many samples."""
+    """Interpolations of signals (times, signals) from sample i to the next, (methods, when, signals).
+
+    The methods are a straight line, and cubics with slopes from few and from many samples.
+    """
     span = t[i + 1] - t[i]
     s = ((when - t[i]) / span)[:, None]
     secant = (x[i + 1] - x[i]) / span

@@ -1,4 +1,4 @@
-"""What is wrong with a recording: gaps, an early end, units, signs, clocks."""
+"""Detects errors in a recording: gaps, an early end, units, signs, clocks."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
 
-_SHORT = 0.7  # of the others' length
+_SHORT = 0.7  # of the typical length: a shorter recording may be truncated
 _TAIL = 0.02
-_REPEATS, _SELDOM = 10, 0.1  # samples of one value; the share elsewhere that repeat the one before, at most
+_REPEATS, _SELDOM = 10, 0.1  # least number of equal samples in a row; largest share of repeated samples elsewhere
 _FACTORS = {
     -1.0: "the other sign", np.pi / 180: "degrees", 180 / np.pi: "radians, not degrees", 1e-3: "thousandths",
     1e3: "thousands", np.pi / 30: "revolutions per minute", 2 * np.pi: "revolutions",
 }  # fmt: skip
-_LIKE = 0.1  # of a factor: how near a measured one is taken for it
+_LIKE = 0.1  # of a unit factor: tolerance within which a measured factor is taken for it
 _CLOCK = 0.05
-_STEPS, _ROUGHLY = 10, 1e-3  # of a search that only asks whether a recording can be followed
-_FOLLOWED = 0.1  # of its changes: a recording that would still be missed by more says nothing of its units
-_TRIED = 6  # recordings that are tried by themselves
+_STEPS, _ROUGHLY = 10, 1e-3  # of a search that only decides whether the machine describes a recording
+_FOLLOWED = 0.1  # of its changes: with a larger residual, a recording gives no evidence of its units
+_TRIED = 6  # recordings that are fitted individually
 
 
 def before(logs: Logs, scenario: Scenario) -> list[str]:
-    """What the recordings show by themselves."""
+    """Errors that the recordings show without a fit."""
     found: list[str] = []
     lengths = [float(r.t[-1]) for r in logs.recordings]
     for i, (r, length) in enumerate(zip(logs.recordings, lengths, strict=True)):
@@ -65,7 +65,7 @@ def _gaps(r: Recording) -> list[str]:
 
 
 def _tails(r: Recording) -> list[str]:
-    """Columns with empty cells, and those that end before the others."""
+    """Columns with empty cells, and columns that end before the others."""
     found = []
     for name, c in chain(r.outputs.items(), r.inputs.items()):
         good = np.isfinite(c.x) & np.isfinite(c.t)
@@ -87,7 +87,7 @@ def _tails(r: Recording) -> list[str]:
 
 
 def _stood(t: Array, x: Array) -> tuple[float, float] | None:
-    """Between which times a column stood still that changes with nearly each sample elsewhere."""
+    """The times between which a column is constant, if nearly each sample changes elsewhere."""
     same = np.diff(x) == 0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]])))
     begin, end = edges[::2], edges[1::2]
@@ -100,7 +100,7 @@ def _stood(t: Array, x: Array) -> tuple[float, float] | None:
 
 
 def _rates(r: Recording) -> list[str]:
-    """Whether a measured speed is the rate of the measured position."""
+    """Contradictions between a measured speed and the derivative of the measured position."""
     found = []
     for name, c in r.outputs.items():
         body, _, what = name.rpartition(".")
@@ -138,7 +138,7 @@ Runs = list[RecordedRun]
 
 
 def _alone(whole: MachineProblem, runs: Runs) -> tuple[float, list[MachineCoordinate], dict[str, float]]:
-    """What one recording by itself leaves of its changes, what is sought of it, and its numbers."""
+    """The relative residual of one recording fitted alone, the coordinates of this fit, and their values."""
     log, pieces = runs[0].log, {run.piece for run in runs}
     sought = [c for c in whole.sought if c.log in (None, log) and (not c.nuisance or c.piece in pieces)]
     problem = MachineProblem(runs, sought, whole.noise)
@@ -147,9 +147,9 @@ def _alone(whole: MachineProblem, runs: Runs) -> tuple[float, list[MachineCoordi
 
 
 def hypotheses(whole: MachineProblem) -> list[str]:
-    """What would let the machine follow its recordings: a column in other units, of the other sign, of another clock.
+    """Changes with which the machine would describe its recordings: other units, the other sign, another clock.
 
-    Each recording is tried by itself: where one alone cannot be followed, it is that one whose columns are looked at.
+    Each recording is fitted alone. If one cannot be described alone, its columns are tested.
     """
     of_log: dict[int, Runs] = {}
     for each in whole.runs:
@@ -160,7 +160,7 @@ def hypotheses(whole: MachineProblem) -> list[str]:
     k = int(np.argmax([left for left, _, _ in alone]))
     runs, (now, sought, _) = recordings[k], alone[k]
     told, least = [], min(alone, key=lambda each: each[0])
-    values = least[2] if least[0] <= POOR else {}  # those of a recording that is followed may be those of the others
+    values = least[2] if least[0] <= POOR else {}  # values from a described recording may suit the others
     names = [each[0].name for each in recordings]
     bad = [name for name, each in zip(names, alone, strict=True) if each[0] > POOR]
     if len(names) > 1 and bad != names:
@@ -176,7 +176,7 @@ def hypotheses(whole: MachineProblem) -> list[str]:
 def _columns_tried(
     whole: MachineProblem, runs: Runs, sought: list[MachineCoordinate], now: float, values: dict[str, float]
 ) -> list[str]:
-    """The change of a column that lets a recording be followed, if there is one."""
+    """The change of a column with which the machine describes the recording, if there is one."""
     found: list[tuple[float, str]] = []
     for target in runs[0].targets:
         for factor, words in _FACTORS.items():
@@ -201,7 +201,7 @@ def _columns_tried(
 
 
 def _inputs_scaled(runs: Runs) -> Iterator[tuple[str, Runs, float]]:
-    """The recording with one of its inputs in other units; another sign is that of an output too."""
+    """The recording with one input in other units. The other sign is not tried: it equals that of an output."""
     for path in runs[0].inputs:
         for factor in (1e-3, 1e3, np.pi / 180):
             scaled = [(run, replace(run.inputs[path], x=factor * run.inputs[path].x)) for run in runs]
@@ -219,7 +219,7 @@ def _tried(
     runs: Runs, sought: list[MachineCoordinate], whole: MachineProblem, factor: float, column: str,
     values: dict[str, float],
 ) -> float:  # fmt: skip
-    """How much of the columns' changes is left with one of them scaled."""
+    """The relative residual of the columns with one of them scaled."""
     own = []
     for c in sought:
         if c.nuisance and column.removesuffix(".y") in c.name:
@@ -231,7 +231,7 @@ def _tried(
 
 
 def _left(problem: MachineProblem, starts: int | None, values: dict[str, float]) -> tuple[float, Array]:
-    """The largest share that is left of a column's changes, from these numbers and other starts, and where that is."""
+    """The largest relative residual of a column after a search from these values and other starts, and its point."""
     shared = {c.name: values[c.name] for c in problem.sought if c.log is None and c.name in values}
     found = search(problem, starts or 4, 0, point_of(problem, shared), steps=_STEPS, small=_ROUGHLY)
     return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values()), found.u

@@ -1,4 +1,4 @@
-"""Which law, which terms, and what simpler friction would have done: all judged by recordings that are held out."""
+"""Chooses laws and terms by held-out recordings, and fits simpler friction for comparison."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ from stribeck.scenario.trust import astray
 if TYPE_CHECKING:
     from stribeck.identify.actuator.api import Fitting
 
-_EARNS = 0.01  # of the held-out error: what a further number must lower it by
-_STEEP = 50.0  # the smooth sign is complete at this share of the speeds
-_ELASTIC = 0.5  # of F_c/sigma_0: where z_ba begins
-_FEWER = 6  # starts of the fits that are only compared
+_EARNS = 0.01  # of the held-out error: the least reduction that justifies a further parameter
+_STEEP = 50.0  # k_v in units of 1/speed: the smooth sign is complete at a few hundredths of the speed
+_ELASTIC = 0.5  # of F_c/sigma_0: initial value of z_ba
+_FEWER = 6  # starts of fits that only serve for comparison
 BASELINES = {"coulomb and viscous": "coulomb_viscous", "coulomb, stribeck and viscous": "stribeck"}
 
 
 @dataclass
 class Chosen:
-    """The law that was taken."""
+    """The chosen law."""
 
     scenario: Scenario
     sought: list[MachineCoordinate]
@@ -44,11 +44,12 @@ class Chosen:
 
 
 def check(scenario: Scenario, laws: Mapping[str, Sequence[str]], given: Collection[str]) -> None:
-    """Refuse contacts and laws that do not exist, and laws in files elsewhere that are not among those ``given``:
-    LOGS.toml may come from a stranger.
+    """Check that contacts and laws exist, and that laws in files elsewhere are among those ``given``.
+
+    LOGS.toml may come from an untrusted source.
 
     Raises:
-        InputError: a line for each.
+        InputError: a line for each problem.
     """
     folder, contacts = scenario.folder, scenario.data.get("contacts", {})
     text = "lies outside the machine's folder, and a law is a program that would be executed"
@@ -69,7 +70,7 @@ def check(scenario: Scenario, laws: Mapping[str, Sequence[str]], given: Collecti
 
 
 def held_out_error(fit: Fitting, scenario: Scenario, best: BestPoint, held: Sequence[tuple[int, Recording]]) -> float:
-    """The relative error over recordings that the estimate has not seen (columns' root mean square)."""
+    """The relative error over held-out recordings (root mean square over the columns)."""
     window = float(np.median([run.scenario.end for run in best.problem.runs])) if best.windowed else None
     parts = [
         x.relative for i, r in held for x in traces(scenario, r, i, best.problem.sought, best.values(), window)
@@ -80,7 +81,7 @@ def held_out_error(fit: Fitting, scenario: Scenario, best: BestPoint, held: Sequ
 def with_laws(
     scenario: Scenario, sought: Sequence[MachineCoordinate], laws: Mapping[str, str], speeds: Mapping[str, float]
 ) -> tuple[Scenario, list[MachineCoordinate]]:
-    """The machine with other laws in some contacts; constants that it did not have are sought too, within wide bounds."""
+    """The machine with other laws in some contacts. New constants are fitted too, within wide bounds."""
     import warnings
 
     from stribeck.errors import StribeckNote
@@ -105,7 +106,7 @@ def with_laws(
 def _constants(
     path: str, old: Mapping[str, object], law: type[Law], sought: Sequence[MachineCoordinate], speed: float
 ) -> tuple[dict[str, object], list[MachineCoordinate]]:
-    """Values for the constants that a law has beside the old one's, and coordinates for those that matter."""
+    """Values of the constants that the old law does not have, and coordinates of those that matter."""
     parameters = old.get("parameters", {})
     have = {
         **(parameters if isinstance(parameters, dict) else {}),
@@ -134,7 +135,7 @@ def _constants(
 
 
 def _speeds(fit: Fitting) -> dict[str, float]:
-    """A typical speed in each contact, from the simulated machine as it stands."""
+    """A typical speed in each contact, from a simulation of the machine with its present values."""
     found = {}
     for contact in fit.scenario.data.get("contacts", {}):
         try:
@@ -151,8 +152,10 @@ def _speeds(fit: Fitting) -> dict[str, float]:
 
 
 def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
-    """Fit every combination of the laws named, and take the one that predicts held-out recordings best; of nearly equal
-    ones the simplest."""
+    """Fit every combination of the given laws, and choose the one that predicts held-out recordings best.
+
+    Among nearly equal ones the simplest is chosen.
+    """
     fitted, held, note = _split(fit)
     speeds = _speeds(fit)
     tried: dict[str, OpenLaw] = {}
@@ -194,8 +197,10 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
 
 
 def from_simpler(fit: Fitting, best: BestPoint) -> BestPoint:
-    """A fit that leaves more than noise, searched again from the best numbers of a law without bristles that its laws
-    contain; the better of both."""
+    """If the residual exceeds the noise, search again from the optimum of a law without bristles that is a special case.
+
+    Returns the better of both fits.
+    """
     if best.stopped or not doubtful(best):
         return best
     large = OpenLaw(fit.scenario, fit.sought, best)
@@ -219,7 +224,7 @@ def from_simpler(fit: Fitting, best: BestPoint) -> BestPoint:
 
 
 def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, Recording]], str]:
-    """What is fitted and what is predicted when laws are compared."""
+    """The fitted and the held-out recordings of a comparison of laws."""
     if fit.held:
         return fit.fitted, fit.held, ""
     if len(fit.fitted) > 1:
@@ -232,7 +237,7 @@ def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, R
 
 
 def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> Chosen | None:
-    """Leave out terms that do not lower the held-out error: numbers sought that may be 0."""
+    """Leave out fitted terms that may be 0 and do not lower the held-out error."""
     scenario, sought = fit.scenario, fit.sought
     zero = [c for c in sought if c.low == 0.0 and c.log is None and c.targets]
     if not fit.held or not zero or best.missed():
@@ -261,7 +266,7 @@ def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> Chosen | None:
 
 
 def _no_worse(best: BestPoint, other: BestPoint) -> bool:
-    """Whether the recordings that are fitted are followed as well."""
+    """Whether ``other`` describes the fitted recordings as well as ``best``."""
     from stribeck.identify.actuator.estimate import leftovers
 
     with_, without = leftovers(best.problem, best.u), leftovers(other.problem, other.u)
@@ -269,7 +274,7 @@ def _no_worse(best: BestPoint, other: BestPoint) -> bool:
 
 
 def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
-    """What simpler friction leaves: none, Coulomb and viscous, Coulomb, Stribeck and viscous, beside the law fitted."""
+    """Residuals of simpler friction: none; Coulomb and viscous; Coulomb, Stribeck and viscous."""
     contacts = [
         name for name in fit.scenario.data.get("contacts", {})
         if any(p.startswith(f"contacts.{name}.") for c in fit.sought for p in c.targets)
@@ -291,7 +296,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
             best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values, thorough=False)
             errors = [held_out_error(fit, scenario, best, part) for part in (fit.fitted, fit.held)]
             found[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held else None, "numbers": len(sought)}
-        except InputError:  # a recorded column that the simpler machine has not, such as a contact's force
+        except InputError:  # a recorded column that the simpler machine lacks, such as a contact's force
             continue
         except StribeckError as error:
             found[label] = {"why": first_line(error)}
@@ -299,7 +304,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
 
 
 def without_contacts(fit: Fitting, contacts: Sequence[str]) -> tuple[Scenario, list[MachineCoordinate]]:
-    """The machine without the friction that is sought."""
+    """The machine without the fitted friction."""
     data = {
         **fit.scenario.data,
         "contacts": {n: t for n, t in fit.scenario.data["contacts"].items() if n not in contacts},

@@ -1,8 +1,7 @@
-"""Whole recordings, followed from their beginnings on: as far as the numbers allow, then a little farther.
+"""Fits whole recordings by continuation: first only the described beginning of each, then longer and longer parts.
 
-The cost of a whole recording has many minima where one slip more or less changes everything that comes after; up to
-there it has one. So each recording is fitted as far as it is followed, which makes the numbers better, which makes it
-followed farther, until its end.
+One slip more or less changes all later samples, so the cost of a whole recording has many local minima. The cost of its
+beginning has one. Each fit improves the parameters, and the simulation then follows a longer part.
 """
 
 from __future__ import annotations
@@ -19,8 +18,8 @@ from stribeck.identify.actuator.solve import search
 from stribeck.identify.work import Stopped
 
 LEVELS = 16  # parts of a recording
-_FOLLOWED = 0.1  # of a column's changes: a larger error is no longer followed
-_CLOSELY = 0.02  # the same, where errors may grow fast
+_FOLLOWED = 0.1  # of a column's changes: with a larger error, the simulation no longer follows the recording
+_CLOSELY = 0.02  # the same, if errors may grow fast
 _FARTHER = 1.25
 _ROUNDS = 24
 _STUCK = 3
@@ -31,12 +30,12 @@ _SMALL = 1e-3
 def continued(
     problem: MachineProblem, u: Array, keep: Callable[[Array, float], None] | None, careful: bool = False
 ) -> tuple[Array, float]:
-    """The point from where whole recordings can be fitted, or the one that follows them farthest; and the share of them
-    that is followed, 1 for all. ``careful``: part by part, each to its best
-    numbers, as chaotic motion asks for.
+    """The point that follows the recordings farthest, and the followed share of them (1: all).
+
+    ``careful``: converge on each part before the next, for chaotic motion.
 
     Raises:
-        Stopped: Ctrl-C; what was found so far went to ``keep``.
+        Stopped: Ctrl-C; the best point so far was passed to ``keep``.
     """
     parts: dict[tuple[int, int], RecordedRun] = {}
     limit, steps = (_CLOSELY, _MORE_STEPS) if careful else (_FOLLOWED, _STEPS)
@@ -58,7 +57,7 @@ def continued(
 
 
 def _followed(problem: MachineProblem, u: Array, limit: float = _FOLLOWED) -> Array:
-    """By run: how many of its parts are followed, at least one."""
+    """The number of parts that the simulation follows in each run, at least one."""
     r = problem.residuals(u[None])[0]
     found = np.full(len(problem.runs), LEVELS)
     for k, run in enumerate(problem.runs):
@@ -74,7 +73,7 @@ def _followed(problem: MachineProblem, u: Array, limit: float = _FOLLOWED) -> Ar
 
 
 def _until(problem: MachineProblem, levels: Array, parts: dict[tuple[int, int], RecordedRun]) -> MachineProblem:
-    """The problem with each run up to one of its parts."""
+    """The problem with each run cut after the given number of parts."""
     runs = []
     for k, (run, level) in enumerate(zip(problem.runs, levels, strict=True)):
         if level == LEVELS:
@@ -87,7 +86,7 @@ def _until(problem: MachineProblem, levels: Array, parts: dict[tuple[int, int], 
 
 
 def cut(run: RecordedRun, level: int) -> RecordedRun:
-    """The first parts of a run."""
+    """The first ``level`` parts of a run."""
     step = run.scenario.output.step
     end = max(round(run.scenario.end * level / LEVELS / step), 2) * step
     targets = [t.rows(t.t <= end) for t in run.targets]

@@ -1,4 +1,4 @@
-"""What is sought as coordinates that an optimiser moves: where each number goes, its bounds, its scale."""
+"""The fitted parameters as coordinates of the optimizer: the target of each number, its bounds, its scale."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from stribeck.scenario import Scenario
 _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
 _START = re.compile(r"initial\.(\w+)\.([yv])")
 _OUTPUT = re.compile(r"outputs\.(.+)\.(\w+)")
-_DECADES = 2.5  # bounds farther apart by this factor, and positive, are searched in the logarithm
+_DECADES = 2.5  # positive bounds whose ratio exceeds this factor are searched in the logarithm
 NEUTRAL = {"offset": 0.0, "gain": 1.0, "delay": 0.0, "clock": 0.0}
 
 
 @dataclass(frozen=True)
 class MachineCoordinate:
-    """A number that is sought.
+    """A fitted number.
 
     Attributes:
         name: its path as the user wrote it (with the log's number).
         targets: the machine's paths that it sets, each with a factor; empty for a sensor's number.
-        output: the column and what of its sensor: offset, gain, delay (s), clock (s of delay gained in a second), or what
-            it holds beside.
+        output: the column and the sensor's parameter: offset, gain, delay (s), clock drift (s of delay per s), or the
+            coefficient of a further term.
         log: the recording that it belongs to, or None: all.
-        nuisance: not asked for: the state in which a recording begins.
+        nuisance: a nuisance parameter, such as the initial state of a recording.
     """
 
     name: str
@@ -41,7 +41,7 @@ class MachineCoordinate:
     output: tuple[str, str] | None = None
     log: int | None = None
     nuisance: bool = False
-    piece: str | None = None  # the stretch of a recording that it belongs to
+    piece: str | None = None  # its stretch of a recording
 
     @property
     def logarithmic(self) -> bool:
@@ -68,15 +68,15 @@ class MachineCoordinate:
 
 
 def paths(sought: Sequence[MachineCoordinate]) -> frozenset[str]:
-    """The paths of what is sought."""
+    """The paths of the fitted numbers."""
     return frozenset(path for c in sought for path in c.targets)
 
 
 def coordinates(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
-    """What is sought, each path looked up in the machine.
+    """The coordinates of all fitted numbers, each path looked up in the machine.
 
     Raises:
-        InputError: a path is none of the machine's; a line for each.
+        InputError: a path is not in the machine; a line for each.
     """
     found: list[MachineCoordinate] = []
     problems: list[str] = []
@@ -105,7 +105,7 @@ def coordinates(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
 
 
 def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: int | None) -> MachineCoordinate | str:
-    """One coordinate, or what is wrong with its path."""
+    """One coordinate, or the error in its path."""
     if output := _OUTPUT.fullmatch(rest):
         measured = {column for r in logs.recordings for column in r.outputs}
         if output[1] not in measured:
@@ -131,7 +131,7 @@ def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
     """Why a path cannot take these values, or None."""
     places = scenario.places
     if path not in places:
-        try:  # a constant that is off, such as a play that is not given
+        try:  # a constant that is off, such as an omitted backlash
             places = scenario.with_changes({path: values[-1]}).places
         except InputError:
             places = scenario.places
@@ -144,13 +144,13 @@ def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
             scenario.with_changes({path: x})
         except InputError as error:
             mine = [line for line in error.problems if line.startswith(f"{path}:")]
-            if mine and "F_c" not in mine[0].partition(": ")[2]:  # relations to others hold by themselves
+            if mine and "F_c" not in mine[0].partition(": ")[2]:  # the search maintains relations to other numbers
                 return f"{x:g}: {mine[0].partition(': ')[2]}"
     return None
 
 
 def _like(path: str, places: Sequence[str]) -> list[str]:
-    """The numbers of the machine to name beside one that it does not have: those of the same element, or of the same kind."""
+    """Suggestions for an unknown path: the machine's numbers of the same element, or of the same kind."""
     words = path.split(".")
     for most in (2, 1):
         if same := [x for x in places if x.split(".")[:most] == words[:most]]:

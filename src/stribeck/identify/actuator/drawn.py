@@ -1,8 +1,8 @@
-"""Errors of what was measured whose size is known, as draws of what they do to all residuals: noise, missing samples, filters.
+"""Effects of measurement errors of known size on all residuals, as random draws: noise, missing samples, filters.
 
-A simulation follows its inputs, so these errors are in the variables, and what they leave remembers as long as a recording.
-Those that are known as recordings (noise of a motion once more, behind its filter: Cook and Stefanski 1994; another filter) are
-fitted again: they bias what is fitted, and the shift shows by how much.
+A simulation follows its inputs, so these are errors in variables. Their residuals are correlated over a whole recording.
+Some errors are available as alternative recordings: noise added once more behind the filter (Cook and Stefanski 1994), or
+another filter. These recordings are fitted again, and the shift of the estimates shows the bias.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import direction
 from stribeck.identify.features.filtering import typical_roughness
 
-ORDER = 6  # of the differences that are noise: an input may be fast
-PILOT, DRAWS = 4, 24  # draws that show whether it matters; that then tell a deviation to 15 %
-LITTLE = 0.02  # of the sum of squares that is left: less does not matter
-FAINT = 1e-9  # damping of a step that only rounding limits
-MOST = 0.49  # change by a share: of one half there is no way back
+ORDER = 6  # of the differences that estimate noise: a high order removes fast inputs
+PILOT, DRAWS = 4, 24  # draws that decide whether the noise matters; draws that give a deviation to 15 %
+LITTLE = 0.02  # of the residual sum of squares: a smaller contribution does not matter
+FAINT = 1e-9  # damping of a step: only against rounding
+MOST = 0.49  # largest relative change: the extrapolation is singular at one half
 
 
 def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
-    """For each source of errors that matters the residuals as it moves them, (draws, residuals); ``J``: their slopes."""
+    """The changes of the residuals by each relevant source of errors, (draws, residuals); ``J``: the Jacobian."""
     r = problem.residuals(u[None])[0]
     found = [_by_gaps(problem, u, r), *_fitted_again(problem, u, J)]
     pilot = _by_noise(problem, u, r, PILOT)
@@ -36,7 +36,7 @@ def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
 
 
 def carried(problem: MachineProblem, u: Array) -> dict[str, float]:
-    """By column, the root mean square of what these errors make of it at a point, without fitting again."""
+    """The rms effect of these errors on each column at a point, without fitting again."""
     r = problem.residuals(u[None])[0]
     draws = [*_as_well(problem, u, r), _by_gaps(problem, u, r), _by_noise(problem, u, r, PILOT)]
     square = sum((np.mean(x**2, axis=0) for x in draws if x is not None and np.isfinite(x).all()), np.zeros(len(r)))
@@ -50,21 +50,24 @@ def carried(problem: MachineProblem, u: Array) -> dict[str, float]:
 
 
 def _alternatives(problem: MachineProblem) -> Iterator[list[list[RecordedRun]]]:
-    """By cause, the recordings as they might be as well."""
+    """By cause, the alternative recordings."""
     for cause in dict.fromkeys(cause for run in problem.runs for cause in run.as_well):
         count = max(len(run.as_well[cause]) for run in problem.runs)
         yield [[run.instead(run.as_well[cause][n]) for run in problem.runs] for n in range(count)]
 
 
 def _as_well(problem: MachineProblem, u: Array, r: Array) -> Iterator[Array]:
-    """How far the residuals are off with the recordings as they might be as well, by cause."""
+    """The change of the residuals with the alternative recordings, by cause."""
     for same in _alternatives(problem):
         yield np.array([_moved(problem, u, r, runs) for runs in same])
 
 
 def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array]:
-    """By cause, the residuals that would move the numbers as fitting the recordings as they might be as well does: by a step of
-    Gauss and Newton with slopes of their own, which hold the bias. The same step of the fit's own recordings is taken off."""
+    """By cause, changes of the residuals that move the estimates as a fit of the alternative recordings does.
+
+    The move is a Gauss-Newton step with the alternative's own Jacobian, which contains the bias. The same step for the
+    fit's own recordings is subtracted.
+    """
     base: Array | None = None
     for same in _alternatives(problem):
         base = _newton(problem, u) if base is None else base
@@ -73,11 +76,11 @@ def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array
 
 
 def _extrapolated(problem: MachineProblem, step: Array) -> Array:
-    """How far errors have moved the numbers, from the step that the same errors once more make.
+    """The bias of the estimates, from the step that the same errors cause when added once more.
 
-    What errors attenuate falls as 1/(1 + s), and with the errors once more as 1/(1 + 2 s): the rational extrapolant of
-    Carroll, Ruppert, Stefanski and Crainiceanu (Measurement Error in Nonlinear Models, 2006, 5.3.2). It is for numbers that
-    are sought by their logarithm: their steps are changes by a share.
+    An attenuated estimate falls as 1/(1 + s), and as 1/(1 + 2 s) with the errors added once more. This is the rational
+    extrapolant of Carroll, Ruppert, Stefanski and Crainiceanu (Measurement Error in Nonlinear Models, 2006, 5.3.2). It is
+    applied to numbers searched by their logarithm, whose steps are relative changes.
     """
     share = np.minimum(abs(step), MOST)
     far = np.sign(step) * np.log((1 - share) / (1 - 2 * share))
@@ -85,13 +88,13 @@ def _extrapolated(problem: MachineProblem, step: Array) -> Array:
 
 
 def _newton(problem: MachineProblem, u: Array) -> Array:
-    """The step of Gauss and Newton."""
+    """The Gauss-Newton step."""
     r, J = problem.slopes(u[None], np.full(len(u), problem.step))
     return direction(r[0], J[0], u, problem, FAINT)
 
 
 def _moved(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:
-    """How far the residuals are off with other runs; what is known before stays."""
+    """The change of the residuals with other runs; priors are unchanged."""
     own, off = replace(problem, runs=runs, noise=dict(problem.noise), tied=False), np.zeros(len(r))
     compared = int(problem.first[-1])
     off[:compared] = own.residuals(u[None])[0][:compared] - r[:compared]
@@ -99,7 +102,7 @@ def _moved(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun])
 
 
 def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array | None:
-    """The noise of each recorded input: as given, or what changes from sample to sample; steps are no noise."""
+    """Changes of the residuals by each recorded input's noise, given or estimated from sample to sample without steps."""
     sizes = []
     for run in problem.runs:
         of = {p: typical_roughness([x.x], ORDER) if x.noise is None else x.noise for p, x in run.inputs.items()}
@@ -117,7 +120,7 @@ def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array 
 
 
 def _by_gaps(problem: MachineProblem, u: Array, r: Array) -> Array | None:
-    """Inputs that are wrong in their gaps by as much as they may be."""
+    """Changes of the residuals by the interpolation error of inputs in their gaps."""
     draws = max(len(run.otherwise) for run in problem.runs)
     if not draws:
         return None
