@@ -149,7 +149,7 @@ def _alone(whole: MachineProblem, runs: Runs) -> tuple[float, list[MachineCoordi
 def hypotheses(whole: MachineProblem) -> list[str]:
     """Changes with which the machine would describe its recordings: other units, the other sign, another clock.
 
-    Each recording is fitted alone. If one cannot be described alone, its columns are tested.
+    Each recording is fitted alone, and the columns of the worst one are tested.
     """
     of_log: dict[int, Runs] = {}
     for each in whole.runs:

@@ -1,4 +1,4 @@
-"""From recordings to the best numbers: which stretches are simulated, how columns are weighted, where to search."""
+"""Estimates parameters from recordings: chooses the simulated stretches, the columns' weights and the starts."""
 
 from __future__ import annotations
 
@@ -20,30 +20,32 @@ from stribeck.identify.actuator.starts import begun, stretches
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 
-POOR = 0.25  # of a column's changes: a fit that leaves more misses
-_FIRST = 0.05  # of a column's changes: the noise to begin with
-_WEIGHTINGS = 8  # a poor start may need some: each lets the search see more
+POOR = 0.25  # of a column's changes: with a larger residual, the model does not describe the data
+_FIRST = 0.05  # of a column's changes: initial value of the noise
+_WEIGHTINGS = 8  # at most: each reduces the noise, and a poor start needs several
 _SETTLED = 0.05
-_OFF, _GROWN = 1e-6, 100.0  # of the position's changes; times a start's error: then less than the noise decides
-# Times the noise: white noise leaves 1.0, to some hundredths. More may be another minimum, if few starts came to this one.
+# Initial error, as a share of the position's changes; growth of this error above which the motion counts as unstable.
+_OFF, _GROWN = 1e-6, 100.0
+# Residual in units of the noise: 1.0 for white noise, to some hundredths. A larger one may be a local minimum, unless
+# this many starts agree.
 _DOUBTED, _AGREEING = 1.2, 3
-_STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
+_STRETCH = 12  # stretches per recording for the comparison of starts, if no recorded motion drives the machine
 _SHORTEST = 0.2  # s
 _ROUGH = 12  # steps of the search in stretches
-_COMPUTED = 0.5  # deviations of a number: what ten times the solver's error may move it by
-_CAREFUL = 2  # points from which whole recordings are followed part by part
-_AS_WELL = 1.2  # times what free stretches leave
-_ENOUGH = 6  # recordings in which starts are compared
-_LOOSE = 1e-6  # rtol, far from the best numbers
-FAR_STEP = 1e-3  # of a coordinate, for slopes there
-_NEAR = 1e-4  # of the cost: a smaller fall ends the search there
-_MUCH = 3.0  # a whole recording that is worse than its stretches by this factor is fitted in stretches
+_COMPUTED = 0.5  # standard deviations: largest move of an estimate by ten times the solver's error
+_CAREFUL = 2  # points from which whole recordings are fitted part by part
+_AS_WELL = 1.2  # times the residual of free stretches
+_ENOUGH = 6  # recordings for the comparison of starts
+_LOOSE = 1e-6  # rtol far from the optimum
+FAR_STEP = 1e-3  # of a coordinate: step of the differences far from the optimum
+_NEAR = 1e-4  # relative reduction of the cost below which a search far from the optimum ends
+_MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above which stretches are fitted
 Keep = Callable[[dict[str, float], float], None]
 
 
 @dataclass
 class BestPoint:
-    """The best point of a problem, and how it was come by; ``ended``: whether no step from there helps."""
+    """The best point of a problem and its search; ``ended``: whether no further step reduces the cost."""
 
     problem: MachineProblem
     u: Array
@@ -58,11 +60,11 @@ class BestPoint:
         return self.found.stopped
 
     def values(self) -> dict[str, float]:
-        """The numbers by name."""
+        """The parameters' values by name."""
         return self.problem.values(self.u)
 
     def missed(self) -> list[str]:
-        """The columns of which the fit leaves too much, in words."""
+        """The columns that the fit does not describe, in words."""
         told = []
         for column, (left, size) in leftovers(self.problem, self.u).items():
             if not np.isfinite(left):
@@ -73,15 +75,17 @@ class BestPoint:
 
 
 def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
-    """The columns of which more is left than their noise, and what errors of the inputs make of them, where few starts agree on
-    the minimum, in words: there may be a better one."""
+    """The columns whose residual exceeds their noise and the effect of input errors, in words.
+
+    Empty if several starts agree on the minimum; otherwise there may be a better one.
+    """
     if agreeing >= _AGREEING:
         return []
     least = {column: noise_of(problem, column) for column in problem.noise}
     more = {
         n: left for n, (left, _) in leftovers(problem, u).items() if least[n] > 0 and not left <= _DOUBTED * least[n]
     }
-    if more and np.isfinite(list(more.values())).all():  # nan: it cannot be simulated there
+    if more and np.isfinite(list(more.values())).all():  # nan: the simulation fails there
         least = {n: float(np.hypot(least[n], x)) for n, x in carried(problem, u).items()}
     return [
         f"{n}: {left:.2g} is left, {left / least[n]:.3g} times the noise of what is measured"
@@ -90,7 +94,7 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
 
 
 def unstable(problem: MachineProblem, u: Array) -> bool:
-    """Whether a start that is off by little is soon off by much, as of a pendulum held upright."""
+    """Whether a small error of the initial state grows fast, as in an upright pendulum."""
     for k, run in enumerate(problem.runs):
         body = next((t.column for t in run.targets if t.column.endswith(".y")), None)
         if body is None or body not in {state.name for state in run.scenario.system.states}:
@@ -106,14 +110,16 @@ def unstable(problem: MachineProblem, u: Array) -> bool:
 
 
 def beyond_solver(problem: MachineProblem, u: Array) -> list[str]:
-    """Whether ten times the solver's error could move a number by a good part of its deviation, in words: errors grow so
-    fast that slopes over whole recordings tell more than can be computed."""
+    """A warning if ten times the solver's error could move an estimate by much of its standard deviation.
+
+    Errors then grow so fast that the Jacobian over whole recordings is more sensitive than the solver is accurate.
+    """
     runs = []
     for run in problem.runs:
         scenario = run.scenario.with_changes({"solve.rtol": min(10 * run.scenario.solve.rtol, 1e-3)})
         runs.append(replace(run, scenario=scenario))
     off = replace(problem, runs=runs).residuals(u[None])[0] - problem.residuals(u[None])[0]
-    size = float(np.linalg.norm(off))  # no number can move by more of its deviations
+    size = float(np.linalg.norm(off))  # bound of any estimate's move, in its standard deviations
     if size <= _COMPUTED:
         return []
     worst = max(range(len(runs)), key=lambda k: np.linalg.norm(off[problem.first[k] : problem.first[k + 1]]))
@@ -124,7 +130,7 @@ def beyond_solver(problem: MachineProblem, u: Array) -> list[str]:
 
 
 def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
-    """By column: the root mean square of what is left, and that of the column's changes within a recording."""
+    """By column: the rms residual, and the rms of the column's changes within a recording."""
     r = problem.residuals(u[None])[0]
     left: dict[str, list[Array]] = {}
     size: dict[str, list[Array]] = {}
@@ -139,13 +145,13 @@ def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float
 
 
 def noise_of(problem: MachineProblem, column: str) -> float:
-    """The noise of a column: what changes from sample to sample."""
+    """The noise of a column, from its changes between samples."""
     rough = roughness([t.x for run in problem.runs for t in run.targets if t.column == column])
     return max(rough, floor_of(problem, column))
 
 
 def floor_of(problem: MachineProblem, column: str) -> float:
-    """The least noise that a column can have: that of its steps."""
+    """The least noise of a column: its quantization noise."""
     steps = [
         np.diff(np.unique(t.x)).min(initial=np.inf) for run in problem.runs for t in run.targets if t.column == column
     ]
@@ -154,7 +160,7 @@ def floor_of(problem: MachineProblem, column: str) -> float:
 
 
 def first_noise(recordings: Sequence[Recording]) -> tuple[dict[str, float], set[str]]:
-    """The noise of each column to begin with, and the columns whose noise was given."""
+    """The initial value of each column's noise, and the columns whose noise is given."""
     found: dict[str, float] = {}
     given: set[str] = set()
     for column in dict.fromkeys(c for r in recordings for c in r.outputs):
@@ -173,7 +179,10 @@ def prepared(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], named: set[str], window: float | None = None,
     free: bool = True,
 ) -> tuple[list[RecordedRun], list[MachineCoordinate]]:  # fmt: skip
-    """The runs, whole or in stretches, and what of their starts is sought (``free``; else the estimates hold)."""
+    """The runs, whole or in stretches, and the coordinates of their initial states.
+
+    Without ``free``, the initial states are fixed at their estimates.
+    """
     runs: list[RecordedRun] = []
     starts: list[MachineCoordinate] = []
     for log, recording in recordings:
@@ -190,8 +199,10 @@ def prepared(
 
 
 def remembers(scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -> bool:
-    """Whether the machine holds what no stretch can begin with: a controller's integral, its samples, or a signal that
-    was not recorded and cannot be cut."""
+    """Whether a stretch cannot begin inside a recording, because its initial state is unknown.
+
+    Causes are a controller's integral or samples, and a signal that is not recorded and cannot be cut.
+    """
     return bool(scenario.system.controllers) or any(unshifted(scenario, r) for _, r in recordings)
 
 
@@ -199,14 +210,14 @@ def estimate(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], starts: int, seed: int,
     work: Work, first: dict[str, float] | None = None, keep: Keep | None = None, thorough: bool = True,
 ) -> BestPoint:  # fmt: skip
-    """The best numbers for these recordings; not ``thorough``: of a model that may err, and is only compared."""
+    """The best fit of these recordings. Without ``thorough``: a faster search for models that are only compared."""
     fitted = {i for i, _ in recordings}
     sought = [c for c in sought if c.log is None or c.log in fitted]
     named = {c.name for c in sought} | paths(sought)
     noise, given = first_noise([r for _, r in recordings])
     asked = any(r.window for _, r in recordings)
     notes: list[str] = []
-    starts = starts if sought else 1  # the machine without friction may have nothing that is sought
+    starts = starts if sought else 1  # the machine without friction may have no parameter to fit
     begin, many = dict(first or {}), starts > 1
     loose = loosened(scenario)
     agreed, others = 0, list[dict[str, float]]()
@@ -225,7 +236,7 @@ def estimate(
     runs, own = prepared(loose, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work, step=FAR_STEP)
     points = [begin, *others] if thorough else [begin]
-    if led:  # a motion that was recorded lets no error last
+    if led:  # with a recorded motion, no error persists
         found = search(problem, starts, seed, point_of(problem, begin), _kept(problem, keep), wide=True, small=_NEAR)
     else:
         found = _whole(problem, points, starts, seed, {i for i, _ in _some(recordings)}, keep)
@@ -246,8 +257,11 @@ def estimate(
 
 
 def _confirmed(problem: MachineProblem, found: Found, seed: int, keep: Keep | None) -> Found:
-    """The best point, followed to its end; if more than noise is left there, beside where other starts end, which were given up
-    on their way; or, where no other start was on its way, points elsewhere."""
+    """The best point after a converged search.
+
+    If its residual exceeds the noise, the starts that were given up are converged too, and the best of all is returned.
+    If there are none, the search is repeated from points elsewhere.
+    """
     kept = _kept(problem, keep)
     try:
         end = search(problem, 1, seed, found.u, kept, small=_NEAR)
@@ -270,7 +284,7 @@ def _confirmed(problem: MachineProblem, found: Found, seed: int, keep: Keep | No
 
 
 def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
-    """Stretches tied to each other, where they can be followed so as well."""
+    """The fit with stretches tied to each other, if it describes the recordings as well."""
     problem = replace(parts.problem, noise=dict(parts.problem.noise))
     found = joined_stretches(problem, parts.u, _kept(problem, keep), lambda p, u: _weigh(p, u, given))
     if found is None:
@@ -291,12 +305,12 @@ def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
 
 
 def loosened(scenario: Scenario) -> Scenario:
-    """The machine with the tolerance with which it is simulated while the numbers are far from their best."""
+    """The machine with the looser solver tolerance that is used far from the optimum."""
     return scenario.with_changes({"solve.rtol": max(scenario.solve.rtol, _LOOSE)})
 
 
 def _some(recordings: Sequence[tuple[int, Recording]]) -> list[tuple[int, Recording]]:
-    """Some of many recordings, of each load one if possible."""
+    """At most ``_ENOUGH`` recordings, one of each load if possible."""
     some: list[tuple[int, Recording]] = []
     left = list(recordings)
     while left and len(some) < _ENOUGH:
@@ -311,7 +325,7 @@ def _roughly(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], named: set[str],
     noise: dict[str, float], work: Work,
 ) -> MachineProblem:  # fmt: skip
-    """The problem in which starts are compared: short stretches of some recordings."""
+    """The problem for the comparison of starts: short stretches of some recordings."""
     some = _some(recordings)
     window = max(
         _SHORTEST, min(float(np.median([r.t[-1] for _, r in some])) / _STRETCH, *(r.window or np.inf for _, r in some))
@@ -323,8 +337,10 @@ def _roughly(
 def _whole(
     problem: MachineProblem, points: Sequence[dict[str, float]], starts: int, seed: int, logs: set[int], keep: Keep | None
 ) -> Found:  # fmt: skip
-    """The best point for whole recordings, from the first of these points whose way there leaves noise alone, or the
-    best of all; ``logs``: the recordings that are followed first."""
+    """The best point for whole recordings by continuation from each of ``points``.
+
+    The first result whose residual is noise is returned, otherwise the best. ``logs``: the recordings fitted first.
+    """
     kept, tried = _kept(problem, keep), list[tuple[float, Array]]()
     some = replace(problem, runs=[run for run in problem.runs if run.log in logs])
     best = point_of(problem, points[0])
@@ -359,14 +375,14 @@ def _in_stretches(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], named: set[str],
     whole: BestPoint, begin: dict[str, float], work: Work, keep: Keep | None, grows: bool,
 ) -> BestPoint:  # fmt: skip
-    """Multiple shooting: each stretch begins in a state of its own, so that no error grows from one end to the other."""
+    """Multiple shooting: each stretch has its own initial state, so errors cannot grow over a whole recording."""
     window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH * 2)
     runs, own = prepared(scenario, recordings, named, window)
     problem = MachineProblem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
     found = search(problem, 1, 0, point_of(problem, begin), _kept(problem, keep))
     parts = BestPoint(problem, found.u, found, whole.notes, True)
     left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
-    least = 1 / _AS_WELL if grows else _MUCH  # what nobody measures may be known from the whole alone
+    least = 1 / _AS_WELL if grows else _MUCH  # whole recordings may be the only information on unmeasured states
     if all(not left[c][0] > least * right[c][0] for c in left):
         return whole
     why = "errors grow fast in this motion" if grows else "whole recordings cannot be followed from their start"
@@ -378,7 +394,7 @@ def _in_stretches(
 
 
 def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
-    """The fit with each column weighted by the noise that it turned out to have."""
+    """The fit with each column weighted by its estimated noise."""
     problem = estimate.problem
     for _ in range(_WEIGHTINGS):
         if estimate.stopped or half_squares(problem.residuals(estimate.u[None]))[0] > 1e200:
@@ -390,12 +406,12 @@ def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPo
         found = search(problem, 1, 0, estimate.u, _kept(problem, keep))
         estimate.u, estimate.found = found.u, replace(found, agreeing=estimate.found.agreeing)
     else:
-        _weigh(problem, estimate.u, given)  # the last search may have left less
+        _weigh(problem, estimate.u, given)  # the last search may have reduced the residual
     return estimate
 
 
 def _weigh(problem: MachineProblem, u: Array, given: set[str]) -> None:
-    """Set the noise of each column to what is left of it, unless it was given and is not much less."""
+    """Set the noise of each column to its residual, unless the noise is given and not much smaller."""
     share = problem.size / max(problem.size - len(problem.sought), 1)
     for column, (left, _) in leftovers(problem, u).items():
         told = left * np.sqrt(min(share, 2.0))
@@ -404,7 +420,7 @@ def _weigh(problem: MachineProblem, u: Array, given: set[str]) -> None:
 
 
 def point_of(problem: MachineProblem, values: dict[str, float]) -> Array:
-    """A point from numbers by name, the rest from the machine."""
+    """A point from values by name; other coordinates have the machine's values."""
     u = problem.start()
     for i, c in enumerate(problem.sought):
         if c.name in values:

@@ -1,5 +1,7 @@
-"""What drove a machine in a recording: its recorded signals, straight from sample to sample or held as a sampled controller
-holds them."""
+"""The recorded inputs of a machine.
+
+Between samples they are linear, or constant as the output of a sampled controller.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,8 @@ from stribeck.scenario import Scenario
 from stribeck.waveforms.piecewise import PointsSignal
 from stribeck.waveforms.trajectories import SplineSignal
 
-_CHORDS = 3  # of a curve from one sample to the next
-# The column that an element's signal becomes.
+_CHORDS = 3  # of a spline between two samples
+# The output column of an element's signal.
 _TOLD_BY = {"loads": "f", "controllers": "r", "motors": "V", "bodies": "v"}
 
 
@@ -26,22 +28,22 @@ _TOLD_BY = {"loads": "f", "controllers": "r", "motors": "V", "bodies": "v"}
 class RecordedInput:
     """A recorded signal of a machine in a stretch of a recording, times from its start.
 
-    ``held``: each sample until the next; ``spline``: what a controller with feedforward differentiates.
+    ``held``: constant between samples. ``spline``: a spline, because a controller with feedforward differentiates it.
     """
 
     t: Array
     x: Array
     held: bool = False
     spline: bool = False
-    noise: float | None = None  # its standard deviation, if it was given
+    noise: float | None = None  # its standard deviation, if given
 
     def table(self) -> dict[str, object]:
-        """The signal as a machine's file has it."""
+        """The signal as a table of a machine's file."""
         t, x = self._points()
         return {"kind": "spline" if self.spline else "points", "t": t.tolist(), "value": x.tolist()}
 
     def signal(self) -> SplineSignal | PointsSignal:
-        """The signal as a run takes it."""
+        """The signal for a simulation."""
         return SplineSignal(*self._points()) if self.spline else PointsSignal(*self._points())
 
     def _points(self) -> tuple[Array, Array]:
@@ -49,8 +51,10 @@ class RecordedInput:
         return (np.repeat(self.t, 2)[1:], np.repeat(self.x, 2)[:-1]) if self.held else (self.t, self.x)
 
     def smooth(self) -> RecordedInput:
-        """The same signal where it runs smoothly from sample to sample, as chords of a cubic spline; itself where it is held,
-        smooth already, or too short."""
+        """The signal with a cubic spline between samples, approximated by chords.
+
+        Returns the signal itself if it is held, already a spline, or too short.
+        """
         gaps = np.diff(self.t)
         if self.held or self.spline or len(self.t) < 4 or not (gaps > 0).all():
             return self
@@ -61,7 +65,7 @@ class RecordedInput:
 def recorded_input(
     scenario: Scenario, path: str, t: Array, x: Array, span: tuple[float, float], channel: Channel
 ) -> RecordedInput:
-    """What was recorded of a signal within ``span``; times count from its start."""
+    """The recorded signal within ``span``; times count from its start."""
     first = max(int(np.searchsorted(t, span[0], side="right")) - 1, 0)
     last = min(int(np.searchsorted(t, span[1])) + 1, len(t))
     table = table_at(scenario, path.rpartition(".")[0])
@@ -70,7 +74,7 @@ def recorded_input(
 
 
 def table_at(scenario: Scenario, path: str) -> object:
-    """What the machine's file has at a path."""
+    """The value or table at a path of the machine's file."""
     table: object = scenario.data
     for word in path.split("."):
         table = table.get(word) if isinstance(table, dict) else None
@@ -78,7 +82,7 @@ def table_at(scenario: Scenario, path: str) -> object:
 
 
 def later(signal: object, by: float) -> dict[str, object] | None:
-    """A signal's table as it is from ``by`` seconds on, or None where its kind cannot say so."""
+    """A signal's table shifted to begin ``by`` seconds later; None if its kind cannot be shifted."""
     if not isinstance(signal, dict):
         return None
     kind = signal.get("kind")
@@ -98,8 +102,11 @@ def later(signal: object, by: float) -> dict[str, object] | None:
 
 
 def misread(scenario: Scenario, recording: Recording, log: int) -> list[str]:
-    """What is wrong with the columns that a recording names: one that the machine does not have, a signal that is none, a
-    unit of another quantity without a gain that turns it into this one."""
+    """Errors in the columns of a recording.
+
+    These are columns or signals that the machine does not have, and units of another quantity without a gain to convert
+    them.
+    """
     units = {c.name: c.unit for c in scenario.system.columns}
     signals = [use.path for use in scenario.elements.signals]
     wrong = []
@@ -119,7 +126,7 @@ def misread(scenario: Scenario, recording: Recording, log: int) -> list[str]:
             given[f"inputs.{path}"] = column, c.unit
     for where, (column, unit) in given.items():
         wanted, found = units.get(column, ""), si_unit(unit)
-        scaled = where.startswith("inputs.loads.") and found in ("A", "V", "Pa")  # by a gain that may be sought
+        scaled = where.startswith("inputs.loads.") and found in ("A", "V", "Pa")  # by a gain that may be fitted
         if wanted and si_unit(wanted) == wanted and found not in ("", wanted) and not scaled:
             text = f"must be a unit of {wanted}, or stand with a gain that turns it into {wanted}"
             wrong.append(f"log.{log}.{where}.unit: {show(unit)}: {text}")

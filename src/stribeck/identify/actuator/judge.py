@@ -1,4 +1,4 @@
-"""Each number of a machine with both uncertainties and its state, and what else would explain what is left."""
+"""Each parameter of a machine with both uncertainties and its state, and forms that would explain the residual."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from stribeck.identify.core.judging import judged as by_core
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.scenario import Scenario
 
-RELATED = 0.95  # of a correlation: two numbers can stand for each other
+RELATED = 0.95  # correlation above which two parameters cannot be separated
 EQUAL = (
-    6.0  # of BIC: a model no farther from the best explains as well ("positive" evidence ends there, Kass and Raftery)
+    6.0  # difference of BIC up to which models explain equally well ("positive" evidence ends here, Kass and Raftery)
 )
-AS_WELL = 2  # other forms that are named
+AS_WELL = 2  # alternative forms that are reported
 
 
 @dataclass
 class JudgedParameters:
-    """Numbers and levels with their uncertainties, how they go together, and notes."""
+    """Parameters and friction levels with their uncertainties, correlations and notes."""
 
     estimates: dict[str, Estimate]
     levels: dict[str, Estimate] = field(default_factory=dict)
@@ -38,10 +38,10 @@ class JudgedParameters:
 
 
 def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParameters:
-    """The numbers of a converged fit.
+    """The estimates of a converged fit.
 
     Args:
-        trusted: whether the recordings are followed, and from the best minimum as far as is known; if not, nothing is
+        trusted: whether the model describes the recordings and no better minimum is suspected; if not, nothing is
             identified.
     """
     problem, u = best.problem, best.u
@@ -70,7 +70,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
 
 
 def blank(best: BestPoint, scenario: Scenario, why: str) -> JudgedParameters:
-    """The numbers of a fit that was stopped: without uncertainties."""
+    """The values of a fit that was stopped, without uncertainties."""
     found = {
         c.name: Estimate(
             c.outer(best.u[i]), (-np.inf, np.inf), None, EstimateState.NOT_IDENTIFIABLE, unit(scenario, c), why=why
@@ -81,7 +81,7 @@ def blank(best: BestPoint, scenario: Scenario, why: str) -> JudgedParameters:
 
 
 def _relation(lib: MachineLibrary) -> Array:
-    """The correlation of the numbers sought."""
+    """The correlation of the fitted parameters."""
     gram = lib.gram.sum(0)[1 : 1 + lib.k, 1 : 1 + lib.k]
     d = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     c = np.linalg.pinv(gram / np.outer(d, d), rcond=1e-12, hermitian=True)
@@ -90,7 +90,7 @@ def _relation(lib: MachineLibrary) -> Array:
 
 
 def _groups(names: list[str], relation: Array) -> list[Group]:
-    """Groups of numbers that can stand for each other."""
+    """Groups of parameters that cannot be separated."""
     left, found = set(range(len(names))), list[Group]()
     while left:
         group, todo = set[int](), [left.pop()]
@@ -110,7 +110,7 @@ def _groups(names: list[str], relation: Array) -> list[Group]:
 
 
 def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
-    """Why a number is not identifiable, in words."""
+    """The reason why a parameter is not identifiable, in words."""
     low, high = e.interval
     wide = f"its interval spans a factor of {high / low:.2g}" if low > 0 else f"its interval is {low:.3g} to {high:.3g}"
     row = relation[names.index(name)]
@@ -119,7 +119,7 @@ def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
 
 
 def _explained(choice: Selection[MachineLibrary]) -> list[str]:
-    """What would explain what is left, in words; what explains as much is named with it."""
+    """The forms that would explain the residual, in words, with alternatives that explain as much."""
     lib, every = choice.library, np.ones(len(choice.library.gram))
     _, k, _, ratio = choice.choose(every, alone=False)
     chosen = lib.models[k][1]
@@ -138,7 +138,7 @@ def _explained(choice: Selection[MachineLibrary]) -> list[str]:
 
 
 def _coefficients(lib: MachineLibrary, i: int, x: Array) -> dict[str, float]:
-    """The first coefficient of each form of a model, in its unit."""
+    """The first coefficient of each of a model's forms, in its unit."""
     model = lib.models[i]
     place, found = lib.k, dict[str, float]()
     for g in model[1]:
@@ -148,7 +148,7 @@ def _coefficients(lib: MachineLibrary, i: int, x: Array) -> dict[str, float]:
 
 
 def _hanging(found: dict[str, Estimate]) -> list[str]:
-    """Which numbers hang on which form, in words."""
+    """The parameters that depend on each form, in words."""
     causes: dict[str, list[str]] = {}
     for name, e in found.items():
         if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
@@ -160,7 +160,7 @@ def _hanging(found: dict[str, Estimate]) -> list[str]:
 
 
 def unit(scenario: Scenario, c: MachineCoordinate) -> str:
-    """The unit of what is sought, where the machine says it."""
+    """The unit of a fitted number, if the machine declares it."""
     if c.output is not None:
         of = next((x.unit for x in scenario.system.columns if x.name == c.output[0]), "")
         return {"offset": of, "gain": "1", "delay": "s", "clock": "s/s"}.get(c.output[1], "")
@@ -179,5 +179,5 @@ def unit(scenario: Scenario, c: MachineCoordinate) -> str:
 
 
 def _force_unit(scenario: Scenario, contact: str) -> str:
-    """Of a contact's friction."""
+    """The unit of a contact's friction."""
     return next((c.unit for c in scenario.system.columns if c.name == f"{contact}.F"), "")

@@ -1,4 +1,4 @@
-"""How far a fit has come, on disk, so that one that was stopped goes on."""
+"""Saves the progress of a fit on disk, so that an interrupted fit continues."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAME = "fit.partial.json"
 
 
 class Kept:
-    """The best numbers by stage, under a digest of everything that the fit starts from."""
+    """The best values by stage, under a digest of all inputs of the fit."""
 
     def __init__(self, folder: Path | None, scenario: Scenario, logs: Logs) -> None:
         self.path = None if folder is None else folder / NAME
@@ -35,12 +35,12 @@ class Kept:
             self.stages = found["stages"]
 
     def load(self, stage: str) -> dict[str, float] | None:
-        """The best numbers of a stage that was begun before."""
+        """The saved best values of a stage; None if there are none."""
         found: dict[str, float] | None = self.stages.get(stage, {}).get("values")
         return found
 
     def saver(self, stage: str) -> Callable[[dict[str, float], float], None]:
-        """What keeps the best numbers of a stage."""
+        """A function that saves the best values of a stage."""
 
         def save(values: dict[str, float], cost: float) -> None:
             self.stages[stage] = {"values": values, "cost": cost}
@@ -51,6 +51,6 @@ class Kept:
         return save
 
     def done(self) -> None:
-        """Nothing is left to go on with."""
+        """Delete the saved progress."""
         if self.path is not None:
             self.path.unlink(missing_ok=True)

@@ -1,7 +1,7 @@
-"""What a machine or its recordings may have that is not in the model: one table of forms, each as slopes of all residuals.
+"""Effects that the model may lack: one table of forms, each as derivatives of all residuals.
 
-A term of friction of size 0 adds nothing to the slopes of the machine itself, so to first order it is the force that it would
-have along the motion as it is, from outside. All terms are lanes of one machine, whatever law they belong to.
+A friction term of size 0 does not change the machine's own derivatives. To first order, it acts as an external force along
+the simulated motion. So all terms, of any law, are simulated in parallel as loads on the same machine.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ from stribeck.identify.actuator.problem import MachineProblem, number_at
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.identify.core.library import LARGEST
 
-BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # of the fastest speed: where a Stribeck curve may bend, by factors of 2.5
-CLOCK = 1e-3  # s/s: a computer's clock is off by less
-_ON = "lacks"  # how the loads are called through which terms play
-_STEP = 1e-3  # of the contact's friction: the size of a term that is tried
+BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # Stribeck velocities that are tried, of the fastest speed, by factors of 2.5
+CLOCK = 1e-3  # s/s: the drift of a computer's clock is smaller
+_ON = "lacks"  # name of the loads that apply the terms
+_STEP = 1e-3  # of the contact's friction: the size of a tried term
 _FORCES = (".f", ".torque")  # the columns of forces
-_TURNED = 0.3  # rad: on less way a weight is a constant
-_SMOOTHING = (".k_v", ".z_ba")  # of the model, not of the machine
-_HALF = 0.5  # to either side of a fixed number: bounds of its coordinate
-AtSpeed = Callable[[Array, Array], Array]  # of the steady level and the speed: what a term adds to it
+_TURNED = 0.3  # rad: over a smaller range, a weight acts as a constant
+_SMOOTHING = (".k_v", ".z_ba")  # parameters of the model, not of the machine
+_HALF = 0.5  # of a fixed number, to either side: bounds of its coordinate
+AtSpeed = Callable[[Array, Array], Array]  # a term's contribution to the steady level, from level and speed
 
 
 @dataclass(frozen=True)
 class MissingForm:
-    """What may lack.
+    """An effect that the model may lack.
 
     Attributes:
-        name: forms of one name stand together, as sine and cosine do.
+        name: forms of one name are used together, such as sine and cosine.
         slopes: of all residuals, by one unit.
-        largest: the largest coefficient that no record need show.
-        tell: what a coefficient means, in words.
-        contact, at: of a term of friction: its contact, and what it adds to the steady level there.
+        largest: the largest coefficient that may go unnoticed in a record.
+        tell: a function that describes a coefficient in words.
+        contact, at: for a friction term: its contact, and its contribution to the steady level there.
     """
 
     name: str
@@ -50,22 +50,22 @@ class MissingForm:
 
 @dataclass(frozen=True)
 class RunMotion:
-    """The simulated columns of each run on its grid, with the times; and the speeds in each contact."""
+    """The simulated columns of each run on its grid, the times, and the speeds in each contact."""
 
     ways: list[dict[str, Array]]
 
     @classmethod
     def of(cls, problem: MachineProblem, u: Array) -> RunMotion:
-        """At a point."""
+        """The motion at the point ``u``."""
         return cls([_way(problem, run, k, u) for k, run in enumerate(problem.runs)])
 
     def column(self, name: str) -> Array:
-        """A column of all runs."""
+        """A column over all runs."""
         return np.concatenate([x[name] for x in self.ways])
 
 
 def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[MissingForm]:
-    """Everything that may lack and moves the residuals."""
+    """All possibly missing forms that move the residuals."""
     r = problem.residuals(u[None])[0]
     every = [
         *_friction(problem, u, motion),
@@ -78,7 +78,7 @@ def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[
 
 
 def _way(problem: MachineProblem, run: RecordedRun, k: int, u: Array) -> dict[str, Array]:
-    """The columns of a run that terms are made of, on its grid, and the times."""
+    """The columns of a run from which terms are computed, on its grid, and the times."""
     grid: Array = np.arange(run.scenario.rows, dtype=float) * run.scenario.output.step
     columns = [c.name for c in run.scenario.system.columns if c.name.endswith((".y", ".v", ".w", ".F", *_FORCES))]
     wanted = replace(run, targets=[Compared(name, grid, grid) for name in columns])
@@ -87,7 +87,7 @@ def _way(problem: MachineProblem, run: RecordedRun, k: int, u: Array) -> dict[st
 
 
 def _friction(problem: MachineProblem, u: Array, motion: RunMotion) -> Iterator[MissingForm]:
-    """The terms that the contacts of a machine may lack; a unit is as large, in the mean square, as the contact's friction."""
+    """The friction terms that a machine's contacts may lack. A unit has the rms of the contact's friction."""
     terms: dict[str, tuple[str, str, list[Array], AtSpeed | None]] = {}
     sizes: dict[str, float] = {}
     for contact in problem.runs[0].scenario.data.get("contacts", {}):
@@ -129,14 +129,14 @@ def _mean(rows: Sequence[Array]) -> float:
 
 
 def _ends(run: RecordedRun, contact: str) -> dict[str, tuple[str, float]]:
-    """The bodies at a contact on which a force acts, and what of the friction acts on each; what is driven feels none."""
+    """The bodies at a contact that a force can move, and the share of the friction on each; none for a prescribed motion."""
     table, data = run.scenario.data["contacts"][contact], run.scenario.data["bodies"]
     found = {"from": (table["from"], -table.get("ratio", 1.0)), "to": (table.get("to", "ground"), 1.0)}
     return {end: x for end, x in found.items() if x[0] != "ground" and "velocity" not in data[x[0]]}
 
 
 def _loads(run: RecordedRun) -> dict[str, object]:
-    """The loads through which terms play, one for each body at a contact."""
+    """The loads that apply the terms, one for each body at a contact."""
     still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
     return {
         f"loads.{_ON}_{contact}_{end}": {"on": body, "kind": "signal", "signal": still}
@@ -146,7 +146,7 @@ def _loads(run: RecordedRun) -> dict[str, object]:
 
 
 def _played(run: RecordedRun, contact: str, force: Array) -> dict[str, Array]:
-    """A friction force as what plays in the loads on the bodies at a contact."""
+    """A friction force as signals of the loads on the bodies at a contact."""
     return {f"loads.{_ON}_{contact}_{end}.signal": share * force for end, (_, share) in _ends(run, contact).items()}
 
 
@@ -157,7 +157,7 @@ def _bend(speed: float) -> Callable[[Array, Array], Array]:
 def _terms(
     problem: MachineProblem, u: Array, ways: list[dict[str, Array]], contact: str
 ) -> Iterator[tuple[str, list[Array], AtSpeed | None]]:
-    """The terms of a contact by name, each the force of one unit in every run, and what it adds to the steady level."""
+    """The terms of a contact by name: the force of one unit in every run, and the contribution to the steady level."""
     scenario = problem.runs[0].scenario
     table = scenario.data["contacts"][contact]
     start, end, ratio = table["from"], table.get("to", "ground"), table.get("ratio", 1.0)
@@ -187,7 +187,7 @@ def _terms(
         for name, wave in (("sin", np.sin), ("cos", np.cos)):
             further[f"weight {name}"] = [wave(y) for y in d]
             further[f"level by turn {name}"] = [x * wave(y) for x, y in zip(level, d, strict=True)]
-    for name in ways[0] if not table.get("loads") else ():  # else the machine says how its friction grows
+    for name in ways[0] if not table.get("loads") else ():  # otherwise the machine declares how its friction grows
         if name.endswith(_FORCES) and np.ptp(abs(ways[0][name])) > 0:
             further[f"level by {name}"] = [x * abs(y[name]) for x, y in zip(level, ways, strict=True)]
     for name, rows in further.items():
@@ -195,7 +195,7 @@ def _terms(
 
 
 def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
-    """The machine's numbers that are neither sought nor known of single recordings; a unit is a factor of e."""
+    """The machine's fixed numbers that are equal in all recordings. A unit is a factor of e."""
     sought, numbers = paths(problem.sought), list[tuple[MachineCoordinate, float]]()
     for path in problem.runs[0].scenario.places:
         if path in sought or ".initial." in path or ".signal." in path or path.endswith(_SMOOTHING):
@@ -241,7 +241,7 @@ def _of_sensor(path: str, file: str, unit: str) -> Callable[[float], str]:
 
 
 def rows_of(problem: MachineProblem, log: int | None) -> Array:
-    """Which residuals are those of a recording, or of all."""
+    """A mask of the residuals of one recording, or of all."""
     found = np.zeros(problem.size, bool)
     for k, run in enumerate(problem.runs):
         found[problem.first[k] : problem.first[k + 1]] = log in (None, run.log)
@@ -249,7 +249,7 @@ def rows_of(problem: MachineProblem, log: int | None) -> Array:
 
 
 def _of_columns(problem: MachineProblem, u: Array) -> dict[tuple[str, str], tuple[Array, float, str]]:
-    """The slopes of the residuals by each number of each column's sensor, its largest that hides, and its unit."""
+    """For each sensor parameter: derivatives of the residuals, the largest value that may go unnoticed, and the unit."""
     found: dict[tuple[str, str], Array] = {}
     late, span = dict.fromkeys(problem.noise, 0.0), dict.fromkeys(problem.noise, 0.0)
     for k, run in enumerate(problem.runs):
@@ -273,8 +273,8 @@ def _of_columns(problem: MachineProblem, u: Array) -> dict[tuple[str, str], tupl
 
 
 def _inputs(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]:
-    """Inputs that run otherwise between their samples; a unit is the whole way there."""
-    compared = int(problem.first[-1])  # priors and ties stay
+    """Other interpolations of the inputs between samples. A unit is the complete change."""
+    compared = int(problem.first[-1])  # priors and ties are unchanged
 
     def instead(runs: list[RecordedRun]) -> Array:
         own = replace(problem, runs=runs, noise=dict(problem.noise), tied=False)
@@ -298,7 +298,7 @@ def _inputs(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm
 
 
 def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]:
-    """Stretches whose unmeasured states (bodies, bristles, currents) begin as the stretch before left them."""
+    """Stretches whose unmeasured states (bodies, bristles, currents) continue those of the stretch before."""
     if problem.tied or len(problem.runs) == len({run.log for run in problem.runs}):
         return
     handed = replace(problem, tied=True).handed_on(u)

@@ -1,5 +1,7 @@
-"""A law that contains another with fewer numbers cannot follow recordings worse: where its search ended so, it is searched
-again from the smaller law's best numbers."""
+"""Repeats the search of a law if a special case of it with fewer parameters fits better.
+
+The larger law cannot fit worse at its optimum. The new search starts from the smaller law's optimum.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +21,10 @@ from stribeck.identify.models.memory import rows_together
 from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
 
-_WORSE = 1.01  # times what the smaller law leaves: more is another minimum
-_WHITE = 1.5  # rows that err alike: white noise has 1
-_EDGE = 1e-3  # of the bounds: a number so near to one ended there
-_PLACES = 16  # of the numbers that the smaller law does not have
+_WORSE = 1.01  # times the smaller law's residual: a larger one is a local minimum
+_WHITE = 1.5  # correlated rows: white noise has 1
+_EDGE = 1e-3  # of the range between the bounds: a nearer value counts as at the bound
+_PLACES = 16  # starts of the parameters that the smaller law does not have
 _ROUGH, _NEAR = 12, 1e-4  # of the search from these places
 
 
@@ -36,22 +38,24 @@ class OpenLaw:
 
     @property
     def numbers(self) -> frozenset[str]:
-        """The paths that are sought."""
+        """The paths of the fitted parameters."""
         return paths(self.sought)
 
 
 def left_more(one: BestPoint, other: BestPoint, times: float = 1.0) -> bool:
-    """Whether one leaves more (so many times) of the recordings that both were fitted to than the other."""
+    """Whether the residual of ``one`` exceeds ``times`` that of ``other``, on recordings fitted by both."""
     if one.windowed != other.windowed:
-        return one.windowed  # it follows no whole recording
+        return one.windowed  # it does not describe whole recordings
     first, second = leftovers(one.problem, one.u), leftovers(other.problem, other.u)
     ratios = [first[c][0] / second[c][0] for c in first if c in second and second[c][0] > 0]
     return bool(ratios) and not float(np.sqrt(np.mean(np.square(ratios)))) <= times
 
 
 def doubtful(best: BestPoint) -> bool:
-    """Whether more than noise is left, or noise that is not white, or a number ended at its bound: there may be a better
-    minimum."""
+    """Whether there may be a better minimum.
+
+    Signs are a residual above the noise, a residual that is not white, and a parameter at its bound.
+    """
     problem, u = best.problem, best.u
     asked = np.array([not c.nuisance for c in problem.sought], bool)
     edge = np.minimum(u - problem.low, problem.high - u) < _EDGE * (problem.high - problem.low)
@@ -61,8 +65,10 @@ def doubtful(best: BestPoint) -> bool:
 
 
 def mend(candidates: Sequence[OpenLaw], recordings: Sequence[tuple[int, Recording]], seed: int, work: Work) -> None:
-    """Search again each of these that ended worse than one which it contains, or leaves more than noise, from the best of
-    those."""
+    """Repeat the search of each candidate that fits worse than a special case of it, or whose optimum is doubtful.
+
+    The new search starts from the best special case.
+    """
     for large in sorted(candidates, key=lambda each: len(each.numbers)):
         inside = [c for c in candidates if c.numbers < large.numbers]
         if not inside:
@@ -79,7 +85,7 @@ def mend(candidates: Sequence[OpenLaw], recordings: Sequence[tuple[int, Recordin
 def again(
     large: OpenLaw, small: BestPoint, recordings: Sequence[tuple[int, Recording]], seed: int, work: Work
 ) -> BestPoint:
-    """The best point from the smaller law's numbers, the further ones at several places within their bounds."""
+    """The best point from the smaller law's optimum, with several starts of the additional parameters."""
     fitted = {i for i, _ in recordings}
     sought = [c for c in large.sought if c.log is None or c.log in fitted]
     runs, own = prepared(large.scenario, recordings, {c.name for c in sought} | large.numbers)
@@ -91,7 +97,7 @@ def again(
 
 
 def _places(problem: MachineProblem, values: Mapping[str, float], seed: int) -> list[Array]:
-    """Points with the numbers that are known, the others as guessed and at places spread over their bounds."""
+    """Points with the known values; the other parameters at their guess and at starts spread over their bounds."""
     u = problem.start()
     new = [i for i, c in enumerate(problem.sought) if c.name not in values and not c.nuisance]
     for i, c in enumerate(problem.sought):

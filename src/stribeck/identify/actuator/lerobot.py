@@ -1,4 +1,4 @@
-"""Episodes of LeRobot datasets (versions 2 and 3): Parquet files beside ``meta/info.json``."""
+"""Reads episodes of LeRobot datasets (versions 2 and 3): Parquet files beside ``meta/info.json``."""
 
 from __future__ import annotations
 
@@ -20,8 +20,10 @@ def is_dataset(path: Path) -> bool:
 
 
 def opened_episode(path: Path, episode: int) -> Source:
-    """One episode: ``timestamp`` and, by the names in info.json or by number, ``observation.state.elbow.pos``,
-    ``action.elbow.pos``, ... as they stand: many datasets hold degrees, or shares of a joint's range.
+    """One episode: ``timestamp``, ``observation.state.elbow.pos``, ``action.elbow.pos``, ...
+
+    Names come from info.json, otherwise from the index. Values are not converted: many datasets hold degrees, or shares
+    of a joint's range.
 
     Raises:
         MissingExtra: pyarrow is not installed.
@@ -65,7 +67,7 @@ def opened_episode(path: Path, episode: int) -> Source:
 
 
 def _ends(feature: Mapping[str, object], count: int) -> list[str]:
-    """What the columns of a feature are called by, after its own name."""
+    """The suffixes of a feature's column names."""
     names = feature.get("names")
     if isinstance(names, Mapping):  # { motors = [...] }, or a name for each number
         lists = [x for x in names.values() if isinstance(x, list)]
@@ -76,10 +78,10 @@ def _ends(feature: Mapping[str, object], count: int) -> list[str]:
 
 
 def episode_of(given: object, where: str) -> int:
-    """The number of an episode, as LOGS.toml gives it.
+    """The number of an episode from LOGS.toml.
 
     Raises:
-        InputError: it is none.
+        InputError: the value is not an episode's number.
     """
     if isinstance(given, int) and not isinstance(given, bool) and given >= 0:
         return given

@@ -1,5 +1,8 @@
-"""The joints of a MuJoCo model as machines of one body each: what the rigid bodies do to a joint comes from MuJoCo's inverse
-dynamics along the recorded motion, and what is left is the joint's friction."""
+"""Models each joint of a MuJoCo model as a machine of one body.
+
+The rigid-body torque comes from MuJoCo's inverse dynamics along the recorded motion. The rest of the measured torque is the
+joint's friction.
+"""
 
 from __future__ import annotations
 
@@ -23,31 +26,33 @@ from stribeck.scenario import Scenario
 if TYPE_CHECKING:
     from stribeck.identify.actuator.result import MachineFit
 
-MuJoCo = Any  # its modules, models and data: it has no types
+MuJoCo = Any  # MuJoCo's modules, models and data have no types
 
-_STEEP = 500.0  # the smooth sign is complete at this share of the speeds
-_ROOM = 1e-4  # of the largest torque: the least friction that is looked for
-_EVEN = 0.01  # of a step: how far samples may be off an even grid
+_STEEP = 500.0  # k_v in units of 1/speed: the smooth sign is complete at a few thousandths of the speed
+_ROOM = 1e-4  # of the largest torque: lower bound of the friction
+_EVEN = 0.01  # of a step: tolerance of an even grid of samples
 _CUTOFF = 0.1  # of the sampling rate
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint as a machine and its recordings, ready for :func:`fit_machine`; its contact is called ``friction``."""
+    """A joint as a machine with recordings for :func:`fit_machine`; its contact is called ``friction``."""
 
     name: str
     machine: Scenario
     logs: Logs
 
     def fit(self, **options: Any) -> MachineFit:
-        """The joint's friction; ``options`` are those of :func:`fit_machine`, such as ``laws={"friction": [...]}``."""
+        """Fit the joint's friction; ``options`` are those of :func:`fit_machine`, such as ``laws={"friction": [...]}``."""
         from stribeck.identify.actuator.api import fit_machine
 
         return fit_machine(self.machine, self.logs, **options)
 
     def write(self, folder: str | Path) -> tuple[Path, Path]:
-        """JOINT.toml and JOINT_logs.toml (with a CSV file for each recording), for ``stribeck fit``, in a folder
-        that is made if need be."""
+        """Write JOINT.toml and JOINT_logs.toml for ``stribeck fit``, with a CSV file for each recording.
+
+        The folder is created if it does not exist.
+        """
         import tomli_w
 
         from stribeck.files import write_text
@@ -76,20 +81,20 @@ def from_mujoco(
 ) -> dict[str, Joint]:  # fmt: skip
     """Each joint of a MuJoCo model whose torque was recorded, as a machine of one body with its recordings.
 
-    The model's own friction (``frictionloss``, ``damping``) is left aside: it is what the fit looks for. Armature and
-    springs count as the model has them; contacts and joint limits do not act.
+    The model's own friction (``frictionloss``, ``damping``) is ignored, because it is fitted. Armature and springs are
+    those of the model. Contacts and joint limits do not act.
 
     Args:
         model: a ``mujoco.MjModel``, or the path of an XML model.
         log: a recording or several, each a file (CSV, Parquet, MAT, NPZ), a data frame or a mapping of columns.
         positions: the column of each joint's position (rad, m); ``JOINT.position`` unless given. Every slide and hinge
             must have one.
-        torques: the column of each joint's torque or force (N m, N); ``JOINT.torque`` unless given, where that is there.
+        torques: the column of each joint's torque or force (N m, N); ``JOINT.torque``, if it exists, unless given.
         time: the column of times, s, evenly sampled.
-        cutoff: Hz, of the low-pass (Butterworth, order 4, there and back) before derivatives; a tenth of the sampling rate
-            unless given.
-        window: s; the motion is fitted in stretches of that length, as nothing holds a joint on its way.
-        hold_out: which recordings, from 0, are predicted and not fitted.
+        cutoff: cut-off frequency, Hz, of the zero-phase low-pass (Butterworth, order 4) before derivatives; a tenth of
+            the sampling rate unless given.
+        window: length of the fitted stretches, s: without a controller, a simulated joint drifts off its measured path.
+        hold_out: indices of recordings, from 0, that are predicted and not fitted.
 
     Raises:
         InputError: the model or a recording cannot be read, or a column is missing; a line for each problem.
@@ -113,7 +118,7 @@ def _model(mujoco: MuJoCo, model: MuJoCo) -> MuJoCo:
 
     if isinstance(model, str | Path):
         try:
-            open_file(Path(model)).close()  # a pipe would be waited for
+            open_file(Path(model)).close()  # raises for a pipe, on which MuJoCo would block
             made = mujoco.MjModel.from_xml_path(str(model))
         except OSError as error:
             raise InputError(f"{model}: cannot be read: {error.strerror}") from None
@@ -130,7 +135,7 @@ def _model(mujoco: MuJoCo, model: MuJoCo) -> MuJoCo:
 
 
 class _Motion:
-    """One recording: the joints' positions, their torques, and what inverse dynamics say of each."""
+    """One recording: the joints' positions, their torques, and the inverse dynamics of each."""
 
     def __init__(
         self, mujoco: MuJoCo, model: MuJoCo, data: MuJoCo, number: int, time: str, positions: Mapping[str, str],
@@ -162,7 +167,7 @@ class _Motion:
         self._invert(mujoco, model, cutoff)
 
     def _invert(self, mujoco: MuJoCo, model: MuJoCo, cutoff: float | None) -> None:
-        """Speeds, accelerations, and each joint's own inertia and rigid-body torque."""
+        """Compute speeds, accelerations, and each joint's inertia and rigid-body torque."""
         step = float(np.median(np.diff(self.t)))
         rows = np.stack([self.t, *self.position.values(), *self.torque.values()])
         if not np.isfinite(rows).all() or abs(np.diff(self.t) - step).max() > _EVEN * step or len(self.t) < 32:
@@ -190,7 +195,7 @@ class _Motion:
 
 
 def _joint(name: str, motions: Sequence[_Motion], window: float, hold_out: Sequence[int]) -> Joint:
-    """The joint's body has its mean inertia; the rest of the rigid-body torque, as recorded, acts from outside."""
+    """The machine of a joint. Its body has the mean inertia; the rest of the rigid-body torque is a recorded load."""
     inertia = float(np.mean(np.concatenate([m.inertia[name] for m in motions])))
     speed = max(float(np.sqrt(np.mean(np.concatenate([m.speed[name] for m in motions]) ** 2))), 1e-6)
     size = max(float(np.max(abs(np.concatenate([m.torque[name] for m in motions])))), 1e-9)

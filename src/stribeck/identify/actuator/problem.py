@@ -1,4 +1,4 @@
-"""All recordings together: what is left of the measured outputs at some numbers, and its slopes."""
+"""The least-squares problem over all recordings: residuals of the measured outputs, and their Jacobian."""
 
 from __future__ import annotations
 
@@ -15,16 +15,18 @@ from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
 
-STEP = 2e-4  # of a coordinate, for slopes
-_SPEED = float(np.sqrt(12 / 12**3))  # deviation of a speed from twelve samples, in those of one over their distance
-_MOST = 4e6  # numbers held at once
-_REMEMBERED = 4e6  # numbers of points that were simulated before
+STEP = 2e-4  # of a coordinate, for differences
+_SPEED = float(np.sqrt(12 / 12**3))  # deviation of a slope over twelve samples, by their deviation and distance
+_MOST = 4e6  # numbers in memory at once
+_REMEMBERED = 4e6  # cached numbers of simulated points
 
 
 @dataclass(frozen=True)
 class Seam:
-    """Where a stretch ends and the next begins: the run, its column, the coordinate of that start, and how far
-    they may be apart, as a share of the noise of the position ``of`` the body."""
+    """The end of a stretch and the start of the next: the run, its column, and the coordinate of that start.
+
+    ``share`` is the allowed difference, in units of the noise of the position ``of``.
+    """
 
     run: int
     column: str
@@ -34,7 +36,7 @@ class Seam:
 
 
 def chains(runs: Sequence[RecordedRun]) -> list[list[int]]:
-    """The runs by their numbers: stretches that follow each other in a recording are in one list, in their order."""
+    """The indices of the runs: consecutive stretches of a recording form one list, in their order."""
     found: list[list[int]] = []
     end = np.nan
     for k in sorted(range(len(runs)), key=lambda k: (runs[k].log, float(runs[k].piece or 0))):
@@ -47,7 +49,7 @@ def chains(runs: Sequence[RecordedRun]) -> list[list[int]]:
 
 
 def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> list[Seam]:
-    """The ties between stretches that follow each other."""
+    """The ties between consecutive stretches."""
     before = {(runs[b].log, runs[b].piece): a for ks in chains(runs) for a, b in pairwise(ks)}
     found = []
     for i, c in enumerate(sought):
@@ -65,12 +67,12 @@ def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> li
 
 @dataclass
 class MachineProblem:
-    """Runs, what is sought, and the noise of each column.
+    """Runs, coordinates to fit, and the noise of each column.
 
-    ``residuals(U)`` takes points (lanes, coordinates) and gives (lanes, numbers): (simulated - measured)/noise of every
-    target of every run, then priors, then, where stretches are ``tied``, how far the end of each misses the start of the
-    next, by what the samples tell of that start; nan where a simulation failed. What of a start nothing sets (bristles,
-    currents, bodies that nobody measures) then is as the stretch before ends at the same numbers.
+    ``residuals(U)`` maps points (lanes, coordinates) to (lanes, residuals); nan where a simulation failed. First are
+    (simulated - measured)/noise of every target of every run, then priors. If stretches are ``tied``, the difference
+    between each end and the next start follows, by the start's deviation from the samples. Unmeasured states of a start
+    (bristles, currents, unmeasured bodies) then continue the stretch before, at the same point.
     """
 
     runs: list[RecordedRun]
@@ -97,11 +99,11 @@ class MachineProblem:
         self._relations = Relations(self.sought, lambda path: number_at(self.runs[0], path))
 
     def repaired(self, U: Array) -> Array:
-        """The points within the bounds, and with what is related as it must be (F_s >= F_c)."""
+        """The points moved into the bounds, and to where relations hold (F_s >= F_c)."""
         return self._relations.repaired(np.clip(U, self.low, self.high))
 
     def residuals(self, U: Array) -> Array:
-        """What is left at the points U, by the noise; the runs are simulated beside each other."""
+        """The residuals at the points U, by the noise. The runs are simulated in parallel."""
         U = np.atleast_2d(U)
         found = np.full((len(U), self.size), np.nan)
         simulated = self.work.each(lambda ks: list(self._followed(ks, U)), self._chains)
@@ -126,8 +128,10 @@ class MachineProblem:
         return found
 
     def _followed(self, ks: Sequence[int], U: Array) -> Iterator[tuple[int, Array, Mapping[str, Array]]]:
-        """The runs of a chain at the points U: what :meth:`_simulated` gives, and what is added to the states of its start
-        that nothing sets, so that they are as the run before ended."""
+        """The runs of a chain at the points U: the result of :meth:`_simulated`, and shifts of initial states.
+
+        The shifts let states that no coordinate sets continue the run before.
+        """
         ends = np.empty((len(U), 0))
         for i, k in enumerate(ks):
             begins = self._unset(k) if i else {}
@@ -137,7 +141,7 @@ class MachineProblem:
             yield k, rows, shift
 
     def _unset(self, k: int) -> dict[str, float]:
-        """The states of the start of a stretch that no coordinate of its own sets, and where the machine begins them."""
+        """The initial states of a stretch that no coordinate of its own sets, with the machine's initial values."""
         run = self.runs[k]
         own = {".".join(c.name.rsplit(".", 2)[1:]) for c in self._starts if (c.log, c.piece) == (run.log, run.piece)}
         begins = {**run.scenario.initial}
@@ -147,7 +151,7 @@ class MachineProblem:
         return {n: begins.get(n, 0.0) for n in self._states if n not in own}
 
     def handed_on(self, u: Array) -> list[RecordedRun]:
-        """The runs, each begun as the one before ends at the point u in the states that nothing sets."""
+        """The runs at the point u. States that no coordinate sets continue the run before."""
         found = list(self.runs)
         for k, _, shift in chain.from_iterable(self._followed(ks, u[None]) for ks in self._chains):
             known = {n: float(x[0]) for n, x in shift.items() if np.isfinite(x[0])}
@@ -158,7 +162,7 @@ class MachineProblem:
         self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = (), threads: int | None = None,
         shift: Mapping[str, Array] | None = None,
     ) -> list[Array]:  # fmt: skip
-        """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` where it ends."""
+        """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` at its end."""
         values: dict[str, Array] = {}
         sensors: dict[tuple[str, str], Array] = {}
         for i in np.flatnonzero(self.concerns[k]):
@@ -168,7 +172,7 @@ class MachineProblem:
                 values[path] = scale * x
             if c.output is not None:
                 sensors[c.output] = x
-        if not values:  # lanes need a number that varies: one that stays as it is
+        if not values:  # parallel simulation needs at least one number by lane: an unchanged one
             name = next(x.name for x in run.scenario.system.bodies if x.free)
             path, now = f"bodies.{name}.initial.y", run.scenario.elements.initial.get(f"{name}.y", 0.0)
             values = {path: np.full(len(U), run.start.get(path, now))}
@@ -189,8 +193,10 @@ class MachineProblem:
         return found
 
     def _simulated(self, k: int, U: Array, shift: Mapping[str, Array]) -> Array:
-        """The columns that a run is compared in, one after the other, and all states where it ends if stretches are tied, at
-        the points U: each point once, and none of those that were simulated last."""
+        """The compared columns of a run at the points U, one after the other, and its final states if stretches are tied.
+
+        Equal points are simulated once, and recent points are cached.
+        """
         run, seen = self.runs[k], self._seen[k]
         given = np.column_stack([U[:, self.concerns[k]], *shift.values()])
         keys = [row.tobytes() for row in given]
@@ -208,8 +214,7 @@ class MachineProblem:
         return np.array([here[key] for key in keys])
 
     def slopes(self, U: Array, step: Array) -> tuple[Array, Array]:
-        """Residuals (points, numbers) and Jacobians (points, numbers, coordinates) by differences to the side that is
-        allowed."""
+        """Residuals (points, residuals) and Jacobians (points, residuals, coordinates), by differences within the bounds."""
         U = np.atleast_2d(U)
         n = len(self.sought)
         side = np.where(U + step <= self.high, 1.0, -1.0)
@@ -227,7 +232,7 @@ class MachineProblem:
         return found[:, 0], J
 
     def _other_side(self, U: Array, step: Array, side: Array, found: Array, J: Array) -> None:
-        """The slopes that one side could not give, from the other."""
+        """Replace derivatives that failed to one side by differences to the other side."""
         for p in range(len(U)):
             bad = [i for i in range(U.shape[1]) if np.isnan(J[p, :, i]).any()]
             if not bad or np.isnan(found[p, 0]).any():
@@ -241,7 +246,7 @@ class MachineProblem:
                 J[p, :, i] = np.where(np.isfinite(slope), slope, 0.0)
 
     def central(self, u: Array, step: Array) -> Array:
-        """The Jacobian at one point by central differences where both sides are allowed."""
+        """The Jacobian at one point by central differences, one-sided at bounds and failed simulations."""
         n = len(u)
         up, down = np.minimum(u + step, self.high), np.maximum(u - step, self.low)
         points = np.repeat(u[None], 2 * n, axis=0)
@@ -262,7 +267,7 @@ class MachineProblem:
         return J
 
     def start(self) -> Array:
-        """The point that the user or the machine gives; the middle where the machine has no number there."""
+        """The user's or the machine's initial values; without one, the middle of the bounds."""
         found = []
         for c in self.sought:
             x = c.start if c.start is not None else None if c.prior is None else c.prior[0]
@@ -275,12 +280,12 @@ class MachineProblem:
         return np.asarray(self.repaired(np.array([found]))[0])
 
     def values(self, u: Array) -> dict[str, float]:
-        """The numbers at a point, by name."""
+        """The values at a point, by name."""
         return {c.name: c.outer(x) for c, x in zip(self.sought, u, strict=True)}
 
 
 def number_at(run: RecordedRun, path: str) -> float | None:
-    """The machine's own number at a path."""
+    """The machine's number at a path, if there is one."""
     value: object = run.scenario.data
     for word in path.split("."):
         if isinstance(value, dict):
@@ -297,5 +302,5 @@ def _belongs(c: MachineCoordinate, run: RecordedRun) -> bool:
     if c.output is not None and all(t.column != c.output[0] for t in run.targets):
         return False
     if not c.nuisance and run.piece not in (None, "0") and any(".initial." in path for path in c.targets):
-        return False  # how the recording begins, and this is a later stretch of it
+        return False  # an initial state of the recording does not concern its later stretches
     return c.log in (None, run.log) and (not c.nuisance or c.piece == run.piece)

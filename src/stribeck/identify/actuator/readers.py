@@ -1,4 +1,4 @@
-"""Files of recordings: those of :mod:`stribeck.recorded`, BAM's JSON logs, MCAP, rosbags and LeRobot datasets."""
+"""Opens recordings: files of :mod:`stribeck.recorded`, BAM's JSON logs, MCAP, rosbags and LeRobot datasets."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from stribeck.recorded import Source, opened
 
 
 def opened_log(path: Path, episode: int | None = None) -> Source:
-    """A recording, its columns not read yet; ``episode`` of a LeRobot dataset.
+    """Open a recording without reading its columns; ``episode`` of a LeRobot dataset.
 
     Raises:
         InputError: there is no such file, or it cannot be read.
-        MissingExtra: what reads such files is not installed.
+        MissingExtra: the reader of such files is not installed.
     """
     kind = path.suffix.lower()
     if lerobot.is_dataset(path):
@@ -36,7 +36,7 @@ def opened_log(path: Path, episode: int | None = None) -> Source:
 
 
 def time_of(source: Source, column: str) -> str | None:
-    """The column with the times of another, where the file says it."""
+    """The column with the times of another column, if the file declares it."""
     return source.times.get(column) if isinstance(source, bags.BagSource) else None
 
 

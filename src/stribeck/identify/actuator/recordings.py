@@ -1,4 +1,4 @@
-"""Reads LOGS.toml: the recordings, what is known of each, and what is sought."""
+"""Reads LOGS.toml: the recordings, the known numbers of each, and the parameters to fit."""
 
 from __future__ import annotations
 
@@ -26,28 +26,30 @@ from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, P
 _UNITS = LENGTH | ANGLE | SPEED | ACCELERATION | FORCE | PRESSURE | DRIVE
 _KEYS = ("file", "time", "outputs", "inputs", "known", "hold_out", "window", "name", "episode")
 _SOUGHT = ("low", "high", "start", "prior")
-_FEWEST = 8  # samples of a recording, or of a stretch of it
+_FEWEST = 8  # samples of a recording, or of a stretch
 _TOP = ("log", "unknown", "laws", "window", "schema")
 
 
 @dataclass(frozen=True)
 class Channel:
-    """What was measured, or given: a column of the file in SI units, and when; nan where a sample is missing. ``unit`` is
-    the file's, where no gain was given beside it. ``beside``: what an output holds beside the machine's column, such as
-    inertia: columns at the same times, by the name of the coefficient that is sought (``outputs.COLUMN.NAME``)."""
+    """A recorded column in SI units with its times; nan where a sample is missing.
+
+    ``unit`` is the file's, if no gain is given. ``beside``: further terms of an output, such as inertia. These are columns
+    at the same times, by the name of the fitted coefficient (``outputs.COLUMN.NAME``).
+    """
 
     column: str
     t: Array
     x: Array
     unit: str = ""
     noise: float | None = None
-    held: bool = False  # between samples, as a sampled controller holds it
+    held: bool = False  # constant between samples, as a sampled controller's output
     beside: Mapping[str, Array] = field(default_factory=dict)
-    smooth: bool = False  # between samples a cubic spline runs
+    smooth: bool = False  # a cubic spline between samples
 
     @cached_property
     def bridged(self) -> Bridged:
-        """The samples that are there, in the order of their times, with the gaps between them crossed."""
+        """The valid samples in order of time, with interpolated gaps."""
         good = np.isfinite(self.x) & np.isfinite(self.t)
         t, first = np.unique(self.t[good], return_index=True)
         return bridged(t, self.x[good][first])
@@ -55,8 +57,10 @@ class Channel:
 
 @dataclass(frozen=True)
 class Named:
-    """What LOGS.toml says of a column: its name, its factor to SI, its noise, its unit, its own column of times, and whether
-    it holds between samples."""
+    """A column as declared in LOGS.toml.
+
+    That is its name, factor to SI, noise, unit, own column of times, and whether it is constant between samples.
+    """
 
     column: str
     factor: float = 1.0
@@ -68,9 +72,11 @@ class Named:
 
 @dataclass(frozen=True)
 class Recording:
-    """One run of the actuator: times from 0 s, the measured columns by those of the machine, the signals by path, the
-    numbers that differ in this run, and whether it is held out. ``as_well``: by cause, the same run as errors of what was
-    measured may have made it."""
+    """One run of the actuator: times from 0 s, measured columns by the machine's names, and signals by path.
+
+    ``known`` are the numbers that differ in this run; ``hold_out``: whether it is held out. ``as_well``: by cause,
+    alternatives of the run that measurement errors allow.
+    """
 
     file: str
     t: Array
@@ -85,8 +91,10 @@ class Recording:
 
 @dataclass(frozen=True)
 class Sought:
-    """What is sought, by path: its bounds, where to start, and what is known beforehand (mean and deviation); ``nuisance``:
-    how a recording begins, which is sought and not judged."""
+    """A parameter to fit, by path: its bounds, initial value, and prior (mean and standard deviation).
+
+    ``nuisance``: an initial state of a recording, which is fitted and not reported.
+    """
 
     path: str
     low: float
@@ -98,7 +106,7 @@ class Sought:
 
 @dataclass(frozen=True)
 class Logs:
-    """What LOGS.toml holds; ``path``: the file, where there is one."""
+    """The content of LOGS.toml; ``path``: the file, if there is one."""
 
     recordings: tuple[Recording, ...]
     sought: tuple[Sought, ...]
@@ -111,7 +119,7 @@ def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
 
     Args:
         path: the file.
-        needs_unknown: refuse a file that seeks nothing.
+        needs_unknown: whether a file without parameters to fit is an error.
 
     Raises:
         InputError: the file or a recording cannot be read; a line for each mistake.
@@ -158,7 +166,7 @@ def _number(x: object) -> bool:
 
 
 def sought_of(unknown: Mapping[str, object], argument: bool = False) -> tuple[list[Sought], list[str]]:
-    """The lines of [unknown], or of an argument of that name (each a table, or low and high); what is wrong with them."""
+    """The entries of [unknown], or of an argument of that name (each a table, or low and high), and their errors."""
     found: list[Sought] = []
     wrong: list[str] = []
     for path, table in unknown.items():
@@ -170,7 +178,7 @@ def sought_of(unknown: Mapping[str, object], argument: bool = False) -> tuple[li
 
 
 def _sought(path: str, table: object, where: str, into: list[Sought]) -> list[str]:
-    """Take one line of [unknown]; what is wrong with it."""
+    """Append one entry of [unknown]; returns its errors."""
     if not isinstance(table, Mapping):
         return [f"{where}: {show(table)}: must be a table with low and high"]
     found = [
@@ -244,7 +252,7 @@ def _recording(entry: object, where: str, folder: Path, window: Any) -> Recordin
 
 
 def _column(given: object, where: str, units: Mapping[str, float], problems: list[str]) -> Named | None:
-    """A column's name, or a table that says more of it."""
+    """A column from its name, or from a table with further keys."""
     if isinstance(given, str):
         return Named(given)
     keys = ("column", "unit", "gain", "noise", "time", "held")
@@ -284,7 +292,7 @@ def _source(entry: Mapping[str, Any], where: str, folder: Path) -> Source:
         return opened_log(folder / entry["file"], episode)
     except InputError as error:
         raise InputError([f"{where}.file: {line}" for line in error.problems]) from None
-    except OSError as error:  # a name that no file can have
+    except OSError as error:  # an invalid file name
         raise InputError(f"{where}.file: {show(entry['file'])}: cannot be read: {error.strerror}") from None
 
 
@@ -335,10 +343,10 @@ def _read(
 
 
 def _columns(source: Source, where: str, names: Mapping[str, str]) -> dict[str, Array]:
-    """The columns by what they are for.
+    """The columns by their use.
 
     Raises:
-        InputError: the file does not have one, or it holds no numbers.
+        InputError: a column is missing, or contains no numbers.
     """
     if missing := [(role, name) for role, name in names.items() if name not in source.names]:
         raise InputError(
@@ -355,7 +363,7 @@ def _columns(source: Source, where: str, names: Mapping[str, str]) -> dict[str, 
 
 
 def _in_order(t: Array, file: str) -> tuple[NDArray[np.int64], list[str]]:
-    """The rows whose time is there and rises, and what was found wrong."""
+    """The rows with a valid, increasing time, and notes about the others."""
     notes = []
     there = np.flatnonzero(np.isfinite(t))
     if len(there) < len(t):

@@ -1,4 +1,4 @@
-"""A converged fit as a regression for the core to judge: slopes of the outputs, with the starts of recordings eliminated."""
+"""A converged fit as a linear regression for the core: the outputs' Jacobian, with initial states eliminated."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.record import BLOCKS, ROWS
 
-SEEN = (0.02, 0.98)  # of the rows, by speed: the slowest and the fastest level
-SLIDING = 1e-3  # of the fastest speed: below it a contact counts as at rest
-WIDE = 1 / 3  # of a start's room: its deviation before anything is compared
+SEEN = (0.02, 0.98)  # quantiles of the rows' speeds: the slowest and the fastest level
+SLIDING = 1e-3  # of the fastest speed: a slower contact counts as stuck
+WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
 
 @dataclass(kw_only=True)
 class MachineLibrary(ModelLibrary):
-    """Columns: what is left, the slopes by the coordinates, and those by all forms, by the noise.
+    """Columns: residuals, and their derivatives by the coordinates and by all forms, in units of the noise.
 
     Attributes:
-        sought: the coordinates that are asked for, and where they are.
-        J: slopes of all residuals by all coordinates.
-        speeds: of the levels; ``levels``: values there, their ``slopes`` by the coordinates, and by the forms' columns.
-        size: the deviation of what is measured; ``top``: its largest change.
-        slow: by contact, the slowest speed seen.
-        hidden: the largest coefficient of each form that no record need show; ``scale``: the unit of a column's.
+        sought: the reported coordinates; ``u``: their point.
+        J: derivatives of all residuals by all coordinates.
+        speeds: of the levels; ``levels``: values there, with ``slopes`` by the coordinates and ``of_forms`` by column.
+        size: the standard deviation of the measured columns; ``top``: their largest change.
+        slow: by contact, the slowest recorded speed.
+        hidden: by form, the largest coefficient that may go unnoticed; ``scale``: the unit of a column's coefficient.
     """
 
     sought: list[MachineCoordinate]
@@ -55,36 +55,36 @@ class MachineLibrary(ModelLibrary):
 
     @property
     def k(self) -> int:
-        """The coordinates."""
+        """The number of coordinates."""
         return len(self.sought)
 
     @property
     def beside(self) -> list[int]:
-        """Nothing."""
+        """None: a machine's model has no further columns."""
         return []
 
     @property
     def files(self) -> Array:
-        """One experiment: recordings differ in load and drive, so that one of them is no other run of the rest."""
+        """One experiment. Recordings differ in load and drive, so they are not repeated runs."""
         return np.zeros(len(self.gram), int)
 
     @property
     def by_ratio(self) -> frozenset[str]:
-        """What is searched by its logarithm."""
+        """The parameters that are searched by their logarithm."""
         return frozenset(c.name for c in self.sought if c.logarithmic)
 
     @property
     def largest(self) -> float:
-        """The largest change of what is measured."""
+        """The largest change of the measured columns."""
         return self.top
 
     @property
     def deviation(self) -> float:
-        """Of what is measured."""
+        """The standard deviation of the measured columns."""
         return self.size
 
     def parameters(self, model: Model, x: Array) -> dict[str, float]:
-        """The numbers sought, and the levels."""
+        """The fitted parameters and the levels."""
         at = self.u + np.clip(x[: self.k], -20.0, 20.0)
         out = {c.name: c.outer(z) for c, z in zip(self.sought, at.tolist(), strict=True)}
         level = self.levels + self.slopes @ x[: self.k]
@@ -94,21 +94,24 @@ class MachineLibrary(ModelLibrary):
         return out | dict(zip(self.speeds, level.tolist(), strict=True))
 
     def fault(self, x: Array) -> Array:
-        """Slopes hold no farther than a cell."""
+        """A factor above 1 for steps beyond a cell, where the linearization is not valid."""
         far = np.max(abs(x[:, : self.k]), axis=1, initial=0.0)
         return np.where(far > CELL, STEEP, 1.0)
 
     def largest_hidden(self, form: str) -> float:
-        """As the form says."""
+        """The largest coefficient from the form's definition."""
         return self.hidden[form]
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
-        """What may be 0 is measured by its bounds."""
+        """The range between its bounds as the scale of a parameter that may be 0."""
         c = next((c for c in self.sought if c.name == name), None)
         return (c.high - c.low, True) if c is not None and c.low <= 0.0 <= c.high else (None, False)
 
     def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
-        """Within the bounds, and open where the regression leaves them; F_s and v_s as bounds where no slow speed was seen."""
+        """Clip estimates to their bounds, and withhold those whose interval is outside.
+
+        Without slow rows, F_s and v_s become one-sided bounds.
+        """
         for c in self.sought:
             e = found[c.name]
             ends = [(max(a, c.low), min(b, c.high)) for a, b in (e.interval, e.range or e.interval)]
@@ -132,7 +135,7 @@ class MachineLibrary(ModelLibrary):
 
 
 def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
-    """The law alone and its models with forms, about a converged point."""
+    """The law alone and its models with forms, linearized at a converged point."""
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
@@ -156,7 +159,7 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
     speeds, slow, levels, slopes, of_forms = _levels(problem, u, asked, motion, every, moved, rms, first)
     block = _blocks(problem)
     gram = np.array([columns[block == b].T @ columns[block == b] for b in range(block.max() + 1)])
-    gram = gram + columns[block < 0].T @ columns[block < 0] / len(gram)  # what is known before belongs to every stretch
+    gram = gram + columns[block < 0].T @ columns[block < 0] / len(gram)  # priors belong to every block
     size, top = _sizes(problem)
     lib = MachineLibrary(
         columns=columns, gram=gram, groups=groups, targets=[0], starts=[1], natural=[1.0] * columns.shape[1],
@@ -171,7 +174,7 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
 
 
 def _without(starts: Array, columns: Array) -> Array:
-    """Columns with the starts, of which a little is known, eliminated."""
+    """Columns with the initial states eliminated, each of which has a weak prior."""
     if not starts.shape[1]:
         return columns
     h = starts.T @ starts + np.eye(starts.shape[1])
@@ -179,7 +182,7 @@ def _without(starts: Array, columns: Array) -> Array:
 
 
 def _blocks(problem: MachineProblem) -> NDArray[np.intp]:
-    """The stretch of time of each residual; -1 of what is known before."""
+    """The block of time of each residual; -1 for priors and ties."""
     when = np.full((problem.size, 2), np.inf)
     for k, run in enumerate(problem.runs):
         at = int(problem.first[k])
@@ -196,7 +199,7 @@ def _blocks(problem: MachineProblem) -> NDArray[np.intp]:
 
 
 def _sizes(problem: MachineProblem) -> tuple[float, float]:
-    """The deviation and the largest change of what is measured, by the noise."""
+    """The standard deviation and the largest change of the measured columns, by the noise."""
     parts = [(t.x - t.x.mean()) / problem.noise[t.column] for run in problem.runs for t in run.targets]
     whole = np.concatenate(parts)
     return float(np.std(whole)), float(np.max(abs(whole)))
@@ -206,8 +209,11 @@ def _levels(
     problem: MachineProblem, u: Array, asked: Sequence[int], motion: RunMotion, every: Sequence[MissingForm],
     moved: Sequence[int], rms: Array, first: int,
 ) -> tuple[dict[str, float], dict[str, float], Array, Array, dict[int, Array]]:  # fmt: skip
-    """The levels of the contacts whose laws are sought at four speeds that were seen: names and speeds, the slowest speed of
-    each contact, values, slopes by the coordinates, and by each form's column."""
+    """The friction levels of the contacts with fitted laws, at four recorded speeds.
+
+    Returns names and speeds, the slowest speed of each contact, values, and derivatives by the coordinates and by each
+    form's column.
+    """
     scenario = problem.runs[0].scenario
     speeds, slow, spans = dict[str, float](), dict[str, float](), dict[str, slice]()
     for contact in scenario.data.get("contacts", {}):
@@ -244,7 +250,7 @@ def _levels(
 
 
 def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:
-    """The friction of a contact at held speeds, without loads, with some numbers of the machine changed."""
+    """The friction of a contact at constant speeds, without loads, with some numbers of the machine changed."""
     path = f"contacts.{contact}.law"
     law = problem.runs[0].scenario.elements.laws[path]
     own = {

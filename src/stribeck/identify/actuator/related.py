@@ -1,4 +1,4 @@
-"""Relations between the numbers of a law that hold wherever a search goes: F_s is not below F_c, z_ba is below F_c/sigma_0."""
+"""Relations between a law's parameters that every search maintains: F_s >= F_c and z_ba < F_c/sigma_0."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 
-_ABOVE = 1e-6  # of F_c: how far F_s stays above it
-_BELOW = 0.95  # of F_c/sigma_0: the most that z_ba becomes
+_ABOVE = 1e-6  # of F_c: the least distance of F_s above it
+_BELOW = 0.95  # of F_c/sigma_0: the largest z_ba
 
 
 class Relations:
-    """The coordinates that are related; ``number`` gives the machine's own number at a path that is not sought."""
+    """The related coordinates; ``number`` returns the machine's number at a path that is not fitted."""
 
     def __init__(self, sought: Sequence[MachineCoordinate], number: Callable[[str], float | None]) -> None:
         self.sought = sought
@@ -31,11 +31,11 @@ class Relations:
                     self.below.append((i, level, stiffness))
 
     def lower(self) -> list[int]:
-        """The coordinates that have another above them: they are moved down where slopes are taken."""
+        """The coordinates with another above them: their difference steps go down."""
         return [j for _, j in self.above if isinstance(j, int)]
 
     def repaired(self, U: Array) -> Array:
-        """The points (lanes, coordinates), within their bounds, moved to where the relations hold."""
+        """The points (lanes, coordinates), within their bounds, moved so that the relations hold."""
         for high, low in self.above:
             for row in U:
                 level = self._number(low, row) * (1 + _ABOVE)
@@ -51,5 +51,5 @@ class Relations:
         return U
 
     def _number(self, which: int | float, row: Array) -> float:
-        """A number that is sought (an index), or one that is fixed."""
+        """The value of a fitted (by index) or fixed parameter."""
         return self.sought[which].outer(float(row[which])) if isinstance(which, int) else which

@@ -1,4 +1,4 @@
-"""What a fit of a machine tells."""
+"""The result of a fit of a machine."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Trace:
-    """A measured column and what was simulated of it."""
+    """A measured column and its simulation."""
 
     column: str
     unit: str
@@ -34,18 +34,18 @@ class Trace:
 
     @property
     def rms(self) -> float:
-        """The error's root mean square."""
+        """The rms error."""
         return float(np.sqrt(np.mean((self.predicted - self.measured) ** 2)))
 
     @property
     def relative(self) -> float:
-        """The error by the changes of what was measured."""
+        """The error relative to the changes of the measured column."""
         size = float(np.std(self.measured))
         return self.rms / size if size > 0 else float("inf")
 
 
 class TraceError(TypedDict):
-    """What is left of a column: root mean square in ``unit``, and as a share of its changes."""
+    """The residual of a column: rms in ``unit``, and relative to its changes."""
 
     rms: float
     relative: float
@@ -54,7 +54,7 @@ class TraceError(TypedDict):
 
 @dataclass
 class LogResult:
-    """One recording: its errors by column; ``traces`` for the page, of a fit that was made just now."""
+    """One recording: its errors by column; ``traces`` for the page, not restored from a file."""
 
     file: str
     held_out: bool
@@ -66,20 +66,19 @@ class LogResult:
             self.errors[x.column] = {"rms": x.rms, "relative": x.relative, "unit": x.unit}
 
     def to_dict(self) -> dict[str, object]:
-        """As the command prints it."""
+        """The recording as ``stribeck fit --logs --json`` prints it."""
         return {"file": self.file, "held_out": self.held_out, "errors": self.errors}
 
 
 class Group(TypedDict):
-    """Numbers that can stand for each other, and how each pair of them goes together."""
+    """Parameters that cannot be separated, and the correlation of each pair."""
 
     names: list[str]
     correlation: dict[str, float]
 
 
 class Baseline(TypedDict, total=False):
-    """What other friction leaves of the recordings, as a share of their changes, and how many numbers it has; or why it
-    could not be fitted."""
+    """The relative residual of other friction and its number of parameters; or why it could not be fitted."""
 
     fitted: float | None
     held_out: float | None
@@ -88,7 +87,7 @@ class Baseline(TypedDict, total=False):
 
 
 class Picked(TypedDict):
-    """The laws that were tried: which was taken, each one's held-out error and how many numbers, and which failed why."""
+    """The tried laws: the chosen one, each held-out error and number of parameters, and reasons of failed fits."""
 
     picked: str
     errors: dict[str, float]
@@ -100,7 +99,7 @@ Moved = TypedDict("Moved", {"name": str, "from": dict[str, object], "to": dict[s
 
 
 class Transfer(TypedDict):
-    """How other recordings are predicted, which numbers are other there, which the same, and which are not told."""
+    """Prediction of other recordings: its errors, and the parameters that differ, agree or are not identifiable there."""
 
     logs: list[dict[str, object]]
     moved: list[Moved]
@@ -111,15 +110,15 @@ class Transfer(TypedDict):
 
 @dataclass(repr=False)
 class MachineFit(Fit):
-    """The machine's numbers from its recordings.
+    """A machine's parameters estimated from its recordings.
 
     Attributes:
-        status: "done", "missed" (the model does not follow the recordings: nothing is identified) or "stopped".
-        estimates: what was sought, by path, each with a 95 % interval, a model range and a state.
-        levels: the friction of each contact at four ``speeds`` that were seen, estimates like all others.
-        data: the machine with what was found, as tables; ``folder``: where its relative paths begin.
-        name: the machine's; ``source``: the file of the recordings, where there is one.
-        trust: whether laws in files that the machine names may be executed wherever these lie.
+        status: "done", "missed" (the model does not describe the recordings: nothing is identified) or "stopped".
+        estimates: the fitted parameters by path, each with a 95 % interval, a model range and a state.
+        levels: estimates of each contact's friction at four recorded ``speeds``.
+        data: the machine with the fitted values, as tables; ``folder``: the base of its relative paths.
+        name: the machine's; ``source``: the file of the recordings, if there is one.
+        trust: whether laws in files may be executed from any folder.
     """
 
     status: str
@@ -145,17 +144,17 @@ class MachineFit(Fit):
 
     @property
     def parameters(self) -> dict[str, Estimate]:
-        """All estimates: what was sought, and the levels."""
+        """All estimates: fitted parameters and levels."""
         return {**self.estimates, **self.levels}
 
     @property
     def title(self) -> str:
-        """The machine."""
+        """The machine's name as a title."""
         return self.name
 
     @property
     def lead(self) -> str:
-        """What the machine leaves of its recordings, fitted and held out."""
+        """The relative residuals of the fitted and the held-out recordings, in words."""
         left = f"relative residual {percent(self.error(False))}"
         if (held := self.error(True)) is not None:
             left += f", {percent(held)} held out"
@@ -165,13 +164,13 @@ class MachineFit(Fit):
 
     @property
     def machine(self) -> Scenario:
-        """The machine with what was found, as it is simulated."""
+        """The machine with the fitted values, ready to simulate."""
         if not self.data:
             raise InputError(f"fit: {self.status}: there is no machine with these numbers")
         return Scenario(self.data, folder=self.folder, trust=self.trust)
 
     def error(self, held_out: bool) -> float | None:
-        """The relative error over all recordings of that kind: root mean square over their columns."""
+        """The relative error over the held-out or the fitted recordings: root mean square over their columns."""
         squares = [e["relative"] ** 2 for log in self.logs if log.held_out is held_out for e in log.errors.values()]
         return float(np.sqrt(np.mean(squares))) if squares else None
 
@@ -187,13 +186,13 @@ class MachineFit(Fit):
             return figures.recording(traced[0].traces)
 
     def document(self) -> Document:
-        """What the fit says to people, for the terminal and for a page."""
+        """The fit as a document for the terminal and for a page."""
         from stribeck.identify import said
 
         return said.of_machine(self)
 
     def to_dict(self) -> dict[str, object]:
-        """What ``stribeck fit --logs --json`` prints."""
+        """The fit as ``stribeck fit --logs --json`` prints it."""
         told: Mapping[str, object] = {
             "status": self.status, "reason": self.reason,
             "parameters": {name: p.to_dict() for name, p in self.estimates.items()},

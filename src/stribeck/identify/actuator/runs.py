@@ -1,4 +1,4 @@
-"""Recordings simulated in lanes: one lane for each set of numbers that is tried."""
+"""Simulates recordings in parallel lanes. A lane is the simulation of one set of parameters."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from stribeck.simulation import compiler, lanes
 from stribeck.simulation.variations import Variations, vary
 from stribeck.waveforms.piecewise import PointsSignal
 
-Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
+Late = tuple[Array | None, Array | None]  # of each lane: constant delay, s, and clock drift, s/s
 _FINER = 5
-_EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
+_EVEN = 2e-2  # of a step: tolerance of an even grid of samples
 _LOCK = Lock()
 
 
 @dataclass(frozen=True)
 class Compared:
-    """A column of a run that is compared: times and values, and what it holds beside the machine's column."""
+    """A compared column of a run: times, values, and its terms beside the machine's column."""
 
     column: str
     t: Array
@@ -45,7 +45,7 @@ class Compared:
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """What was measured in a run: its inputs by path, and the columns that are compared."""
+    """The measurements of a run: its inputs by path, and the compared columns."""
 
     inputs: dict[str, RecordedInput]
     targets: list[Compared]
@@ -62,15 +62,15 @@ class RecordedRun:
     targets: list[Compared]
     start: dict[str, float] = field(default_factory=dict)  # initial values that differ from the file's
     held_out: bool = False
-    shift: dict[str, float] = field(default_factory=dict)  # what is added to other states where a stretch begins
-    otherwise: tuple[Scenario, ...] = ()  # draws of the inputs in gaps, wrong by what may be wrong over the doubt
+    shift: dict[str, float] = field(default_factory=dict)  # added to other initial states of a stretch
+    otherwise: tuple[Scenario, ...] = ()  # draws of the inputs with the interpolation error of gaps, by ``doubt``
     doubt: float = 0.0
     inputs: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
-    played: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)  # by name, what plays in signals if it is 1
-    as_well: Mapping[str, Sequence[MeasuredRun]] = field(default_factory=dict)  # as errors of a kind may have made it
+    played: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)  # by name, a term's unit in each signal
+    as_well: Mapping[str, Sequence[MeasuredRun]] = field(default_factory=dict)  # alternatives by cause of error
 
     def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
-        """The same run with other signals; where one is of another kind, so is the structure, which is read anew."""
+        """The run with other signals. A signal of another kind changes the structure, so the scenario is rebuilt."""
         signals = {path: x.signal() for path, x in drives.items()}
         kinds = {use.path: type(x) for use, x in self.scenario.elements.signals.items()}
         if all(type(x) is kinds.get(path) for path, x in signals.items()):
@@ -78,20 +78,23 @@ class RecordedRun:
         return replace(self, scenario=self.scenario.with_changes({path: x.table() for path, x in drives.items()}))
 
     def instead(self, measured: MeasuredRun) -> RecordedRun:
-        """The same run as it was measured otherwise."""
+        """The run with other measurements."""
         return replace(self.driven(measured.inputs), targets=measured.targets, inputs=measured.inputs)
 
     @property
     def size(self) -> int:
-        """How many numbers are compared."""
+        """The number of compared samples."""
         return sum(len(x.t) for x in self.targets)
 
     def predict(
         self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int, ends: Sequence[str] = (),
         shift: Mapping[str, Array] | None = None,
     ) -> list[Array]:  # fmt: skip
-        """For each target the simulated column at its times, (lanes, times); nan where a lane failed. Then the columns
-        ``ends`` where the run ends, (lanes, 1). ``shift``: what is added to states at its start in each lane, else its own."""
+        """For each target the simulated column at its times, (lanes, times); nan where a lane failed.
+
+        The columns ``ends`` at the end of the run follow, (lanes, 1). ``shift`` is added to the initial states of each
+        lane; the run's own shift unless given.
+        """
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
         shares = {name: given.pop(name) for name in self.played if name in given}
@@ -126,7 +129,7 @@ class RecordedRun:
         return found
 
     def _signals(self, shares: Mapping[str, Array], count: int) -> dict[str, list[PointsSignal]]:
-        """The signals in which something plays, in each lane: the sum of what plays, each times its share."""
+        """The signals with added terms in each lane: the sum of the terms, each times its coefficient."""
         if not shares:
             return {}
         grid: Array = np.arange(self.scenario.rows, dtype=float) * self.scenario.output.step
@@ -142,7 +145,7 @@ class RecordedRun:
 
 
 def at_times(grid: Array, x: Array, target: Compared, late: Late | None) -> Array:
-    """Simulated columns (lanes, grid) at the times of a target, later by ``late`` if given."""
+    """Simulated columns (lanes, grid) at the times of a target, delayed by ``late`` if given."""
     step = grid[1] - grid[0] if len(grid) > 1 else 1.0
     index = np.rint(target.t / step).astype(int)
     if late is None and abs(target.t - index * step).max(initial=0.0) <= _EVEN * step * 1e-3:
@@ -173,14 +176,14 @@ def library(scenario: Scenario) -> ctypes.CDLL:
 
 
 def roughness(parts: Sequence[Array], order: int = 3) -> float:
-    """The noise of a column's pieces, by their differences of this order; a higher one sees less of the motion."""
+    """The noise of a column's pieces from their differences of this order. A higher order removes more of the motion."""
     parts = [x for x in parts if len(x) > order]
     found = np.concatenate([np.diff(x, order) for x in parts]) if parts else np.zeros(1)
     return float(np.sqrt(np.mean(found**2) / math.comb(2 * order, order)))
 
 
 def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel]:
-    """The measured columns between two times, from the first."""
+    """The measured columns between two times; times count from the first."""
     found = {}
     for name, c in recording.outputs.items():
         there = (c.t >= begin - 1e-12) & (c.t <= end + 1e-12) & np.isfinite(c.x) & np.isfinite(c.t)
@@ -192,10 +195,10 @@ def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel
 def recorded_run(
     scenario: Scenario, recording: Recording, log: int, span: tuple[float, float] | None = None, fine: bool = False
 ) -> RecordedRun:
-    """The scenario of a recording, or of a stretch of it; ``fine``: with rows between its samples, for sensors' clocks.
+    """The scenario of a recording, or of a stretch; ``fine``: with rows between samples, for delays and clock drift.
 
     Raises:
-        InputError: an output is no column of the machine, an input none of its signals, or a known number none it has.
+        InputError: an output, an input or a known number does not exist in the machine.
     """
     if scenario.elements.unnamed:
         raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
@@ -215,7 +218,7 @@ def recorded_run(
         raise InputError(problems)
     step = _step(recording) / (_FINER if fine else 1)
     length = end - begin
-    step = length / max(math.ceil(length / step - _EVEN * 1e-4), 1)  # the last row is the end: samples lie there
+    step = length / max(math.ceil(length / step - _EVEN * 1e-4), 1)  # the last row is the end, where samples lie
     changes |= {"solve.t_end": length, "output.step": step, "output.energy": False}
     try:
         new = scenario.with_changes(changes)
@@ -233,15 +236,14 @@ def recorded_run(
 
 
 def compared(recording: Recording, begin: float, end: float) -> list[Compared]:
-    """The measured columns between two times as a run is compared with them."""
+    """The measured columns between two times for comparison with a run."""
     return [Compared(n, c.t, c.x, c.beside) for n, c in rows_of(recording, begin, end).items() if len(c.t)]
 
 
 def driven_by(
     scenario: Scenario, recording: Recording, span: tuple[float, float]
 ) -> tuple[dict[str, RecordedInput], list[dict[str, RecordedInput]], float]:
-    """The recorded inputs by path; draws of those with gaps, wrong there by what may be wrong; and by what that is to be
-    multiplied."""
+    """The recorded inputs by path, draws of those with gaps, and the factor to scale their interpolation error."""
     drives, draws = dict[str, RecordedInput](), list[dict[str, RecordedInput]]()
     doubt = max((c.bridged.doubt for c in recording.inputs.values()), default=0.0)
     for path, channel in recording.inputs.items():
@@ -256,7 +258,7 @@ def driven_by(
 
 
 def _step(recording: Recording) -> float:
-    """Even samples come on rows of their own; others between finer ones."""
+    """The output step: even samples coincide with rows; uneven ones lie between finer rows."""
     gaps = np.diff(recording.t)
     step = float(np.median(gaps))
     span = recording.t[-1] - recording.t[0]
@@ -268,7 +270,7 @@ def _step(recording: Recording) -> float:
 
 
 def unshifted(scenario: Scenario, recording: Recording) -> list[str]:
-    """The signals of the machine that were not recorded, and cannot begin in the middle of a recording."""
+    """The machine's signals that are not recorded and cannot be cut inside a recording."""
     return [
         use.path for use in scenario.elements.signals
         if use.path not in recording.inputs and later(table_at(scenario, use.path), 1.0) is None
@@ -293,5 +295,5 @@ def _signals_later(scenario: Scenario, recording: Recording, begin: float) -> di
 
 
 def varies(scenario: Scenario, path: str) -> bool:
-    """Whether a path is a number that lanes can vary."""
+    """Whether the number at a path can vary between lanes."""
     return path in scenario.places

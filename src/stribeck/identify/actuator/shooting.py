@@ -1,7 +1,7 @@
-"""Multiple shooting: stretches of recordings that follow each other, each with a start of its own.
+"""Multiple shooting: consecutive stretches of recordings, each with its own initial state.
 
-What the start of a stretch does not set (bristles, currents, bodies that nobody measures) begins where the stretch before
-ended, and the ends are tied to the starts by what the samples tell of these.
+Unmeasured initial states (bristles, currents, unmeasured bodies) continue the stretch before. The ends are tied to the next
+starts with the accuracy to which the samples determine these.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import Found, half_squares, search
 
 _ROUNDS, _TIED_ROUNDS = 12, 3
-_STEPS = 5  # of the search between two looks at where stretches end
-_SHARES = (1.0, 0.3, 0.1)  # of the way to where the stretch before ends
+_STEPS = 5  # of the search between two updates of the unmeasured initial states
+_SHARES = (1.0, 0.3, 0.1)  # tried steps toward the end of the stretch before
 _WORSE = 1.1
-_LITTLE = 1e-6  # of what is compared, by its noise
+_LITTLE = 1e-6  # mean square residual, by the noise, that does not matter
 _SETTLED = 1e-3  # of the largest shift of a state
 
 
@@ -26,10 +26,9 @@ def joined_stretches(
     problem: MachineProblem, u: Array, keep: Callable[[Array, float], None] | None,
     weigh: Callable[[MachineProblem, Array], None],
 ) -> tuple[MachineProblem, Found] | None:  # fmt: skip
-    """The problem with its stretches tied to each other, and its best point; None where there is nothing to tie, or the
-    stretches do not come to meet.
+    """The problem with tied stretches and its best point; None if there is nothing to tie or no convergence.
 
-    ``weigh`` sets the noise to what is left: as long as that is much, the ties are loose.
+    ``weigh`` sets the noise to the residual. While the residual is large, the ties are loose.
     """
     if not replace(problem, tied=True).ties:
         return None
@@ -56,7 +55,7 @@ def joined_stretches(
 def _handed_on(
     problem: MachineProblem, u: Array, keep: Callable[[Array, float], None] | None
 ) -> tuple[MachineProblem, Found] | None:
-    """The stretches begun where those before end, or a part of the way there, so that they are followed as well."""
+    """Move the unmeasured initial states to the ends of the stretches before, at most as far as the fit stays as good."""
     before = float(half_squares(problem.residuals(u[None]))[0])
     asked = relayed(problem, u)
     for share in _SHARES:
@@ -77,5 +76,5 @@ def _far(new: dict[str, float], old: dict[str, float]) -> float:
 
 
 def relayed(problem: MachineProblem, u: Array) -> list[RecordedRun]:
-    """The runs, each with the states that nothing else sets as the run before left them."""
+    """The runs. States that no coordinate sets continue the run before."""
     return replace(problem, tied=True).handed_on(u)

@@ -1,7 +1,7 @@
-"""Least squares from many starts at once: Levenberg and Marquardt's method, whose trials are lanes beside each other.
+"""Levenberg-Marquardt least squares from many starts, with all trials simulated in parallel.
 
-SciPy's ``least_squares`` takes one start and one step at a time; here the slopes of all starts, and several dampings of
-each step, are simulated together, and starts that fall behind are given up.
+SciPy's ``least_squares`` takes one start and one step at a time. Here the Jacobians of all starts, and several dampings of
+each step, are simulated together. The worst starts are given up after each step.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.work import Stopped
 
 _DAMPINGS = np.array([1e-4, 1e-2, 1.0, 30.0, 1e3])
-_KEEP = (10, 6, 4, 3, 2, 2, 1)  # starts that go on after each step
+_KEEP = (10, 6, 4, 3, 2, 2, 1)  # starts that continue after each step
 _WIDE = 4
 _STEPS = 40
-SMALL = 1e-7  # of the cost: a smaller fall ends the search
+SMALL = 1e-7  # relative reduction of the cost below which the search ends
 _HUGE = 1e300
-_OF_DEVIATION, _BETWEEN = 0.3, (1e-5, 2e-2)  # steps of fine slopes: of a coordinate's deviation, within these
-_SETTLING, _PARTS = 20, (1.0, 0.5, 0.25)  # steps at the end; parts of one that are tried
+_OF_DEVIATION, _BETWEEN = 0.3, (1e-5, 2e-2)  # steps of central differences: of a standard deviation, within limits
+_SETTLING, _PARTS = 20, (1.0, 0.5, 0.25)  # final steps; tried parts of each
 _FAINT = (
     1e-9,
     1e-6,
     1e-4,
     1e-2,
-)  # dampings: two numbers that go together within 1e-6 make a valley along which to step
-_TENTH = 0.5 * 0.1**2  # of half the sum of squares: a tenth of a deviation
+)  # dampings: parameters correlated to within 1e-6 form a valley, along which only small dampings step
+_TENTH = 0.5 * 0.1**2  # reduction of half the sum of squares by a move of a tenth of a standard deviation
 
 
 @dataclass(frozen=True)
 class Found:
-    """Where the search ended: the point, its cost, how many starts ended nearby, and whether it was stopped."""
+    """The end of a search: the point, its cost, the number of starts that agree, and whether it was stopped."""
 
     u: Array
     cost: float
@@ -56,13 +56,17 @@ def search(
     keep: Callable[[Array, float], None] | None = None, more: Sequence[Array] = (), wide: bool = False, steps: int = _STEPS,
     small: float = SMALL,
 ) -> Found:  # fmt: skip
-    """The best point from ``starts`` of them: the given one (or the machine's), ``more``, and others spread over the
-    bounds; ``wide``: follow several of them to the end; ``small``: the share of the cost whose fall is the last.
+    """The best point from several starts: ``first`` (or the machine's), ``more``, and others spread over the bounds.
 
-    Ctrl-C, and ``Work.stop``, end it with what was found so far.
+    Args:
+        starts: number of starts without ``more``.
+        wide: converge several starts.
+        small: relative reduction of the cost below which the search ends.
+
+    Ctrl-C, and ``Work.stop``, end the search with the best point so far.
     """
     begin = [problem.start() if first is None else first]
-    if not problem.sought:  # a machine without its friction, to be compared
+    if not problem.sought:  # a machine without its friction, for comparison
         return Found(begin[0], float(half_squares(problem.residuals(begin[0][None]))[0]))
     best = Found(begin[0], _HUGE, 1, True)
     try:
@@ -106,7 +110,7 @@ def search(
 
 
 def agreeing(costs: Array, least: float) -> int:
-    """How many starts came as low: where the data leave a direction open, to other points of one valley."""
+    """The number of starts with as low a cost. In a flat valley their points may differ."""
     return int(np.sum(costs < 1.01 * least + 1e-12))
 
 
@@ -132,7 +136,7 @@ def _step(problem: MachineProblem, U: Array, costs: Array, damping: Array) -> tu
 
 
 def fine_slopes(problem: MachineProblem, u: Array) -> Array:
-    """The slopes at one point by central differences, of steps that are small beside each coordinate's deviation."""
+    """The Jacobian at one point by central differences, with steps below each coordinate's standard deviation."""
     J = problem.slopes(u[None], np.full(len(u), problem.step))[1][0]
     size = np.sqrt(np.maximum(np.sum(J**2, axis=0), 1e-300))
     variance = np.diag(np.linalg.pinv((J / size).T @ (J / size), rcond=1e-12, hermitian=True)) / size**2
@@ -140,10 +144,10 @@ def fine_slopes(problem: MachineProblem, u: Array) -> Array:
 
 
 def settled(problem: MachineProblem, u: Array) -> tuple[Array, bool]:
-    """The point from which no step of fine slopes helps by a tenth of a deviation, and whether there is one: in a narrow, bent
-    valley each step is short, and the last one still helps.
+    """The point from which no further step gains a tenth of a standard deviation, and whether it was reached.
 
-    Slopes to one side have errors that end a search aside of the optimum, in valleys as long as many deviations.
+    The steps use central differences. Errors of one-sided differences end a search beside the optimum, if a valley is
+    many standard deviations long. In a narrow, bent valley each step is short, and the last one may still gain.
     """
     cost = float(half_squares(problem.residuals(u[None]))[0])
     for _ in range(_SETTLING):
@@ -159,7 +163,7 @@ def settled(problem: MachineProblem, u: Array) -> tuple[Array, bool]:
 
 
 def direction(r: Array, J: Array, u: Array, problem: MachineProblem, damping: float) -> Array:
-    """The damped step of Gauss and Newton; coordinates that press against a bound stay there."""
+    """The damped Gauss-Newton step. Coordinates that would leave their bounds are fixed."""
     if not (np.isfinite(r).all() and np.isfinite(J).all()):
         return np.zeros(len(u))
     A, g = J.T @ J, J.T @ r
@@ -175,8 +179,10 @@ def direction(r: Array, J: Array, u: Array, problem: MachineProblem, damping: fl
 
 
 def scanned(problem: MachineProblem, found: Found, steps: int = 5) -> list[Array]:
-    """Points elsewhere that might lead to a lower cost: each number in turn is put at several places over its bounds, the
-    others follow, and the best of each are taken."""
+    """Points elsewhere that might lead to a lower cost.
+
+    Each parameter in turn is set to several values within its bounds, and the others are optimized. The best are returned.
+    """
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance and c.output is None]
     points, held = [], []
     for k in asked:
@@ -193,7 +199,7 @@ def scanned(problem: MachineProblem, found: Found, steps: int = 5) -> list[Array
 
 
 def relaxed(problem: MachineProblem, points: Array, held: list[int], rounds: int = 2) -> tuple[Array, Array]:
-    """The points with all coordinates but the one held moved to where the cost is least, and the cost."""
+    """The points after optimization of all coordinates but the one ``held``, and their costs."""
     costs = half_squares(problem.residuals(points))
     for _ in range(rounds):
         r, J = problem.slopes(points, np.full(points.shape[1], problem.step))

@@ -1,4 +1,4 @@
-"""The states in which recordings, and stretches of them, begin."""
+"""The initial states of recordings and of their stretches."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.runs import RecordedRun, recorded_run, roughness
 from stribeck.scenario import Scenario
 
-_NEAR, _FEWEST = 12, 4  # samples from which a state is estimated
-_BENDS = 2.0  # times the noise: what a parabola leaves of more samples than it follows
-_ROOM = 6.0  # bounds of a start, in its estimate's deviations
+_NEAR, _FEWEST = 12, 4  # most and fewest samples for the estimate of a state
+_BENDS = 2.0  # times the noise: a larger residual shows that a parabola does not describe the samples
+_ROOM = 6.0  # bounds of an initial state, in standard deviations of its estimate
 _MOVES = 3.0
-_STILL = 6.0  # times the noise: what the first samples of a body at rest may span
-_SLOPE = 2.5  # deviations of their line's slope
+_STILL = 6.0  # times the noise: largest range of the first samples of a body at rest
+_SLOPE = 2.5  # standard deviations: largest slope of these samples
 
 
 def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
-    """A measured position and its rate at a time, by a parabola through the samples near it (as many as follow one), and
-    their deviations."""
+    """A measured position and its rate at a time, and their standard deviations.
+
+    Both come from a parabola through the nearest samples, as many as it describes.
+    """
     good = np.isfinite(channel.x)
     t, x = channel.t[good], channel.x[good]
     order = np.argsort(abs(t - at))[:_NEAR]
@@ -43,8 +45,7 @@ def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
 
 
 def moves(channel: Channel) -> bool:
-    """Whether the first samples of a measured position, or speed, show that a body moves: faster or slower later on, or
-    back, it was not at rest."""
+    """Whether the first samples of a measured position or speed show a motion: a large range or a significant slope."""
     x = channel.x[np.isfinite(channel.x)][:_NEAR]
     steps = np.diff(np.unique(channel.x[np.isfinite(channel.x)])).min(initial=np.inf)
     noise = max(roughness([x]), float(steps) / np.sqrt(12) if np.isfinite(steps) else 0.0)
@@ -60,10 +61,10 @@ def moves(channel: Channel) -> bool:
 def begun(
     scenario: Scenario, recording: Recording, log: int, named: set[str], span: tuple[float, float] | None = None
 ) -> tuple[RecordedRun, list[MachineCoordinate]]:
-    """A recording (or a stretch of it) to simulate, and what of its start must be found with it.
+    """A recording, or a stretch of it, to simulate, and the coordinates of its initial state.
 
-    Where the file, the recording or the user says how a body begins, it begins so; else the first samples say it
-    roughly, and the fit precisely.
+    If the file, the recording or the user gives a body's initial state, it is used. Otherwise the first samples give an
+    estimate, which the fit refines.
     """
     late = any((n.startswith("outputs.") and n.endswith((".delay", ".clock"))) or ".outputs." in n for n in named)
     run = recorded_run(scenario, recording, log, span, late)
@@ -95,7 +96,7 @@ def begun(
             room = _ROOM * max(dx, 1e-9 * max(abs(x), 1e-3))
             label = f"log.{log}.{'' if span is None else f'{at:g}s.'}initial.{name}.{kind}"
             still = kind == "v" and span is None and abs(x) < _MOVES * dx
-            first = 0.0 if still else x  # rest, where samples cannot tell it from motion: bristles would be wound up
+            first = 0.0 if still else x  # rest unless motion is significant: a false speed would deflect bristles
             low, high = min(x - room, first), max(x + room, first)
             run.start |= {path: f * first for path, f in targets.items()}
             found.append(MachineCoordinate(label, low, high, first, None, targets, None, log, True, run.piece))
@@ -111,7 +112,7 @@ def _given(
     scenario: Scenario, recording: Recording, log: int, named: set[str], body: str, kind: str,
     span: tuple[float, float] | None,
 ) -> bool:  # fmt: skip
-    """Whether somebody has said how a body begins."""
+    """Whether a body's initial state is given."""
     path = f"bodies.{body}.initial.{kind}"
     if span is not None and span[0] > 0:
         return False
@@ -120,8 +121,10 @@ def _given(
 
 
 def stretches(recording: Recording, window: float) -> list[tuple[float, float]]:
-    """The times at which stretches of about ``window`` seconds begin and end: where the speed is large, so that what
-    is not measured there (bristles, currents) is soon as it must be."""
+    """The times at which stretches of about ``window`` seconds begin and end.
+
+    They begin where the speed is large, so unmeasured states (bristles, currents) soon become steady.
+    """
     length = float(recording.t[-1])
     count = max(1, round(length / window))
     if count == 1:

@@ -1,4 +1,4 @@
-"""What was measured beside what the numbers make of it, in recordings that were fitted and in those that are predicted."""
+"""Measured and simulated columns of fitted and predicted recordings."""
 
 from __future__ import annotations
 
@@ -18,15 +18,17 @@ from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
 
-_BEGIN = 24  # samples by which the start of a recording that is predicted is found
+_BEGIN = 24  # samples to which the initial state of a predicted recording is fitted
 
 
 def traces(
     scenario: Scenario, recording: Recording, log: int, sought: Sequence[MachineCoordinate], values: dict[str, float],
     window: float | None = None, fitted: Sequence[RecordedRun] = (),
 ) -> list[Trace]:  # fmt: skip
-    """What was measured in a recording and what the numbers make of it, from its start (or in stretches; those that were
-    ``fitted`` begin as there). A start that was not fitted is the one from which its first samples are followed."""
+    """The measured and simulated columns of a recording, whole or in stretches.
+
+    Stretches of ``fitted`` begin in the same states. An initial state that was not fitted is fitted to the first samples.
+    """
     chosen = [c for c in sought if c.log in (None, log)]
     named = {c.name for c in chosen} | paths(chosen)
     runs, own = prepared(scenario, [(log, recording)], named, window)
@@ -47,7 +49,7 @@ def traces(
 
 
 def _begun(problem: MachineProblem, u: Array, open_: set[str]) -> Array:
-    """The point with the starts ``open_`` as the first samples of their recording, or stretch, tell them."""
+    """The point with the initial states ``open_`` fitted to the first samples of their recording or stretch."""
     u = u.copy()
     for k, run in enumerate(problem.runs):
         concerned = [(i, problem.sought[i]) for i in np.flatnonzero(problem.concerns[k])]

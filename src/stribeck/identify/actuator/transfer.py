@@ -1,4 +1,4 @@
-"""Another unit, or another day: predicted with the numbers that were found, then fitted, and what moved."""
+"""Transfer to another unit or another day: its recordings are predicted, then fitted, and the parameters compared."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def transferred(fit: Fitting, other: Logs, result: MachineFit) -> Transfer:
-    """How well the fit predicts other recordings, and which numbers are other there, beyond both intervals."""
+    """The errors of predicting other recordings, and the parameters that differ there beyond both intervals."""
     problems: list[str] = []
     for i, recording in enumerate(other.recordings):
         try:
