@@ -1,1 +1,1 @@
-"""The estimator: a record becomes a library of models, one is chosen, and every number gets two uncertainties."""
+"""The estimator: builds a library of models for a record, chooses one, and gives every estimate two uncertainties."""

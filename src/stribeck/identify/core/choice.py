@@ -1,4 +1,4 @@
-"""The choice: the law first, then the model of the least BIC within it, on any weighting of the blocks."""
+"""Chooses the model of the least BIC among all laws and forms, on any weighting of the blocks."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from stribeck.identify.models.memory import rows_together
 from stribeck.identify.models.record import Record
 
 Of = TypeVar("Of", bound=ModelLibrary)
-ROUNDS = 4  # of choosing by the rows that are independent by the chosen model's residual
+ROUNDS = 4  # iterations between the number of independent rows and the choice that depends on it
 
 
 @dataclass
 class Selection(Generic[Of]):
-    """Libraries of the candidate laws, and the model that is reported.
+    """Libraries of the candidate laws, and the reported model.
 
     Attributes:
         law, index: of the reported library and its model; ``solved``: coefficients of all models, by library.
-        rows: how many of the record's are independent.
-        alone: only laws without forms may be reported.
+        rows: the number of independent rows of the record.
+        alone: whether only laws without forms may be reported.
     """
 
     libraries: list[Of]
@@ -38,7 +38,7 @@ class Selection(Generic[Of]):
 
     @property
     def library(self) -> Of:
-        """Of the reported law."""
+        """The library of the reported law."""
         return self.libraries[self.law]
 
     @property
@@ -48,12 +48,12 @@ class Selection(Generic[Of]):
 
     @property
     def open(self) -> bool:
-        """Whether there was anything to choose."""
+        """Whether there was more than one model to choose from."""
         return len([m for m in self.library.models if not (self.alone and m[1])]) > 1
 
     @property
     def coefficients(self) -> Array:
-        """Of the reported model."""
+        """The coefficients of the reported model."""
         return np.asarray(self.solved[self.law][self.index][: len(self.library.index(self.model))])
 
     def choose(
@@ -64,10 +64,10 @@ class Selection(Generic[Of]):
         Args:
             withheld: forms that no model may have.
             within: the only library; all unless given.
-            alone: without any form; as the report unless given.
+            alone: whether forms are excluded; as for the report unless given.
 
         Returns:
-            Its library, index and coefficients, and its squared residual beside that of the reported model.
+            Its library, index and coefficients, and the ratio of its squared residual to the reported model's.
         """
         found, reported, alone = [], 1.0, self.alone if alone is None else alone
         for n, lib in enumerate(self.libraries):
@@ -84,7 +84,7 @@ class Selection(Generic[Of]):
 
 
 def independent(lib: ModelLibrary, x: Array, sse: Array) -> float:
-    """Rows that are independent: by the residual of the best model of all, then of the chosen one, until it stays."""
+    """The number of independent rows, from the residual of the best model, then iteratively of the chosen one."""
     rows, i = np.inf, int(np.argmin(sse))
     for _ in range(ROUNDS):
         r = lib.residual(lib.models[i], x[i])
@@ -99,9 +99,9 @@ def chosen(
     """The model of the least BIC among all laws and forms.
 
     Args:
-        records: each law's columns with the rows that it is compared on, the same blocks for all.
-        alone: of the laws alone.
-        speeds: at which the levels are estimated.
+        records: each law's columns with the compared rows, the same blocks for all.
+        alone: whether forms are excluded.
+        speeds: further speeds at which levels are estimated.
     """
     libraries = [library(record, curve, speeds) for record, curve in records]
     rows = min(independent(lib, *lib.solve(lib.gram.sum(0))) for lib in libraries)

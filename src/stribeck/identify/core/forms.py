@@ -1,7 +1,6 @@
-"""What a friction law may lack: one table of forms, each a force per unit of its coefficient along a motion.
+"""Effects that a friction law may lack: one table of forms, each a force per unit of its coefficient along a motion.
 
-Forms are named by what an engineer would call them. Those of ``OF_RECORD`` belong to a record
-and are not carried over to another.
+Forms have engineering names. Those of ``OF_RECORD`` belong to one record and are not used for another.
 """
 
 from __future__ import annotations
@@ -26,26 +25,26 @@ WIDTHS = (
     0.1,
     0.2,
     0.4,
-)  # of the fastest speed, or of the way between reversals: a factor of 2
+)  # of the fastest speed, or of the travel between reversals, by factors of 2
 POWERS = (0.5, 1.5, 2.0, 3.0)  # of the speed: thinning grease, turbulence, drag, a saturating drive
 LAGS = (2.0, 6.0, 18.0, 54.0)  # samples, by factors of 3: one lag between two of them leaves 4 % of its effect
-WAVES = 3  # cosines over a record's length: warming up has no more
+WAVES = 3  # cosines over a record's length: enough for warming up
 OF_RECORD = ("drift", "level by time", "filter")
-LOADED = "load and weight"  # friction that grows with all that is carried
+LOADED = "load and weight"  # friction that grows with inertial force, offset and weight
 BENDS_BELOW = 0.35  # of v_s: a wider bend is the law's own curve
 Key = tuple[str, str]  # form, column
 
 
 @dataclass(frozen=True)
 class Anchor:
-    """What the forms' columns are made with, so that another record gets the same ones.
+    """The constants of the forms' columns, with which another record gets the same forms.
 
     Attributes:
-        curve: the law; ``shape``: its shapes, about which delays and lags are taken; ``found``: all coefficients.
-        fast, way, step: the fastest speed, the way between reversals, the time between samples.
-        turns, placed: whether the body comes back; whether its position was measured.
+        curve: the law; ``shape``: its shapes, at which delays and lags are linearized; ``found``: all coefficients.
+        fast, way, step: the fastest speed, the travel between reversals, the sampling period.
+        turns, placed: whether the body reverses; whether its position was measured.
         speeds: of the levels.
-        carried: what the force holds beside inertia and friction: an offset, and sine and cosine of the position.
+        carried: further parts of the force: an offset, and sine and cosine of the position.
         waves, level_waves: ripples of the force and of the friction's level over the position, 1/m.
     """
 
@@ -63,7 +62,7 @@ class Anchor:
     level_waves: tuple[float, ...] = ()
 
     def friction(self, v: Array) -> Array:
-        """Of the law at its anchor."""
+        """The law's friction with the anchor's coefficients."""
         return self.curve.force(v, self.shape, self.found) + self.found.get("sigma_2", 0.0) * v
 
 
@@ -96,7 +95,7 @@ def forms(log: Log, at: Anchor) -> dict[Key, Array]:
 
 
 def _of_speed(v: Array, sign: Array, at: Anchor) -> dict[Key, Array]:
-    """Other curves of friction against speed."""
+    """Other dependences of friction on speed."""
     share, made = abs(v) / at.fast, dict[Key, Array]()
     for w in WIDTHS:
         made[f"bend {w}", ""] = sign * np.exp(-share / w)
@@ -110,12 +109,12 @@ def _of_speed(v: Array, sign: Array, at: Anchor) -> dict[Key, Array]:
 
 
 def _pointed(share: Array) -> Array:
-    """A Stribeck rise of the exponent 1 instead of 2."""
+    """The difference between a Stribeck curve of exponent 1 and of exponent 2."""
     return np.asarray(np.exp(-share) - np.exp(-(share**2)))
 
 
 def _of_place(log: Log, sign: Array, at: Anchor) -> dict[Key, Array]:
-    """Weight, spring, cogging, and a level that changes along the way."""
+    """Weight, spring, cogging, and a friction level that depends on position."""
     y, made = log.position, dict[Key, Array]()
     if at.placed:
         made = {("weight", "sin"): np.sin(y), ("weight", "cos"): np.cos(y)}
@@ -127,16 +126,16 @@ def _of_place(log: Log, sign: Array, at: Anchor) -> dict[Key, Array]:
 
 
 def carried(log: Log, at: Anchor) -> Array:
-    """What is carried beside the inertia: offset and weight."""
+    """The force of offset and weight."""
     y, c = log.position, at.carried
     return np.asarray(c[""] + c.get("sin", 0.0) * np.sin(y) + c.get("cos", 0.0) * np.cos(y))
 
 
 def steady(name: str, v: Array, at: Anchor, rigid: bool = False) -> Array:
-    """A form at steady speeds ``v`` > 0; 0 of those that only a change of the motion brings out.
+    """A form at steady speeds ``v`` > 0; 0 for forms that act only in unsteady motion.
 
     Args:
-        rigid: with an exact sign, as F_s is asked for where the speed tends to 0.
+        rigid: whether the sign is exact, for F_s as the limit of zero speed.
     """
     kind, *rest = name.split()
     share = v / at.fast
@@ -151,12 +150,12 @@ def steady(name: str, v: Array, at: Anchor, rigid: bool = False) -> Array:
 
 
 def is_bend(name: str) -> bool:
-    """Whether a form is a bend of the curve that vanishes at high speed: it belongs to the level at rest."""
+    """Whether a form is a Stribeck curve that vanishes at high speed, and so contributes to the static friction."""
     return name.startswith(("bend", "pointed"))
 
 
 def fits(name: str, nodes: Sequence[Mapping[str, float]], fast: float) -> Array:
-    """At which nodes of the shapes a form is something else than the law's own curve: a bend as wide as that is the same."""
+    """The nodes of the shapes at which a form differs from the law's own curve. A bend must be narrower than v_s."""
     bends = BENDS_BELOW * np.array([s.get("v_s", np.inf) for s in nodes])
     return np.asarray(float(name.split()[1]) * fast < bends if name.startswith("bend") else np.ones(len(nodes), bool))
 

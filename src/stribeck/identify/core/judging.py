@@ -2,9 +2,9 @@
 
     interval^2 = C^2 + A^2 + M^2        range^2 = interval^2 + B^2 + H^2                (half widths; no weight is tuned)
 
-C is the covariance, A the choice redone on blocks drawn anew, M the choice redone on the motion behind a lower cut-off, B the
-choice on blocks drawn anew with a random half of the forms withheld, H what forms of a size that the record would not show do to
-the estimates.
+C is the covariance. A is the shift if the choice is repeated on resampled blocks. M is the shift if the motion is filtered at
+a lower cut-off frequency. B is the shift on resampled blocks with a random half of the forms withheld. H is the shift by
+forms too small to be visible in the record.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ DRAWS, SHARE, WORSE = (
     40,
     0.5,
     2.0,
-)  # replicates; forms withheld; squared residual beside the reported one's of a replicate
+)  # replicates; share of withheld forms; largest ratio of a replicate's squared residual to the reported model's
 AGAIN, WITHHELD = 0.95, 0.9  # quantiles of the shifts: of 40 draws the 38th and the 36th largest
-SEEN = 1.0  # residuals: the visible part of a hidden form
-LAGS = 4.0  # times the rows that err together: Bartlett's weights then keep nine tenths of the correlation
-EXPLAINED = 0.25  # of the force's deviation: a fit that leaves more identifies nothing
+SEEN = 1.0  # rms residuals: largest visible part of a hidden form
+LAGS = 4.0  # times the correlated rows: Bartlett's weights then keep nine tenths of the correlation
+EXPLAINED = 0.25  # of the force's standard deviation: with a larger residual, nothing is identified
 
 
 def judged(
@@ -38,9 +38,9 @@ def judged(
 
     Args:
         draws: replicates.
-        lower: the estimates on the motion behind a cut-off of half the square: they move once more as far as the filter has
-            moved them.
-        trusted: whether the model holds all that was measured; if not, nothing is identified.
+        lower: the estimates with half the squared cut-off frequency. This doubles the filter's bias, so their shift is the
+            bias of the reported estimates.
+        trusted: whether the model describes all measured columns; if not, nothing is identified.
     """
     lib, model, x = choice.library, choice.model, choice.coefficients
     value = lib.parameters(model, x)
@@ -71,7 +71,7 @@ def judged(
 
 
 def missed(choice: Selection[Of]) -> float:
-    """What the reported model leaves, of the force's deviation."""
+    """The rms residual of the reported model, relative to the force's standard deviation."""
     lib, r = choice.library, choice.library.residual(choice.model, choice.coefficients)
     return float(np.sqrt(np.mean(r**2)) / max(lib.deviation, 1e-300))
 
@@ -88,8 +88,11 @@ def _slopes(choice: Selection[Of], value: Mapping[str, float]) -> Array:
 
 
 def covariance(choice: Selection[Of], slope: Array) -> Array:
-    """C: the larger of the delete-a-block jackknife, Newey and West's, what the record leaves of a prior of one largest force,
-    what known errors of the measured inputs do, and, of several files, the spread between these; times Student's t."""
+    """C: the largest of several standard errors, times Student's t.
+
+    These are the delete-a-block jackknife, Newey and West's error, the posterior with a prior of one largest force, and the
+    effect of known errors of the measured inputs. With several files, the spread between files is one more.
+    """
     lib, model, x = choice.library, choice.model, choice.coefficients
     i, target = lib.index(model), lib.targets[model[0]]
     total, r, j = lib.gram.sum(0), lib.residual(model, x), lib.columns[:, i]
@@ -105,13 +108,13 @@ def covariance(choice: Selection[Of], slope: Array) -> Array:
     both = np.max([blocks, newey_west(j, r, to_estimates), unseen, np.sqrt(known)], axis=0)
     out = student.ppf(0.975, len(lib.gram) - 1) * both
     files = np.array([lib.gram[lib.files == f].sum(0) for f in np.unique(lib.files)])
-    if len(files) > 1:  # another run is asked for
+    if len(files) > 1:  # the interval must cover another run
         out = np.maximum(out, student.ppf(0.975, len(files) - 1) * _jackknife(lib, files, i, target, slope))
     return np.asarray(out)
 
 
 def _jackknife(lib: ModelLibrary, gram: Array, i: list[int], target: int, slope: Array) -> Array:
-    """Standard errors of the estimates by leaving out one part after the other."""
+    """Standard errors of the estimates by the jackknife: each part is left out once."""
     total, count, natural = gram.sum(0), len(gram), np.array(lib.natural)[i]
     left = [total - g for g in gram]
     found = np.array([slope @ (_inverse(g[np.ix_(i, i)], natural) @ g[i, target]) for g in left])
@@ -121,7 +124,7 @@ def _jackknife(lib: ModelLibrary, gram: Array, i: list[int], target: int, slope:
 def _redrawn(
     choice: Selection[Of], value: Mapping[str, float], by_ratio: Array, draws: int
 ) -> tuple[Array, Array, list[str]]:
-    """A and B, and the form whose withholding moves each estimate most."""
+    """A and B, and the form whose omission moves each estimate most."""
     lib, n, count = choice.library, choice.law, len(choice.library.gram)
     draw, again, moved = np.random.default_rng(0), list[Array](), list[Array]()
     good, which = list[bool](), list[set[str]]()
@@ -144,15 +147,17 @@ def _redrawn(
 
 
 def _moved(now: Array, base: Array, by_ratio: Array) -> Array:
-    """How far estimates are from a base; of shapes by the logarithm."""
+    """The shift of estimates from a base; for shapes by the logarithm."""
     with np.errstate(all="ignore"):
         logs = base * np.log(np.maximum(now, 1e-12) / base)
     return np.where(by_ratio, logs, now - base)
 
 
 def _cause(choice: Selection[Of], far: Array, which: list[set[str]]) -> list[str]:
-    """The form of the reported model without which each estimate moves farther than with it; of a law alone, the form that
-    it might have and with which it does."""
+    """The form of the reported model whose omission moves each estimate most.
+
+    For a law alone, the form of its best extended model whose presence does.
+    """
     own, sign = choice.model[1], 1.0
     if choice.alone:
         _, k, *_ = choice.choose(np.ones(len(choice.library.gram)), within=choice.law, alone=False)
@@ -188,7 +193,7 @@ def _hidden(choice: Selection[Of], slope: Array) -> tuple[Array, list[str]]:
 
 
 def newey_west(columns: Array, r: Array, to_estimates: Array) -> Array:
-    """Standard errors of estimates for a residual that remembers."""
+    """Standard errors of estimates with an autocorrelated residual."""
     n, score = len(r), columns * r[:, None]
     lags = int(min(max(LAGS * rows_together(r), LAGS), n // 6))
     meat = score.T @ score
@@ -200,7 +205,7 @@ def newey_west(columns: Array, r: Array, to_estimates: Array) -> Array:
 
 
 def _inverse(a: Array, natural: Array) -> Array:
-    """Of a Gram matrix; 0 for columns that do not move beside their ``natural`` mean squares."""
+    """The inverse of a Gram matrix; 0 for columns that are negligible relative to their ``natural`` mean squares."""
     d = np.sqrt(np.diag(a))
     moved = d / np.sqrt(natural)
     dead = moved <= 1e-9 * moved.max()

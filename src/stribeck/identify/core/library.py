@@ -1,4 +1,4 @@
-"""Models as linear regressions on one record: the Gram matrix of all columns, by block, answers everything."""
+"""Models as linear regressions on one record, solved from the Gram matrices of all columns by block."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from stribeck.identify.models.record import Record
 RIDGE, DEAD = (
     1e-10,
     1e-16,
-)  # beside a scaled diagonal of 1: rounding; a column's square beside the largest: it does not move
-LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction at four speeds that were seen
-ASKED = "level at {:.4g}"  # at a speed that the user names
-CELL, STEEP = 1.2, 3.0  # of a node's cell: where its slopes still hold; factor on the squared residual beyond
-LARGEST = 0.02  # of the force's deviation, or of a number: the largest form that may hide
+)  # added to a scaled diagonal of 1, against rounding; relative square below which a column counts as 0
+LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction at four recorded speeds
+ASKED = "level at {:.4g}"  # at a speed given by the user
+CELL, STEEP = 1.2, 3.0  # range of a node's linearization, in cells; factor on the squared residual beyond it
+LARGEST = 0.02  # of the force's standard deviation, or of a number: the largest form that may go unnoticed
 Model = tuple[int, tuple[str, ...]]  # index of the node, forms
 
 
 @dataclass(kw_only=True)
 class ModelLibrary(ABC):
-    """Models of one law on one record: what search, choice and judging see.
+    """Models of one law on one record: the interface for search, choice and judging.
 
     Attributes:
         columns, gram: (rows, p); (blocks, p, p).
         groups: columns of each form.
-        targets: the column that each node's model is to meet; ``starts``: the first of the node's ``k`` columns.
-        natural: the mean square that a column has by its unit: what does not move is told beside it.
-        drawn: rows as known errors of what was measured move them (draws, rows), for each source of such errors.
+        targets: the target column of each node's models; ``starts``: the first of the node's ``k`` columns.
+        natural: the mean square of a column by its unit, the scale relative to which it may count as 0.
+        drawn: changes of the rows by known measurement errors (draws, rows), for each source of errors.
         models: kept by the search; ``count``: coefficients of each; ``kinds``: which forms each has.
     """
 
@@ -50,12 +50,12 @@ class ModelLibrary(ABC):
     @property
     @abstractmethod
     def k(self) -> int:
-        """Columns of a node."""
+        """The number of columns of a node."""
 
     @property
     @abstractmethod
     def beside(self) -> list[int]:
-        """The columns that every model has beside those of its node."""
+        """The columns of every model besides those of its node."""
 
     @property
     @abstractmethod
@@ -65,30 +65,30 @@ class ModelLibrary(ABC):
     @property
     @abstractmethod
     def by_ratio(self) -> frozenset[str]:
-        """The estimates whose intervals are taken by their logarithm."""
+        """The estimates whose intervals are symmetric in the logarithm."""
 
     @abstractmethod
     def parameters(self, model: Model, x: Array) -> dict[str, float]:
-        """All numbers that a model estimates."""
+        """All estimates of a model by name."""
 
     @abstractmethod
     def fault(self, x: Array) -> Array:
-        """A factor on the squared residual of coefficients (models, columns) that cannot be."""
+        """A factor on the squared residual that penalizes impossible coefficients (models, columns)."""
 
     @abstractmethod
     def largest_hidden(self, form: str) -> float:
-        """The largest coefficient of a form that no record need show."""
+        """The largest coefficient of a form that may go unnoticed in a record."""
 
     @abstractmethod
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
-        """For what may be 0: what it is measured by, and whether being known within a factor of two does too."""
+        """For a parameter that may be 0: its scale, and whether an interval within a factor of two is narrow too."""
 
     @abstractmethod
     def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
-        """Estimates as they are told: bounds, and what cannot be."""
+        """The estimates as reported, with bounds applied and impossible values marked."""
 
     def allowed(self, form: str) -> Array:
-        """Whether a form may stand beside each node's law."""
+        """Whether a form may be combined with each node's law."""
         return np.ones(len(self.starts), bool)
 
     @property
@@ -98,17 +98,17 @@ class ModelLibrary(ABC):
 
     @property
     def deviation(self) -> float:
-        """The target's."""
+        """The target's standard deviation."""
         return float(np.std(self.columns[:, 0]))
 
     def index(self, model: Model) -> list[int]:
-        """The columns of a model: the law's with slopes, what every model has, the forms'."""
+        """The columns of a model: the law's with slopes, those of every model, the forms'."""
         s, chosen = model
         own = range(self.starts[s], self.starts[s] + self.k)
         return [*own, *self.beside, *(i for g in chosen for i in self.groups[g])]
 
     def keep(self, models: list[Model]) -> None:
-        """Take these models."""
+        """Keep these models only."""
         self.models = models
         rows = [self.index(m) for m in models]
         width = max(map(len, rows))
@@ -119,12 +119,12 @@ class ModelLibrary(ABC):
         self.kinds = np.array([[g in c for g in self.groups] for _, c in models]).reshape(len(models), len(self.groups))
 
     def solve(self, gram: Array) -> tuple[Array, Array]:
-        """Coefficients and squared residual of every model; the residual of an impossible one is made larger."""
+        """Coefficients and squared residual of every model, with a penalty for impossible coefficients."""
         i, t, target = self._at, self._there, self._target
         a = gram[i[:, :, None], i[:, None, :]] * (t[:, :, None] & t[:, None, :])
         diag = np.einsum("mii->mi", a)
         moved = diag / np.array(self.natural)[i]
-        seen = t & (moved > DEAD * np.max(moved, axis=1, keepdims=True))  # what these blocks do not move is left out
+        seen = t & (moved > DEAD * np.max(moved, axis=1, keepdims=True))  # without columns of 0
         d = np.where(seen, np.sqrt(np.maximum(diag, 1e-300)), 1.0)
         a = np.where(seen[:, :, None] & seen[:, None, :], a, 0.0) / d[:, :, None] / d[:, None, :]
         a[:, np.arange(i.shape[1]), np.arange(i.shape[1])] = 1 + RIDGE
@@ -135,19 +135,19 @@ class ModelLibrary(ABC):
         return x / d, sse * self.fault(x / d)
 
     def scores(self, sse: Array, rows: float) -> Array:
-        """BIC with ``rows`` independent rows; which forms they are is paid for too."""
+        """BIC with ``rows`` independent rows, and a penalty for the selection among forms."""
         which = 2 * self.kinds.sum(axis=1) * np.log(max(len(self.groups), 1))
         return np.asarray(rows * np.log(sse) + self.count * np.log(max(rows, 3.0)) + which)
 
     def residual(self, model: Model, x: Array) -> Array:
-        """What a model leaves, row by row."""
+        """The residual of a model by row."""
         i = self.index(model)
         return self.columns[:, self.targets[model[0]]] - self.columns[:, i] @ x[: len(i)]
 
 
 @dataclass(kw_only=True)
 class SteadyLibrary(ModelLibrary):
-    """Of a steady law. Columns: the force, the body's, the forms', and those of the nodes of the shapes.
+    """Models of a steady law. Columns: the force, the body's, the forms', and those of the nodes of the shapes.
 
     Attributes:
         nodes: shapes of the law; each has ``k`` columns: the law's, then its slopes by the logarithm of each shape.
@@ -180,12 +180,12 @@ class SteadyLibrary(ModelLibrary):
 
     @property
     def body(self) -> list[str]:
-        """What the body's columns are called."""
+        """The names of the body's columns."""
         return list(self.record.body)
 
     @property
     def first_form(self) -> int:
-        """The place of the first form's coefficient in a model's."""
+        """The index of the first form's coefficient in a model."""
         return self.k + len(self.body)
 
     @property
@@ -200,26 +200,26 @@ class SteadyLibrary(ModelLibrary):
 
     @property
     def by_ratio(self) -> frozenset[str]:
-        """Shapes."""
+        """The law's shapes."""
         return frozenset(self.curve.shapes)
 
     def allowed(self, form: str) -> Array:
-        """Whether a form bends the curve otherwise than the law itself."""
+        """Whether a form differs from the law's own curve at each node."""
         return fits(form, self.nodes, self.at.fast)
 
     def largest_hidden(self, form: str) -> float:
-        """A share of the force's deviation: a preload is no scale of friction."""
+        """A share of the force's standard deviation, which a constant preload does not enlarge."""
         return LARGEST * self.deviation
 
     def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
-        """What cannot be stands in for something else; bounds where the speeds that were seen give no more."""
+        """Mark impossible values as model-dependent, and report bounds if the recorded speeds determine no more."""
         for n, e in found.items():
             if e.state is EstimateState.IDENTIFIED and n in self.curve.positive and e.value < 0:
                 found[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
         return self.curve.judged(found, found[LEVELS[0]], self.at.speeds[0])
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
-        """The friction's level in its unit; a factor of two does for all but a constant force."""
+        """The friction level in the parameter's unit. A factor of two is narrow except for a constant force."""
         if name not in self.body or name in self.curve.inertia:
             return None, False
         column = self.columns[:, 1 + self.body.index(name)]
@@ -227,7 +227,7 @@ class SteadyLibrary(ModelLibrary):
         return level / max(float(np.max(abs(column))), 1e-300), float(np.ptp(column)) > 0
 
     def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
-        """Further nodes; ``heights``: of the law's columns, with which the slopes are taken."""
+        """Add nodes; ``heights``: coefficients of the law's columns with which the slopes are computed."""
         made, place = [], self.columns.shape[1]
         for shape, height in zip(shapes, heights, strict=True):
             own = self.record.law_with_slopes(self.curve, shape, height)
@@ -247,7 +247,7 @@ class SteadyLibrary(ModelLibrary):
         self.nodes += [dict(s) for s in shapes]
 
     def fault(self, x: Array) -> Array:
-        """A factor on the squared residual of what cannot be: negative levels or masses, steps out of the grid's cell."""
+        """A penalty factor on the squared residual for negative levels or masses, and for steps out of the grid's cell."""
         n = len(self.curve.names)
         named = dict(zip((*self.curve.names, *[""] * len(self.step), *self.body), x.T, strict=False))
         out = self.curve.fault(named, self.at.fast, self.largest)
@@ -262,7 +262,7 @@ class SteadyLibrary(ModelLibrary):
         return {m: s * float(np.exp(np.clip(x[n + j], -2, 2))) for j, (m, s) in moved}
 
     def coefficients(self, x: Array) -> dict[str, float]:
-        """Those of the law and of the body, by name."""
+        """The coefficients of the law and of the body, by name."""
         names = [*self.curve.names, *self.body]
         return dict(
             zip(names, [*x[: len(self.curve.names)].tolist(), *x[self.k : self.first_form].tolist()], strict=True)
@@ -286,7 +286,7 @@ class SteadyLibrary(ModelLibrary):
         return c.get("sigma_2", self.record.given.get("sigma_2", 0.0)) if self.curve.sigma_2 else 0.0
 
     def parameters(self, model: Model, x: Array) -> dict[str, float]:
-        """All numbers that a model estimates: the body's, the law's, and the levels at the speeds that were seen."""
+        """All estimates of a model: the body's, the law's, and the levels at the recorded speeds."""
         c, u = self.coefficients(x), self.curve.speeds(self.at.fast)
         bends = np.zeros(len(u))
         for (form, _), z in self.of_forms(model, x).items():

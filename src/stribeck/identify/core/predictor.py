@@ -1,9 +1,10 @@
-"""Prediction apart from identification: the chosen forms or the law alone, on either of two motions, by block cross-validation.
+"""Predicts the force, separately from identification. Block cross-validation chooses the model and the motion.
 
-The identification leaves out rows (filtered, thinned, about reversals) because they bias numbers. A prediction is asked for in
-all rows, so its numbers, shapes too, are found again from all rows in motion as they were measured. Each stretch of the record is
-left out in turn, the choice is redone on the others, and the candidate that misses least there is taken. Forms of the record
-itself (time, filter) are chosen, so that they do not bias the rest, and not carried over.
+Candidates are the chosen forms or the law alone, on either of two motions. Identification leaves out rows (filtered, thinned,
+about reversals) that bias estimates. A prediction needs all rows, so its coefficients and shapes are fitted again to all
+measured rows in motion. Each stretch of the record is left out in turn, and the choice is repeated on the others. The
+candidate with the least held-out error is used. Forms of the record itself (time, filter) are chosen, so that they do not
+bias the rest, but not used in predictions.
 """
 
 from __future__ import annotations
@@ -26,15 +27,15 @@ from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve, curve_of
 from stribeck.identify.models.record import body_columns
 
-FOLDS, MOST_ROWS = 6, 25_000  # stretches left out in turn; rows that numbers are found from
-WINDOW, NARROWEST = 0.06, 7  # s, of Savitzky and Golay's filter: 8 Hz, below an axis' bandwidth; rows that it must hold
-BETTER = 0.95  # of the error: the second motion must be so much better to be taken
-EXPECTED = 1.2  # times the cross-validated error: what another motion of the same machine had on calibration records
+FOLDS, MOST_ROWS = 6, 25_000  # stretches left out in turn; most rows of a fit
+WINDOW, NARROWEST = 0.06, 7  # Savitzky-Golay filter: window, s (8 Hz, below an axis' bandwidth); least rows in it
+BETTER = 0.95  # of the error: the second motion is used only with a smaller one
+EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
 BY_FILTER, BY_POLYNOMIAL = "filter", "polynomial"
 
 
 class SavedCurve(TypedDict):
-    """Which law a predictor has."""
+    """The law of a predictor."""
 
     law: str
     given: dict[str, float]
@@ -42,7 +43,7 @@ class SavedCurve(TypedDict):
 
 
 class SavedAnchor(TypedDict):
-    """What its forms are made with."""
+    """The constants of a predictor's forms."""
 
     shape: dict[str, float]
     found: dict[str, float]
@@ -58,7 +59,7 @@ class SavedAnchor(TypedDict):
 
 
 class Saved(TypedDict):
-    """A predictor as fit.json holds it."""
+    """A predictor as stored in fit.json."""
 
     curve: SavedCurve
     at: SavedAnchor
@@ -75,9 +76,9 @@ class Predictor:
     """A model of the force along any record of the machine.
 
     Attributes:
-        at: what the forms are made with; its curve is the law.
+        at: the constants of the forms; its curve is the law.
         shape, law, body, forms: shapes and coefficients.
-        motion: of the log's own filter, or by polynomials over 60 ms.
+        motion: from the log's own filter, or from polynomials over 60 ms.
         error: cross-validated, norm(residual)/norm(force).
     """
 
@@ -112,7 +113,7 @@ class Predictor:
         return friction + beside
 
     def to_json(self) -> Saved:
-        """As fit.json holds it."""
+        """The predictor as stored in fit.json."""
         a = self.at
         at: SavedAnchor = {
             "shape": dict(a.shape), "found": dict(a.found), "carried": dict(a.carried), "fast": a.fast, "way": a.way,
@@ -129,10 +130,10 @@ class Predictor:
 
 
 def of_json(saved: Mapping[str, object]) -> Predictor:
-    """The predictor of a file.
+    """The predictor from fit.json.
 
     Raises:
-        KeyError, TypeError, ValueError: the file holds something else.
+        KeyError, TypeError, ValueError: the content is not a predictor.
     """
     data = cast("Saved", saved)
     curve = curve_of(data["curve"]["law"], data["curve"]["given"], data["curve"]["free"])
@@ -151,7 +152,7 @@ def of_json(saved: Mapping[str, object]) -> Predictor:
 
 @dataclass(frozen=True)
 class AllRows:
-    """Rows of a log as they were measured, in the place of a record's."""
+    """Measured rows of a log, with the interface of a record."""
 
     log: Log
     at: NDArray[np.intp]
@@ -162,18 +163,18 @@ class AllRows:
         return np.column_stack([made[n] for n in curve.names]) if made else np.empty((len(self.at), 0))
 
     def law_with_slopes(self, curve: SteadyCurve, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
-        """And its slopes."""
+        """The law's columns and their slopes."""
         return np.column_stack(
             [self.law_columns(curve, shape), *curve.slopes(self.log.velocity[self.at], shape, height)]
         )
 
     def known(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array | None:
-        """What is given."""
+        """The force of the given constants."""
         return curve.known(self.log.velocity[self.at], shape)
 
 
 def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
-    """The candidate that predicts left-out stretches of a log best.
+    """The candidate that predicts held-out stretches of a log best.
 
     Args:
         log: the whole record of the choice.
@@ -222,7 +223,7 @@ def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp
 def _candidate(
     choice: Selection[SteadyLibrary], weight: Array, log: Log, rows: NDArray[np.intp], alone: bool, motion: str
 ) -> Predictor:
-    """Chosen on a weighting of the blocks, its numbers from some rows of the log."""
+    """The predictor chosen on a weighting of the blocks and fitted to some rows of the log."""
     n, i, x, _ = choice.choose(weight, alone=alone or choice.alone)
     lib, curve = choice.libraries[n], choice.libraries[n].curve
     model, given = lib.models[i], lib.record.given
@@ -243,14 +244,14 @@ def _candidate(
 
 
 def _can_be_smoothed(log: Log) -> bool:
-    """Whether a second motion can be made: a position was measured, and the filter's window holds enough rows."""
+    """Whether there is a second motion: the position was measured, and the filter's window has enough rows."""
     if log.unfiltered is None or log.sources.get("velocity") == "measured" or not log.step:
         return False
     return 2 * round(WINDOW / log.step / 2) + 1 >= NARROWEST
 
 
 def smoothed(log: Log) -> Log:
-    """Speed and acceleration by Savitzky and Golay's filter of the position as it was measured."""
+    """The log with speed and acceleration from a Savitzky-Golay filter of the measured position."""
     if not _can_be_smoothed(log) or log.unfiltered is None:
         return log
     wide, out = 2 * round(WINDOW / log.step / 2) + 1, np.empty((2, len(log)))

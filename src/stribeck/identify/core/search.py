@@ -1,4 +1,7 @@
-"""One search: every form at every node of the shapes by Schur complements, then nodes at the optima of the best sets of forms."""
+"""Searches for the best sets of forms.
+
+Every form is tried at every node of the shapes by Schur complements. The best sets then get nodes at their own optima.
+"""
 
 from __future__ import annotations
 
@@ -22,45 +25,45 @@ CELLS = {
     1: (16,),
     2: (9, 6),
     3: (5, 4, 4),
-}  # of the grid of shapes: a factor of 1.5 to 3, over which slopes hold
+}  # of the grid of shapes: factors of 1.5 to 3, over which the linearization is valid
 BEAM, MOST, KEPT = (
     6,
     4,
     250,
-)  # sets of forms followed at each depth; forms of a model (six helped 3 and ruined 2 of 17); models
-STEPS, REFINED, REFINED_WITH = 8, 4, 12  # of Gauss and Newton; sets of forms with a node of their own; sets tried there
+)  # sets of forms kept at each depth; forms of a model (six helped 3 and ruined 2 of 17); models
+STEPS, REFINED, REFINED_WITH = 8, 4, 12  # Gauss-Newton steps; sets of forms with their own node; sets tried there
 SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step
-LITTLE = 1e-5  # of the squared residual: the search has ended
-HARDLY = 1e-3  # of a column's square beside the model: the model stands for less
-SHOWN = 0.05  # of a bend's height that the record must reach
-STEEPNESS = 0.02  # of the level: the least coefficient with which slopes at an optimum are taken
+LITTLE = 1e-5  # relative reduction of the squared residual below which the search ends
+HARDLY = 1e-3  # of a column's square: a smaller part independent of the model cannot be separated from it
+SHOWN = 0.05  # of a bend's height: the least that must occur in the record
+STEEPNESS = 0.02  # of the level: the least coefficient for the slopes at an optimum
 COST = (
-    0.04  # of the logarithm of the squared residual, a column of the beam must gain: BIC of some 200 independent rows
+    0.04  # reduction of the log squared residual per column that pays in the beam: BIC with some 200 independent rows
 )
-FAINT = 1e-9  # of a column: it is 0
-SEEN = (0.02, 0.98)  # of the rows, by speed: the slowest and the fastest level
+FAINT = 1e-9  # largest value up to which a column counts as 0
+SEEN = (0.02, 0.98)  # quantiles of the rows' speeds: the slowest and the fastest level
 
 
 class LawColumns(Protocol):
-    """What the columns of a law are taken on: a record, or rows of a log as they were measured."""
+    """A source of a law's columns: a record, or measured rows of a log."""
 
     def law_columns(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array:
         """The law's columns."""
 
     def law_with_slopes(self, curve: SteadyCurve, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
-        """And its slopes."""
+        """The law's columns and their slopes."""
 
     def known(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array | None:
-        """What is given."""
+        """The force of the given constants."""
 
 
 def optimum(
     rows: LawColumns, curve: SteadyCurve, shape: Mapping[str, float], rest: Array, force: Array
 ) -> tuple[dict[str, float], Array, float]:
-    """Gauss and Newton's steps of the shapes, everything linear eliminated; a step that does not help is shortened.
+    """Optimize the shapes by Gauss-Newton steps, with linear coefficients eliminated. Steps that fail are shortened.
 
     Args:
-        rest: the columns beside the law's.
+        rest: the columns besides the law's.
 
     Returns:
         Shapes, coefficients (the law's, then those of ``rest``), squared residual.
@@ -92,7 +95,7 @@ def optimum(
 
 
 def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) -> SteadyLibrary:
-    """All columns and their Gram matrices, and the models that a beam search meets.
+    """All columns, their Gram matrices, and the models of a beam search.
 
     Args:
         speeds: of further levels.
@@ -126,7 +129,7 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
 
 
 def _plain(record: Record, curve: SteadyCurve, shape: Mapping[str, float], body: Array) -> tuple[Array, float]:
-    """Coefficients of the law alone, and the squared residual; larger of what cannot be."""
+    """Coefficients of the law alone, and the squared residual with a penalty for impossible coefficients."""
     a, known = np.column_stack([record.law_columns(curve, shape), body]), record.known(curve, shape)
     target = record.force if known is None else record.force - known
     x = np.linalg.lstsq(a, target, rcond=1e-9)[0]
@@ -137,15 +140,15 @@ def _plain(record: Record, curve: SteadyCurve, shape: Mapping[str, float], body:
 
 
 def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Mapping[str, tuple[float, float]]) -> bool:
-    """Whether the law alone has an optimum that forms may be made with."""
+    """Whether the optimum of the law alone is possible, and so may define the forms."""
     n = len(curve.names)
-    room = {m: 1 + 1e-9 if m in curve.bounds else 3.0 for m in shape}  # of the user's bounds, rounding
+    room = {m: 1 + 1e-9 if m in curve.bounds else 3.0 for m in shape}  # for the user's bounds, only rounding
     inside = all(ranges[m][0] / room[m] < s < room[m] * ranges[m][1] for m, s in shape.items())
     return inside and (n == 0 or (x[0] > 0 and float(x[:n].min()) >= 0))
 
 
 def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> SteadyLibrary:
-    """The library before its nodes: force, body, and every form that the record moves and the body does not hold."""
+    """The library without nodes: force, body, and all forms that vary in the record and are not in the body."""
     made: list[Array] = []
     groups, size, name = dict[str, list[int]](), dict[int, float](), dict[int, Key]()
     whole = {key: record.column(c) for key, c in forms(record.log, at).items()}
@@ -175,7 +178,7 @@ def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> S
 
 
 def _in_body(column: Array, body: Array) -> bool:
-    """Whether a form is one of the body's columns, which the user named."""
+    """Whether a form equals one of the body's columns, which the user chose."""
     size = float(column @ column)
     return any(size * float(b @ b) * (1 - FAINT) < float(column @ b) ** 2 for b in body.T)
 
@@ -183,7 +186,7 @@ def _in_body(column: Array, body: Array) -> bool:
 def anchor(
     record: Record, curve: SteadyCurve, shape: Mapping[str, float], x: Array, body: Array, speeds: Sequence[float]
 ) -> Anchor:
-    """What the forms' columns are made with, by a plain fit of the law; and the ripples that its residual holds."""
+    """The constants of the forms' columns from a fit of the law alone, and the ripples in its residual."""
     log, v, n = record.log, record.log.velocity, len(curve.names)
     found = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
@@ -194,7 +197,7 @@ def anchor(
     turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
     offset = found.get("offset", 0.0)
     y, carried = record.column(log.position), {"": offset}
-    if placed and "offset" in record.body:  # beside the inertia: the offset and a weight over the position
+    if placed and "offset" in record.body:  # the offset, and a weight by position
         a = np.column_stack([own, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
         z = np.linalg.lstsq(a, target, rcond=1e-7)[0]
         carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
@@ -207,7 +210,7 @@ def anchor(
 
 
 def _way(log: Log) -> float:
-    """The way between reversals: half of all that is gone lies in longer ones."""
+    """The travel between reversals: half of the total travel is in longer strokes."""
     moving = np.flatnonzero(np.sign(log.velocity))
     turn = moving[1:][np.diff(np.sign(log.velocity[moving])) != 0]
     ways = np.sort(abs(np.diff(log.position[turn]))) if len(turn) > 1 else np.array([np.ptp(log.position)])
@@ -219,7 +222,7 @@ Met = dict[tuple[int, frozenset[str]], tuple[float, tuple[str, ...]]]  # squared
 
 
 def search(lib: ModelLibrary) -> None:
-    """Beam search: every form is tried beside each set of the beam at every node; the best models are kept."""
+    """Beam search: every form is added to each set of the beam at every node, and the best models are kept."""
     total, met = lib.gram.sum(0), Met()
     beam: list[tuple[str, ...]] = [()]
     for depth in range(MOST + 1):
@@ -240,7 +243,7 @@ def _try_beside(
     lib: ModelLibrary, total: Array, chosen: tuple[str, ...], further: bool, met: Met,
     found: dict[frozenset[str], tuple[float, tuple[str, ...]]],
 ) -> None:  # fmt: skip
-    """The squared residual of one set of forms at all nodes, and of this set with each other form beside it."""
+    """The squared residual of one set of forms at all nodes, and of this set with each other form added."""
     nodes, target = range(len(lib.starts)), np.array(lib.targets)
     a_i = np.array([lib.index((s, chosen)) for s in nodes])
     rest = {g: i for g, i in lib.groups.items() if g not in chosen}
@@ -274,7 +277,7 @@ def _try_beside(
 
 
 def _gain(total: Array, left: Array, share: Array, b: Array, y: Array, b_i: Array, w: list[int]) -> Array:
-    """What a form of one or two columns takes from the squared residual, at every node."""
+    """The reduction of the squared residual by a form of one or two columns, at every node."""
     if len(w) == 1:
         return np.asarray(share[:, w[0]] ** 2 / np.maximum(left[:, w[0]], 1e-300))
     p, q = w
@@ -285,9 +288,9 @@ def _gain(total: Array, left: Array, share: Array, b: Array, y: Array, b_i: Arra
 
 
 def refine(lib: SteadyLibrary, rows: float) -> None:
-    """The best sets of forms, and the law alone, get a node at their own optimum; the next best sets are tried there too.
+    """Add nodes at the optima of the best sets of forms and of the law alone. The next best sets are tried there too.
 
-    Without it forms stand in for the grid's error.
+    Without these nodes, forms would compensate the grid's error.
     """
     if not lib.step:
         return

@@ -1,4 +1,4 @@
-"""What is known of a number: an estimate with two uncertainties, and one of five states."""
+"""An estimate with two uncertainties and one of five states."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-Kept = Mapping[str, Any]  # JSON, once it was found to be as a fit writes it
-NARROW = 2.0  # high below twice low: the factor of two that an engineer still designs with
-OFFSET = 0.5  # of the friction level: an offset is narrow against that, as it may be 0
+Kept = Mapping[str, Any]  # JSON, validated as written by a fit
+NARROW = 2.0  # largest ratio of high to low: an engineer can still design with a factor of two
+OFFSET = 0.5  # of the friction level: largest width of an offset's interval, because an offset may be 0
 
 
 class EstimateState(StrEnum):
-    """What an estimate may be used for."""
+    """The state of an estimate, which decides its use."""
 
     IDENTIFIED = "identified"
     MODEL_DEPENDENT = "model-dependent"
@@ -26,16 +26,16 @@ class EstimateState(StrEnum):
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with both uncertainties at 95 %; ``range`` is wider than ``interval`` by what the model may lack.
+    """An estimate with both uncertainties at 95 %. ``range`` is wider than ``interval`` by possible model errors.
 
     Attributes:
-        interval: how far the estimate moves in another stretch of this experiment (another run, of several files).
-        range: how far it may be from the truth if the model lacks something; None where that is not computed.
-        state: what it may be used for.
+        interval: the confidence interval for another stretch of this experiment (with several files, another run).
+        range: the interval of the true value if the model may lack a form; None if it is not computed.
+        state: decides the use of the estimate.
         unit: SI.
-        depends_on: the form that makes the range wide, of a model-dependent estimate.
+        depends_on: for a model-dependent estimate, the form that widens the range.
         parts: half widths: C covariance, A choice, B forms withheld, H forms hidden.
-        why, experiment: what is missing, and which motion gives it; of one that is not identifiable.
+        why, experiment: if it is not identifiable, the missing information and the motion that provides it.
     """
 
     value: float
@@ -50,12 +50,12 @@ class Estimate:
 
     @property
     def identifiable(self) -> bool:
-        """Whether the data determine it, if the model is right: its interval is narrow, or it is a bound."""
+        """Whether the data determine the estimate if the model is right: its interval is narrow, or it is a bound."""
         return self.state is not EstimateState.NOT_IDENTIFIABLE
 
     @property
     def usable(self) -> bool:
-        """Whether exports and simulations take it without being told to."""
+        """Whether exports and simulations use the estimate by default."""
         return self.identifiable and self.state is not EstimateState.AT_MOST
 
     @property
@@ -69,7 +69,7 @@ class Estimate:
         return self.interval[1] if np.isfinite(self.interval[1]) else None
 
     def to_dict(self) -> dict[str, object]:
-        """As the contract has it, with both uncertainties and the state."""
+        """Plain data of the file format, with both uncertainties and the state."""
         told = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}
         return {
             "value": self.value, "low": self.low, "high": self.high, "unit": self.unit, "identifiable": self.identifiable,
@@ -79,10 +79,10 @@ class Estimate:
 
     @classmethod
     def of_dict(cls, told: Kept) -> Estimate:
-        """The estimate that :meth:`to_dict` told.
+        """The estimate from the data of :meth:`to_dict`.
 
         Raises:
-            KeyError, TypeError, ValueError: it is something else.
+            KeyError, TypeError, ValueError: the data are not an estimate.
         """
         interval, wide = _ends(told["interval"]), told["range"]
         unit, form, why, experiment = (str(told.get(key, "")) for key in ("unit", "depends_on", "why", "experiment"))
@@ -92,18 +92,18 @@ class Estimate:
 
 
 def _ends(pair: Sequence[float | None]) -> tuple[float, float]:
-    """The ends, infinite where one is open."""
+    """The ends of an interval, infinite for an open end."""
     low, high = pair
     return -np.inf if low is None else float(low), np.inf if high is None else float(high)
 
 
 def _open(pair: tuple[float, float]) -> list[float | None]:
-    """The ends, None where one is open."""
+    """The ends of an interval, None for an open end."""
     return [x if np.isfinite(x) else None for x in pair]
 
 
 def ends(value: float, half: float, by_ratio: bool) -> tuple[float, float]:
-    """The ends of an interval; of a shape by its logarithm."""
+    """The ends of an interval of half width ``half``; ``by_ratio``: symmetric in the logarithm, as for a shape."""
     if not by_ratio:
         return float(value - half), float(value + half)
     ratio = float(np.exp(min(half / value, 50.0)))
@@ -113,7 +113,11 @@ def ends(value: float, half: float, by_ratio: bool) -> tuple[float, float]:
 def state_of(
     interval: tuple[float, float], wide: tuple[float, float], level: float | None = None, either: bool = False
 ) -> EstimateState:
-    """Narrow: within a factor of two; of what may be 0, within half of the friction's ``level``, or ``either``."""
+    """The state from both intervals: identified if both are narrow, model-dependent if only ``interval`` is.
+
+    Narrow is within a factor of two. For a parameter that may be 0, it is a width below half the friction ``level``; with
+    ``either``, one of both suffices.
+    """
 
     def narrow(low: float, high: float) -> bool:
         by_ratio = (low > 0 and high < NARROW * low) or (high < 0 and low > NARROW * high)
