@@ -1,5 +1,7 @@
-"""A storage function fitted to the interval [L, U]: its slope is the elastic force where that serves, and a constant on
-each of many cells of z where it does not."""
+"""Fits a storage function whose slope lies in the interval [L, U].
+
+Near z = 0 the slope is the elastic force, which lies in the interval there. Beyond, it is constant on each of many cells of z.
+"""
 
 from __future__ import annotations
 
@@ -28,21 +30,23 @@ class Fitted:
 
 
 def serves(storage: Storage, own: Slope, top: float) -> NDArray[np.bool_]:
-    """Where on a grid of |z| up to ``top`` the elastic force lies between L and U as sampled, for both signs of z."""
+    """A mask of the grid of |z| up to ``top``: whether the elastic force lies between sampled L and U for both signs of z."""
     z = top * _dense()
     found = np.ones(len(z), bool)
     for side in (1, -1):
         low, high = storage.interval(side * z)
         slope = own(side * z)
         room = 1e-7 * abs(slope)
-        with np.errstate(invalid="ignore"):  # a slope that is no number serves nowhere
+        with np.errstate(invalid="ignore"):  # a slope of nan never lies in the interval
             found &= (low <= slope + room) & (high >= slope - room)
     return found
 
 
 def fit(storage: Storage, own: Slope, top: float) -> Fitted | None:
-    """A storage function's slopes between L and U as sampled; None where the elastic force does not serve near z = 0, or
-    no float holds a slope."""
+    """Slopes of a storage function between sampled L and U.
+
+    None if the elastic force lies outside near z = 0 or inside everywhere, or if a slope is not finite.
+    """
     served = serves(storage, own, top)
     if not served[0] or served.all():
         return None
@@ -58,7 +62,7 @@ def _dense() -> Array:
 
 
 def _slopes(storage: Storage, own: Slope, edges: Array) -> tuple[Array, Array, Array]:
-    """Cells and their slopes; cells over which L and U change much are halved."""
+    """Cells and their slopes. Cells over which L or U changes much are halved."""
     for _ in range(_HALVINGS):
         low, high = edges[:-1], edges[1:]
         points = low + (high - low) * np.array([1e-9, 0.5, 1 - 1e-9])[:, None]
