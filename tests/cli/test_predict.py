@@ -50,6 +50,13 @@ def test_a_fit_predicts_another_record(stribeck, fitted, tmp_path):
     assert "error against friction alone" in told
 
 
+def test_the_record_of_the_fit_is_no_test(stribeck, fitted):
+    """It was called another record."""
+    note = "The fit was made from this record"
+    assert note in stribeck("predict", fitted / "train.csv", "--fit", fitted / "out").out
+    assert note not in stribeck("predict", record(fitted / "other.csv", 0.5, 1.3, 1), "--fit", fitted / "out").out
+
+
 def test_rows_beyond_what_was_fitted_are_told(stribeck, fitted, tmp_path):
     """A fit of a curve up to 0.15 m/s says nothing of 0.3 m/s but by its form, and nobody was told."""
     rows = record(tmp_path / "test.csv").read_text().splitlines()

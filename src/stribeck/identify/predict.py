@@ -40,7 +40,7 @@ class Predicted(Told):
         rest: the share of the rows at rest.
         beyond: rows beyond what the fit has seen; None where it tells no ranges.
         traces: measured and predicted force against time; ``friction``: the same for friction alone.
-        title: the record; ``rotary``: whether it turns.
+        title: the record; ``rotary``: whether it turns; ``fitted``: whether the fit was made from this very record.
     """
 
     model: LogFit
@@ -54,6 +54,7 @@ class Predicted(Told):
     friction: Prediction
     title: str = "the record"
     rotary: bool = False
+    fitted: bool = False
 
     def document(self) -> Document:
         """What the prediction says to people, for the terminal and for a page."""
@@ -73,6 +74,8 @@ class Predicted(Told):
     def notes(self) -> list[str]:
         """What a reader should know, a sentence each."""
         out = []
+        if self.fitted:
+            out.append("The fit was made from this record: predict a record of another motion to test it.")
         if self.constant_error <= self.force_error:
             out.append("A constant force predicts this record better: the model says nothing about it.")
         if (self.model.known.get("missed") or 0.0) > _POOR:
@@ -163,7 +166,7 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
     return Predicted(
         fit, _error(log.force, force, rows), own, _error(log.force, force, np.ones(len(log), bool)),
         _error(log.force, mean, rows), float(np.mean(rest)), outside, traces, friction, title,
-        log.rotary,
+        log.rotary, log.hash == fit.data_hash,
     )  # fmt: skip
 
 

@@ -316,7 +316,7 @@ def of_prediction(found: Predicted) -> Document:
         "friction": (unit, friction.measured, friction.fitted),
     }
     rows: list[list[Cell]] = [[name, Share(x, _PLACES)] for name, x in _errors_of(found).items()]
-    about = f"{len(measured.time)} rows of {found.title}, {found.rest:.0%} at rest; fitted to another record ({model.title})"
+    about = f"{len(measured.time)} rows of {found.title}, {100 * found.rest:.0f} % at rest; fitted to {model.title}"
     return Document(
         f"{model.law_name}, {model.method}",
         f"the predicted force is off by {percent(found.force_error, _PLACES)}",
@@ -329,7 +329,7 @@ def _errors_of(found: Predicted) -> dict[str, float | None]:
     rows: dict[str, float | None] = {
         "error of the force, every row in motion": found.force_error,
         "expected by the fit": found.model.expected,
-        "the fit's own, on its record": found.model.known.get("relative_force_error"),
+        "the fit's own, in the band that it was made in": found.model.known.get("relative_force_error"),
         "the fit's, on parts left out of its record": found.model.known.get("cross_validated_error"),
         "error against friction alone": found.friction_error,
         "error of the force, rows at rest too": found.all_rows_error,
