@@ -28,18 +28,14 @@ def with_requirements(fit: Kind, require: Mapping[str, float]) -> Kind:
     Raises:
         InputError: the fit has no such number.
     """
-    wrong = [f"{arg('require')}: {error.args[0]}" for name in require if (error := _missing(fit, name))]
-    if wrong:
-        raise InputError(wrong)
     judged: dict[str, Estimate] = {}
     notes: list[str] = []
-    for name, share in require.items():
-        e = fit[name]
-        path = next(n for n, each in fit.parameters.items() if each is e)
-        judged[path] = _judged(e, share)
-        if judged[path].state is not EstimateState.IDENTIFIED:
-            judged[path] = replace(judged[path], experiment=e.experiment or _experiment(fit, path))
-            notes.append(_note(path, judged[path], share))
+    for path, share in _paths(fit, require).items():
+        e = _judged(fit[path], share)
+        if e.state is not EstimateState.IDENTIFIED:
+            e = replace(e, experiment=e.experiment or _experiment(fit, path))
+            notes.append(_note(path, e, share))
+        judged[path] = e
     of = {"estimates": fit.estimates, "levels": fit.levels} | ({"body": fit.body} if isinstance(fit, LogFit) else {})
     changed = {part: {n: judged.get(n, e) for n, e in numbers.items()} for part, numbers in of.items()}
     own = [*notes, *fit.notes]
@@ -51,12 +47,21 @@ def unmet(fit: Fit, require: Mapping[str, float]) -> bool:
     return any(fit[name].state is not EstimateState.IDENTIFIED for name in require)
 
 
-def _missing(fit: Fit, name: str) -> KeyError | None:
-    try:
-        fit[name]
-    except KeyError as error:
-        return error
-    return None
+def _paths(fit: Fit, require: Mapping[str, float]) -> dict[str, float]:
+    """What is required, by the whole paths of the numbers.
+
+    Raises:
+        InputError: the fit has no such number; a line for each.
+    """
+    found, wrong = dict[str, float](), list[str]()
+    for name, share in require.items():
+        try:
+            found[fit.path_of(name)] = share
+        except KeyError as error:
+            wrong.append(f"{arg('require')}: {error.args[0]}")
+    if wrong:
+        raise InputError(wrong)
+    return found
 
 
 def half_width(ends: tuple[float, float] | None, value: float) -> float:
@@ -67,7 +72,7 @@ def half_width(ends: tuple[float, float] | None, value: float) -> float:
 
 
 def _judged(e: Estimate, share: float) -> Estimate:
-    """By the required width in the place of a factor of two; a bound stays one, and what nothing identifies stays so."""
+    """The state by the required width instead of a factor of two. Bounds, and numbers that are not identifiable, stay so."""
     if not e.identifiable or e.state in (EstimateState.AT_LEAST, EstimateState.AT_MOST):
         return e
     if half_width(e.interval, e.value) > share:
@@ -78,7 +83,7 @@ def _judged(e: Estimate, share: float) -> Estimate:
 
 
 def _experiment(fit: Fit, name: str) -> str:
-    """What would tell a number of a log."""
+    """The motion that would identify a number of a log."""
     if not isinstance(fit, LogFit) or fit.log is None or name in fit.levels:
         return ""
     used = {n: x for n, x in fit.used.items() if isinstance(x, int | float)}
@@ -92,6 +97,8 @@ def _note(name: str, e: Estimate, share: float) -> str:
         known = f"is known as a bound only ({e.state})"
     elif own > share:
         known = f"is known within {_share(own)} by its interval" if np.isfinite(own) else "has an open interval"
+    elif wide <= share:
+        known = f"is known within {_share(wide)}, but this fit is doubted, as the other notes say"
     else:
         cause = f", because of {e.depends_on}" if e.depends_on else ""
         known = f"is known within {_share(own)} by its interval, but {_share(wide)} by its model range{cause}"

@@ -101,12 +101,20 @@ class Fit(Told, ABC):
         Raises:
             KeyError: there is no such parameter, or several; the message names those that there are.
         """
+        return self.parameters[self.path_of(name)]
+
+    def path_of(self, name: str) -> str:
+        """The whole path of a parameter whose path is this name, or ends so.
+
+        Raises:
+            KeyError: as :meth:`__getitem__`.
+        """
         every = self.parameters
         found = [n for n in every if n == name] or [n for n in every if n.endswith(f".{name}")]
         if len(found) != 1:
             why = "several paths end so" if found else "no such parameter"
             raise KeyError(f"{name!r}: {why} (it has {', '.join(found or every)})")
-        return every[found[0]]
+        return found[0]
 
     def __repr__(self) -> str:
         known = ", ".join(f"{n} = {e.value:.4g}" for n, e in self.parameters.items() if e.identifiable)

@@ -57,10 +57,10 @@ def tracking(tracked: Mapping[str, Tracked], unit: str) -> Figure:
             axes[name].set(
                 ylabel=f"position ({of_position})", title="the file's signal" if name == "file" else "the sine"
             )
-            axes[name].legend(fontsize=8)
             factor, of_error = prefixed(unit, float(np.abs(error).max()))
             plots.line(axes[f"{name} error"], 1, *plots.thin(move.t, error / factor), "")
             axes[f"{name} error"].set(xlabel="time (s)", ylabel=f"error ({of_error})")
+        plots.legend(figure, axes[names[0]])
         return figure
 
     return Figure("tracking", "Signal, position and error with the file's own controller.", draw)
@@ -81,7 +81,7 @@ def motions(results: Sequence[CompensationResult], period: float, unit: str) -> 
             near = (since >= -0.02 * period) & (since <= 0.125 * period)
             plots.line(axes["after"], i, since[near], e[near], "")
         axes["wave"].set(xlabel="time (s)", ylabel=f"error ({shown})", title="the last wave of the sine")
-        axes["wave"].legend(fontsize=8, ncols=2)
+        plots.legend(figure, axes["wave"])
         axes["after"].set(xlabel="time after the reversal (s)", title="after a reversal")
         return figure
 
@@ -94,14 +94,15 @@ def shares(results: Sequence[CompensationResult], unit: str) -> Figure:
     def draw() -> Drawn:
         figure, axes = plots.figure([["error"]], 2.6)
         axis = axes["error"]
+        factor, shown = prefixed(unit, max((c.worst_error for c in results if np.isfinite(c.worst_error)), default=0.0))
         for i, c in enumerate(results):
             quiet = c.largest_quiet_share is not None
             margin = c.largest_quiet_share if c.largest_quiet_share is not None else 0.0
-            mark = axis.plot([margin], [c.worst_error], "os^Dv"[i % 5], color=plots.COLOURS[i])[0]
+            mark = axis.plot([margin], [c.worst_error / factor], "os^Dv"[i % 5], color=plots.COLOURS[i])[0]
             mark.set(fillstyle="full" if quiet else "none", label=c.kind if quiet else f"{c.kind}, not quiet")
-        front = unbeaten(results)
+        front = [(margin, error / factor) for margin, error in unbeaten(results)]
         axis.plot(*zip(*front, strict=True), "-", color="0.6", zorder=0) if front else None
-        axis.set(xlabel="quiet up to this share of the friction", ylabel=f"worst error ({unit})", ylim=(0, None))
+        axis.set(xlabel="quiet up to this share of the friction", ylabel=f"worst error ({shown})", ylim=(0, None))
         axis.set_xlim(-0.1, max(1.6, *axis.get_xlim()))
         axis.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.25))
         return figure

@@ -79,8 +79,9 @@ def _extrapolated(problem: MachineProblem, step: Array) -> Array:
     """The bias of the estimates, from the step that the same errors cause when added once more.
 
     An attenuated estimate falls as 1/(1 + s), and as 1/(1 + 2 s) with the errors added once more. This is the rational
-    extrapolant of Carroll, Ruppert, Stefanski and Crainiceanu (Measurement Error in Nonlinear Models, 2006, 5.3.2). It is
-    applied to numbers searched by their logarithm, whose steps are relative changes.
+    extrapolant of Carroll, Ruppert, Stefanski and Crainiceanu (Measurement Error in Nonlinear Models, 2006, chapter 5). It
+    is applied to numbers searched by their logarithm, whose steps are relative changes. A lower filter and another drive
+    between samples are no errors added once more: for them it is a larger step to the same side.
     """
     share = np.minimum(abs(step), MOST)
     far = np.sign(step) * np.log((1 - share) / (1 - 2 * share))
