@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -10,6 +9,7 @@ from importlib.resources import files
 
 from stribeck.codegen.collected import collect, hoist
 from stribeck.codegen.elimination import eliminate
+from stribeck.codegen.parts import in_parts, unused
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import (
     ONE,
@@ -30,7 +30,7 @@ _RESERVED = (
         """
     p c t x dx piece jac fac shift inv_shift df_dt
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
-    floor_of piece_ w dw m u e force force_error force_terms which noise memory timing sample watch moved_energy
+    floor_of piece_ w dw m u e between force force_error force_terms which noise memory timing sample watch moved_energy
     N FORCES WATCHES WATCHED CURVED PIECE HELD SHOWN MOVED BY_TIME LANES GROUPS BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
     """.split()  # noqa: SIM905
     )
@@ -151,7 +151,7 @@ class SystemCode:
             for j, row in enumerate(self.watched_by):
                 total = ZERO
                 for i, entry in enumerate(row):
-                    total = total + entry * symbol(f"change.{i}")
+                    total = total if is_zero(entry) else total + entry * symbol(f"change.{i}")
                 changes.append((f"dw[{j}]", ZERO if self.curved[j] else total))
             parts = [
                 self.function(
@@ -217,6 +217,9 @@ class SystemCode:
             row = []
             for k in range(n):
                 entry = self.by_state[i][k]
+                if is_zero(entry):
+                    row.append(a if i == k else entry)
+                    continue
                 plain = entry.args[0] if entry.op == "neg" else entry
                 if not (plain.op == "constant" or (plain.op == "symbol" and str(plain.value) in known)):
                     name = f"{self.c_names[i]}_{self.c_names[k]}"
@@ -349,25 +352,27 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
         }  # fmt: skip
         local = dict(zip(self.names, self.c_names, strict=True))
         used = {str(node.value) for node in ordered(e for _, e in outputs) if node.op == "symbol"}
-        lines = [f"const real {local[n]} = x[{i}];" for i, n in enumerate(self.names) if n in used]
+        loads = [f"const real {local[n]} = x[{i}];" for i, n in enumerate(self.names) if n in used]
         if late:
             locals_ = [(f"const real new_{i}", node) for i, (_, node) in enumerate(outputs)]
-            lines += Writer(dialect, {**inputs, **local}, taken=_RESERVED, names=self.called).write(locals_)
+            lines = Writer(dialect, {**inputs, **local}, taken=_RESERVED, names=self.called).write(locals_)
             lines += [f"{target} = new_{i};" for i, (target, _) in enumerate(outputs)]
         else:
-            lines += Writer(dialect, {**inputs, **local}, taken=_RESERVED, names=self.called).write(outputs)
+            lines = Writer(dialect, {**inputs, **local}, taken=_RESERVED, names=self.called).write(outputs)
+        parts, lines = ("", [*loads, *lines]) if strict or end else in_parts(name, arguments, loads, lines)
         lines += [end] if end else []
-        body = "".join(f"    {line}\n" for line in lines)
-        unused = "".join(f"    (void){word};\n" for word in _argument_names(arguments) if not _mentions(body, word))
+        body = "".join(f"    {line}\n" for line in [*unused(arguments, lines), *lines])
         how, first = ("STRICT static", "    STRICT_BODY\n") if strict else ("static inline", "")
-        return f"/* {what} */\n{how} {result} {name}({arguments})\n{{\n{first}{unused}{body}}}"
+        return f"{parts}/* {what} */\n{how} {result} {name}({arguments})\n{{\n{first}{body}}}"
 
 
 _UNUSED = """\
 #if defined(__GNUC__)
 #define UNUSED __attribute__((unused))
+#define NOINLINE __attribute__((noinline))
 #else
 #define UNUSED
+#define NOINLINE
 #endif
 """
 # How functions are marked: those of a shared library for who calls them; those of a program's file for nobody outside.
@@ -404,14 +409,6 @@ _NOW = "const Segment *piece, real t, const real *x"
 def runtime_text(name: str) -> str:
     """A file of ``runtime/``: the code that is the same for every system."""
     return files("stribeck.codegen.runtime").joinpath(name).read_text(encoding="utf-8")
-
-
-def _argument_names(arguments: str) -> list[str]:
-    return [argument.replace("*", " ").split()[-1] for argument in arguments.split(",")]
-
-
-def _mentions(body: str, word: str) -> bool:
-    return re.search(rf"\b{word}\b", body) is not None
 
 
 def _c_name(name: str) -> str:

@@ -24,8 +24,6 @@ _FLAGS = (
 # Slow passes of the compiler; one trajectory's code is as fast without them, and its numbers differ by rounding at most.
 # Lanes are a little faster with them.
 _FOR_ONE = ("-fno-schedule-insns2", "-fno-gcse", "-fno-ipa-cp")
-# More of them, whose names only gcc knows: a third of the time and of the memory for a chain of 200 bodies.
-_SLOW_IN_GCC = ("-fno-tree-pre", "-fno-gcse-after-reload", "-fno-dse")
 # Lanes are vectors from the start, and their exp rounds by adding a number and taking it away again.
 _FOR_LANES = ("-ftree-vectorize", "-fno-associative-math")
 # Independent operations of lanes are interleaved (5 % faster with AVX-512).
@@ -44,7 +42,7 @@ class Compiler:
     command: tuple[str, ...]
     identity: str
     options: tuple[str, ...] = _FOR_ONE
-    extra: tuple[str, ...] = (*_NARROW, *_SLOW_IN_GCC)  # left out if the compiler rejects them
+    extra: tuple[str, ...] = _NARROW  # left out if the compiler rejects them
 
     @property
     def key(self) -> str:

@@ -17,10 +17,8 @@
 #endif
 #if defined(__GNUC__)
 #define ALWAYS_INLINE __attribute__((always_inline))
-#define NOINLINE __attribute__((noinline))
 #else
 #define ALWAYS_INLINE
-#define NOINLINE
 #endif
 static const double GAMMA = 0.21193756319429014;
 static const double NODE[STAGES] = {
