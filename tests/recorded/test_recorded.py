@@ -1,8 +1,12 @@
 """Recorded tables: only what is named is read, and only from the file itself."""
 
 import os
+import struct
+import subprocess
+import sys
 import tracemalloc
 import zipfile
+import zlib
 
 import numpy as np
 import pytest
@@ -82,6 +86,44 @@ def test_a_column_that_nobody_names_takes_no_memory(tmp_path, kind):
     assert found["position"].tolist() == (T**2).tolist()
 
 
+def mat5(path, count):
+    """A compressed MAT 5 file of two short columns and one of zeros, of which nothing is in memory."""
+    pytest.importorskip("scipy.io").savemat(path, {"time": T, "position": T**2}, do_compression=True)
+    words = [14, 8 * count + 48, 6, 8, 6, 0, 5, 8, count, 1, 1, 5]  # a matrix, its flags (double), shape and name
+    packed = zlib.compressobj(1)
+    with path.open("ab") as file:
+        start = file.tell()
+        file.write(bytes(8))
+        file.write(packed.compress(struct.pack("<12I", *words) + b"other\0\0\0" + struct.pack("<2I", 9, 8 * count)))
+        for _ in range(count >> 17):
+            file.write(packed.compress(bytes(1 << 20)))
+        file.write(packed.flush())
+        size = file.tell() - start - 8
+    with path.open("r+b") as file:
+        file.seek(start)
+        file.write(struct.pack("<2I", 15, size))
+    return path
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(sys.platform != "linux", reason="needs the peak memory of a process, as /proc has it")
+def test_a_column_of_mat_5_that_nobody_names_takes_bounded_memory(tmp_path):
+    """SciPy passes over it in pieces of some 100 MB, however long the column is."""
+    path = mat5(tmp_path / "big.mat", 1 << 27)
+    assert opened(path).variables["other"].shape == (1 << 27, 1)
+    text = f"""
+from pathlib import Path
+from stribeck.recorded import read_columns
+found = read_columns({str(path)!r}, {WANTED!r})
+lines = Path("/proc/self/status").read_text().splitlines()
+print(found["position"].sum(), next(line.split()[1] for line in lines if line.startswith("VmHWM:")))
+"""
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    total, peak = map(float, done.stdout.split())
+    assert total == pytest.approx(np.sum(T**2))
+    assert 1024 * peak < 2**29  # half of the column
+
+
 def test_columns_that_do_not_fit_are_refused_before_they_are_read(tmp_path, monkeypatch):
     path = zeros_in_npz(tmp_path / "big.npz", 1 << 17)
     monkeypatch.setattr(platforms, "free_memory", lambda: 1e6)
@@ -94,7 +136,7 @@ ELSEWHERE = {
     "external storage": lambda h5py, file, there: file.create_dataset(
         "position", shape=(200,), dtype="u1", external=[(str(there), 0, 200)]
     ),
-    "a link": lambda h5py, file, there: file.__setitem__("position", h5py.ExternalLink(str(there), "/x")),
+    "an external link": lambda h5py, file, there: file.__setitem__("position", h5py.ExternalLink(str(there), "/x")),
     "a virtual dataset": lambda h5py, file, there: file.create_virtual_dataset("position", virtual(h5py, there)),
 }
 
@@ -126,12 +168,36 @@ def test_a_pipe_is_not_waited_for(tmp_path):
         read_columns(path, WANTED)
 
 
-def test_a_link_within_the_file_is_followed(tmp_path):
+@pytest.mark.parametrize("way", ["/group/x", "group/./x", "group/again", "group/whole/group/x"])
+def test_a_link_within_the_file_is_followed(tmp_path, way):
     def fill(h5py, file):
         file["group/x"] = T**2
-        file["position"] = h5py.SoftLink("/group/x")
+        file["group/again"] = h5py.SoftLink("x")
+        file["group/whole"] = file["/"]
+        file["position"] = h5py.SoftLink(way)
 
     assert read_columns(mat73(tmp_path / "a.mat", fill), WANTED)["position"].tolist() == (T**2).tolist()
+
+
+@pytest.mark.parametrize(
+    ("way", "reason"),
+    [
+        ("/no/where", "is a link to '/no/where', which the file does not have"),
+        ("time/x", "is a link to 'time/x', which the file does not have"),
+        ("other", "is the first of more than 16 links"),
+        ("group/out", r"lies in another file \(an external link\)"),
+    ],
+)
+def test_a_link_that_leads_to_no_column_of_the_file_is_refused(tmp_path, way, reason):
+    def fill(h5py, file):
+        file["position"] = h5py.SoftLink(way)
+        file["other"] = h5py.SoftLink("position")
+        file["group/out"] = h5py.ExternalLink("nowhere.h5", "x")
+
+    path = mat73(tmp_path / "a.mat", fill)
+    with pytest.raises(InputError, match=f"position: 'position': this column of .* {reason}; must be in the file"):
+        read_columns(path, WANTED)
+    assert read_columns(path, {"time": "time"})["time"].tolist() == T.tolist()
 
 
 @pytest.mark.parametrize("cell", ["1,004", "1.004", "-12,345"])

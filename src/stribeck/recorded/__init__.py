@@ -25,6 +25,7 @@ Numbers = NDArray[Any]  # of any type
 
 _WIDEST = 1000  # columns of a matrix: more are an image or a result, not signals
 _NUMBERS = ("int", "uint", "float", "double", "halffloat", "bool")  # Arrow's types that are numbers
+_LINKS = 16  # HDF5 follows no more soft links to one object
 _SCALARS = 1  # size of a variable that is a constant of the file, not a column
 
 
@@ -64,13 +65,13 @@ class Later:
     Attributes:
         shape, kind: as in NumPy's arrays and dtypes.
         read: reads its numbers.
-        elsewhere: a description if its numbers are in another file; empty otherwise.
+        refused: the reason if its numbers are not in the file itself; empty otherwise.
     """
 
     shape: tuple[int, ...]
     kind: str
     read: Callable[[], Numbers]
-    elsewhere: str = ""
+    refused: str = ""
 
 
 class Source:
@@ -97,16 +98,16 @@ class Source:
         self.constants = {
             name: float(np.ravel(x.read() if isinstance(x, Later) else x)[0])
             for name, x in self.variables.items()
-            if sizes[name] == _SCALARS and kinds[name] in "fiu" and not getattr(x, "elsewhere", "")
+            if sizes[name] == _SCALARS and kinds[name] in "fiu" and not getattr(x, "refused", "")
         }
 
     def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
         """The columns by role, as separate arrays."""
         holders = {name: self._parts.get(name, (name, None))[0] for name in wanted.values()}
         if problems := [
-            f"{arg(role)}: {name!r}: this column of {self.path} lies in another file ({x.elsewhere}); must be in the file"
+            f"{arg(role)}: {name!r}: this column of {self.path} {x.refused}; must be in the file"
             for role, name in wanted.items()
-            if isinstance(x := self.variables[holders[name]], Later) and x.elsewhere
+            if isinstance(x := self.variables[holders[name]], Later) and x.refused
         ]:
             raise InputError(problems)
         self._check_memory(
@@ -367,25 +368,36 @@ def _hdf5(path: Path) -> dict[str, Later]:
         with h5py.File(path) as file:
             return np.asarray(file[name][()])
 
-    def within(file: h5py.File, name: str) -> bool:
-        """Whether a path is in this file alone."""
-        node = file
-        for part in name.strip("/").split("/"):
-            if not isinstance(node, h5py.Group) or not isinstance(node.get(part, getlink=True), h5py.HardLink):
-                return False
-            node = node[part]
-        return True
+    def found(file: h5py.File, name: str) -> tuple[object, str]:
+        """What a name of the file leads to, and the reason if that is nothing within the file."""
+        node, parts, links = file, [name], list[str]()
+        while parts:
+            part = parts.pop(0)
+            link = node.get(part, getlink=True) if isinstance(node, h5py.Group) else None
+            if isinstance(link, h5py.HardLink):
+                node = node[part]
+            elif isinstance(link, h5py.SoftLink):
+                links.append(link.path)
+                node = file if link.path.startswith("/") else node
+                parts = [p for p in link.path.split("/") if p not in ("", ".")] + parts
+            elif isinstance(link, h5py.ExternalLink):
+                return None, "lies in another file (an external link)"
+            else:
+                return None, f"is a link to {links[-1]!r}, which the file does not have"
+            if len(links) > _LINKS:
+                return None, f"is the first of more than {_LINKS} links"
+        return node, ""
 
     variables = {}
     with h5py.File(path) as file:
         for name in file:
-            link = file.get(name, getlink=True)
-            target = link.path if isinstance(link, h5py.SoftLink) else name
-            if not within(file, target):
-                variables[name] = Later((2,), "f", partial(read, name), "a link")
-            elif isinstance(x := file[target], h5py.Dataset) and x.dtype.kind in "fiu" and x.shape is not None:
+            x, refused = found(file, name)
+            if refused:
+                variables[name] = Later((2,), "f", partial(read, name), refused)
+            elif isinstance(x, h5py.Dataset) and x.dtype.kind in "fiu" and x.shape is not None:
                 elsewhere = "a virtual dataset" if x.is_virtual else "external storage" if x.external else ""
-                variables[name] = Later(x.shape, x.dtype.kind, partial(read, name), elsewhere)
+                refused = f"lies in another file ({elsewhere})" if elsewhere else ""
+                variables[name] = Later(x.shape, x.dtype.kind, partial(read, name), refused)
     return variables
 
 
