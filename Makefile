@@ -1,4 +1,4 @@
-# make setup | demo | docs | test | thorough | bench | fuzz | proofs | windows | dist   (Python 3.11 or newer; a C compiler makes it fast)
+# make setup | demo | docs | test | thorough | bench | fuzz | proofs | windows | floors | dist   (Python 3.11 or newer; a C compiler makes it fast)
 PYTHON ?= $(firstword $(foreach p,python3.13 python3.12 python3.11 python3,$(if $(shell $(p) -c 'import sys; print(sys.version_info >= (3, 11) or "")' 2>/dev/null),$(p))))
 VENV := .venv
 BIN := $(VENV)/bin
@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 # bytecode is kept: each command of the tests would compile its libraries anew
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo docs test thorough bench fuzz proofs windows dist clean
+.PHONY: setup demo docs test thorough bench fuzz proofs windows floors dist clean
 
 # install EXTRA: the package with an extra, by uv where there is one
 define install
@@ -62,6 +62,12 @@ fuzz: setup
 # Windows' Python under wine and the suite there (tools/windows/README.md); TESTS=tests/cli for some of it
 windows:
 	bash tools/windows/run.sh build/windows . $(TESTS)
+
+# the tests with the oldest releases that pyproject.toml allows, which Python 3.11 can install
+floors:
+	python3.11 -m venv build/floors
+	build/floors/bin/python -m pip install --quiet --disable-pip-version-check -e '.[all]' pytest pytest-xdist hypothesis jsonschema -c tools/floors.txt
+	build/floors/bin/python -m pytest -n auto --dist worksteal -m "not thorough"
 
 # the sdist and the wheel, checked as a package index would
 dist: setup
