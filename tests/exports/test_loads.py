@@ -5,6 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
+import tomli_w
 
 import stribeck
 from stribeck import InputError, Scenario
@@ -368,3 +369,42 @@ def test_a_target_without_inputs_refuses_them_by_name(tmp_path, capsys):
         text = "".join(p.read_text() for p in out.iterdir()) if out.is_dir() else out.read_text()
         assert "load_gravity" in text
         out.rename(tmp_path / target)
+
+
+OWN = """from stribeck.constants import Constant
+from stribeck.laws.lugre import LuGre
+
+class Own(LuGre):
+    "A law whose constants have the names of inputs and gains."
+
+    name = "own"
+    position = Constant("1", "a number", default=2.0)
+    load_press = Constant("1", "a number", default=3.0)
+    factor_sigma_2 = Constant("1", "a number", default=5.0)
+    gain_0_F_c = Constant("1", "a number", default=7.0)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_0 * z + (p.position + p.load_press + p.factor_sigma_2 + p.gain_0_F_c) * p.sigma_2 * v
+"""
+
+
+def test_a_law_of_a_file_keeps_its_constants_beside_inputs_of_their_names(tmp_path, capsys):
+    (tmp_path / "own.py").write_text(OWN)
+    parameters = {n: x for n, x in law()["parameters"].items() if n != "v_d"}
+    data = rig(law={"name": f"{tmp_path / 'own.py'}:Own", "parameters": parameters})
+    run = stribeck.simulate(data)
+    chosen = contact_law(data)
+    assert set(chosen.inputs) == {"load_press_", "load_push", "position_", "factor_sigma_2_"}
+    columns = {"load_press_": run["press.f"], "load_push": run["push.f"], "position_": run["a.y"],
+               "factor_sigma_2_": 1 + np.asarray(run.t) / 0.7}  # fmt: skip
+    rows = np.array([columns[n] for n in chosen.inputs]).T
+    forces = [
+        chosen.replace(**dict(zip(chosen.inputs, row, strict=True))).force(v, z)
+        for row, v, z in zip(rows, run["rub.w"], run["rub.z"], strict=True)
+    ]
+    assert np.abs(np.array(forces) - run["rub.F"]).max() <= 1e-14 * np.abs(run["rub.F"]).max()
+    (tmp_path / "rig.toml").write_text(tomli_w.dumps(data.data))
+    words = ["export", str(tmp_path / "rig.toml"), "--contact", "rub", "--target", "c", "--out", str(tmp_path / "out")]
+    assert _status(words) == 0, capsys.readouterr().err
+    assert "load_press_;" in (tmp_path / "out" / "own_law.h").read_text()

@@ -206,11 +206,12 @@ def _law(
     from stribeck.scenario import parse_assignments
 
     own_law, rotary_body = _of(rig, contact) if rig is not None else (None, False)
-    if name is None:
-        if own_law is None:
-            raise InputError("LAW: missing: must be given, unless --scenario names it")
-        name = own_law.name
-    found = laws.find(name)
+    if name is not None:
+        found = laws.find(name)
+    elif own_law is not None:
+        found = type(own_law)
+    else:
+        raise InputError("LAW: missing: must be given, unless --scenario names it")
     given = parse_assignments(assignments)
     values, rotary = {}, False
     if parameters is not None:
@@ -218,14 +219,17 @@ def _law(
         rotary = parameter_sets.load(parameters, needs=()).rotary
     elif rig is not None and own_law is not None:
         if (whole := contact_law(rig, contact)).inputs:
-            return _at_contact(whole, name, given)
+            if found is not type(own_law):
+                text = f"would be lost: the contact's law is {own_law.name!r}, not {name!r}"
+                raise InputError(f"{', '.join(whole.beside)}: {text}")
+            return _at_contact(whole, given)
         own = found.own_constants()
         values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in own}
         rotary = rotary_body
     if problems := found.problems({**values, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])
     law = found({**values, **given}, rotary)
-    if ".py:" in name:
+    if name is not None and ".py:" in name:
         if trouble := laws.trouble(law):
             raise InputError(f"{name!r}: {trouble}")
         if gap := laws.gap(law):
@@ -233,10 +237,8 @@ def _law(
     return law
 
 
-def _at_contact(law: Law, name: str, given: dict[str, Toml]) -> Law:
-    """The friction of a contact with loads or factors, with what --set adds; no other law has them."""
-    if name != law.name:
-        raise InputError(f"{', '.join(law.beside)}: would be lost: the contact's law is {law.name!r}, not {name!r}")
+def _at_contact(law: Law, given: dict[str, Toml]) -> Law:
+    """The friction of a contact with loads or factors, with what --set adds."""
     if problems := law.problems({**law.machine, **law.p.numbers, **law.p.words, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])
     return law.replace(**given)

@@ -20,8 +20,8 @@ from stribeck.machine.table import Carrier
 from stribeck.scenario import Scenario
 from stribeck.simulation.comparison import law_path
 
-POSITION = "position"
 Places = dict[tuple[str, str], str]
+POSITION = ("position", "")  # the input of a factor with waves; others are ("load", NAME) and ("factor", NAME)
 
 
 def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
@@ -29,7 +29,8 @@ def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
 
     Its constants are those of the contact's law, and the gains, weights and waves of its loads and factors. Its
     ``inputs`` are constants too, which change from instant to instant: ``load_NAME``, the force of the link, motor or load
-    NAME; ``factor_NAME``, where a signal multiplies the constant NAME; ``position``, where waves of it do.
+    NAME; ``factor_NAME``, where a signal multiplies the constant NAME; ``position``, where waves of it do. An underscore is
+    added where the contact's law has a constant of that name.
 
     Raises:
         InputError: there is no such contact, or none is named where there are several.
@@ -51,27 +52,24 @@ class _Instant:
     """What a contact asks the assembly of a machine for, from the law's inputs."""
 
     p: SimpleNamespace
+    inputs: Places
     called: Names = field(default_factory=Names)
 
     def force_of(self, name: str) -> Value:
         """The force of a link, motor or load."""
-        return getattr(self.p, f"load_{name}")
+        return getattr(self.p, self.inputs["load", name])
 
     def reference(self, signal: Value) -> Value:
-        """The value of a factor's signal."""
-        return SimpleNamespace(value=getattr(self.p, f"factor_{_factor_of(signal)}"))
-
-
-def _factor_of(signal: Value) -> str:
-    """The constant that a signal of a factor multiplies."""
-    return str(signal.path.split(".")[-2])
+        """The value of a factor's signal, whose path is ...factors.NAME.signal."""
+        return SimpleNamespace(value=getattr(self.p, self.inputs["factor", signal.path.split(".")[-2]]))
 
 
 @lru_cache(maxsize=64)
 def _with_inputs(base: type[Law], part: Contact) -> tuple[type[Law], Places]:
     """The law of such a contact, and its constants for those of the machine's tables."""
-    declared, places = _constants(part)
-    inputs = _inputs(part)
+    taken = {*base.constants()}
+    declared, places = _constants(part, taken)
+    inputs, called = _inputs(part, taken)
 
     def loaded(p: SimpleNamespace) -> Constants:
         """The base law's constants at this instant, by the contact's own equations."""
@@ -80,7 +78,10 @@ def _with_inputs(base: type[Law], part: Contact) -> tuple[type[Law], Places]:
             return getattr(p, places[owner, name]) if (owner, name) in places else 1.0
 
         here = part.carrying(part.path, Carrier(put))
-        return cast(Contact, here).parameters(cast(Assembly, _Instant(p)), getattr(p, POSITION, 0.0))
+        return cast(Contact, here).parameters(cast(Assembly, _Instant(p, called)), position(p))
+
+    def position(p: SimpleNamespace) -> Value:
+        return getattr(p, called[POSITION]) if POSITION in called else 0.0
 
     def at_instant(equation: Callable[..., Value]) -> Value:
         return staticmethod(lambda p, *rest: equation(loaded(p), *rest))
@@ -96,7 +97,15 @@ def _with_inputs(base: type[Law], part: Contact) -> tuple[type[Law], Places]:
     return made, places
 
 
-def _constants(part: Contact) -> tuple[dict[str, Constant], Places]:
+def _free(name: str, taken: set[str]) -> str:
+    """A name that is not taken, which it then is."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _constants(part: Contact, taken: set[str]) -> tuple[dict[str, Constant], Places]:
     """The constants that loads and factors add, by name; and every constant's name by its place in the file."""
     declared, places = dict[str, Constant](), Places()
     for leaf in part.leaves(part.path):
@@ -110,18 +119,19 @@ def _constants(part: Contact) -> tuple[dict[str, Constant], Places]:
                 if name.startswith("weight_")
                 else f"gain_{inside}_{name}"
             )
-            places[leaf.key] = gain if section == "loads" else f"{inside}_{name}"
+            places[leaf.key] = _free(gain if section == "loads" else f"{inside}_{name}", taken)
             declared[places[leaf.key]] = replace(leaf.constant, optional=False)
     return declared, places
 
 
-def _inputs(part: Contact) -> dict[str, Constant]:
-    """What the contact is given at each instant."""
+def _inputs(part: Contact, taken: set[str]) -> tuple[dict[str, Constant], Places]:
+    """What the contact is given at each instant, by name; and the names of its loads, factors and position."""
     named = [name for each in part.loads for name in (*each.weights, *([each.against] if each.against else []))]
-    found = {f"load_{name}": Constant("N", f"force of {name}", default=0.0) for name in dict.fromkeys(named)}
+    found = {("load", name): Constant("N", f"force of {name}", default=0.0) for name in named}
     for of, factor in part.factors.items():
         if factor.signal is not None:
-            found[f"factor_{of}"] = Constant("1", f"factor of {of}", above=0, default=1.0)
+            found["factor", of] = Constant("1", f"factor of {of}", above=0, default=1.0)
     if any(factor.signal is None for factor in part.factors.values()):
         found[POSITION] = Constant("m", "position of the contact", default=0.0)
-    return found
+    called = {key: _free("_".join(filter(None, key)), taken) for key in found}
+    return {called[key]: constant for key, constant in found.items()}, called
