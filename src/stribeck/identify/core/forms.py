@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.signal import lfilter
@@ -33,6 +34,7 @@ OF_RECORD = ("drift", "level by time", "filter")
 LOADED = "load and weight"  # friction that grows with inertial force, offset and weight
 BENDS_BELOW = 0.35  # of v_s: a wider bend is the law's own curve
 Key = tuple[str, str]  # form, column
+Column = Callable[[], Array]
 
 
 @dataclass(frozen=True)
@@ -66,46 +68,58 @@ class Anchor:
         return self.curve.force(v, self.shape, self.found) + self.found.get("sigma_2", 0.0) * v
 
 
-def forms(log: Log, at: Anchor) -> dict[Key, Array]:
-    """Every form's columns along a log."""
+def forms(log: Log, at: Anchor) -> dict[Key, Column]:
+    """Every form's columns along a log, each computed when it is called."""
     v, sign, load = log.velocity, at.curve.sign(log.velocity, at.shape), at.found.get("mass", 0.0) * log.acceleration
-    friction = at.friction(v)
-    made = _of_speed(v, sign, at)
-    made |= {("delay", ""): _rate(log, load + friction), ("friction lags", ""): _rate(log, friction)}
+    friction, made = at.friction(v), _of_speed(v, sign, at)
+    made |= {("delay", ""): lambda: _rate(log, load + friction), ("friction lags", ""): lambda: _rate(log, friction)}
     if at.turns:
-        for w in WIDTHS:
-            made[f"play {w}", ""] = play.turned(log, w * at.way) - np.sign(v)
-        for lag in LAGS:
-            made[f"lag {lag}", ""] = _lagging(log, sign, lag * at.step) - sign
-    made |= {("load", ""): sign * abs(load), (LOADED, ""): sign * abs(load + carried(log, at))}
+        made |= {(f"play {w}", ""): partial(_turned, log, w * at.way) for w in WIDTHS}
+        made |= {(f"lag {n}", ""): partial(_lagging, log, sign, n * at.step) for n in LAGS}
+    made |= {("load", ""): lambda: sign * abs(load), (LOADED, ""): lambda: sign * abs(load + carried(log, at))}
     made |= _of_place(log, sign, at)
     for name in ("load", "pressure"):
         if (x := getattr(log, name)) is not None:
-            made[f"level by {name} column", ""] = sign * x
+            made[f"level by {name} column", ""] = partial(np.multiply, sign, x)
     t = 2 * (log.time - log.time[0]) / max(float(np.ptp(log.time)), 1e-300) - 1
     for k in range(1, WAVES + 1):
-        wave = t if k == 1 else np.cos(np.pi * k * (t + 1) / 2)
         after = "" if k == 1 else f" {k}"
-        made |= {(f"drift{after}", ""): wave, (f"level by time{after}", ""): sign * wave}
+        made |= {(f"drift{after}", ""): partial(_wave, t, k), (f"level by time{after}", ""): partial(_wave, t, k, sign)}
     if log.bandwidth and log.step:
-        smooth = smoother_log(log)
-        changed = at.found.get("mass", 0.0) * smooth.acceleration + at.friction(smooth.velocity)
-        made["filter", ""] = changed - load - friction
+        made["filter", ""] = lambda: _smoother_force(log, at) - load - friction
     return made
 
 
-def _of_speed(v: Array, sign: Array, at: Anchor) -> dict[Key, Array]:
+def _wave(t: Array, k: int, height: Array | float = 1.0) -> Array:
+    """A straight line over the record, from -1 to 1, then cosines."""
+    return np.asarray(height * (t if k == 1 else np.cos(np.pi * k * (t + 1) / 2)))
+
+
+def _smoother_force(log: Log, at: Anchor) -> Array:
+    """The inertia and the friction of the motion behind a lower cut-off."""
+    smooth = smoother_log(log)
+    return np.asarray(at.found.get("mass", 0.0) * smooth.acceleration + at.friction(smooth.velocity))
+
+
+def _of_speed(v: Array, sign: Array, at: Anchor) -> dict[Key, Column]:
     """Other dependences of friction on speed."""
-    share, made = abs(v) / at.fast, dict[Key, Array]()
+    share, made = abs(v) / at.fast, dict[Key, Column]()
     for w in WIDTHS:
-        made[f"bend {w}", ""] = sign * np.exp(-share / w)
-        made[f"bend {w} square", ""] = sign * np.exp(-((share / w) ** 2))
-        made[f"uneven bend {w}", ""] = abs(sign) * np.exp(-share / w)
+        made[f"bend {w}", ""] = partial(_bend, sign, share, w)
+        made[f"bend {w} square", ""] = partial(_bend, sign, share, w, 2)
+        made[f"uneven bend {w}", ""] = partial(_bend, abs(sign), share, w)
     if "v_s" in at.shape:
-        made["pointed", ""] = sign * _pointed(abs(v) / at.shape["v_s"])
-    for p in POWERS:
-        made[f"growth {p}", ""] = sign * share**p
-    return made | {("uneven slope", ""): abs(v)}
+        made["pointed", ""] = lambda: sign * _pointed(abs(v) / at.shape["v_s"])
+    made |= {(f"growth {p}", ""): partial(_growth, sign, share, p) for p in POWERS}
+    return made | {("uneven slope", ""): lambda: abs(v)}
+
+
+def _bend(height: Array, share: Array, width: float, power: int = 1) -> Array:
+    return np.asarray(height * np.exp(-((share / width) ** power)))
+
+
+def _growth(sign: Array, share: Array, power: float) -> Array:
+    return np.asarray(sign * share**power)
 
 
 def _pointed(share: Array) -> Array:
@@ -113,16 +127,21 @@ def _pointed(share: Array) -> Array:
     return np.asarray(np.exp(-share) - np.exp(-(share**2)))
 
 
-def _of_place(log: Log, sign: Array, at: Anchor) -> dict[Key, Array]:
+def _of_place(log: Log, sign: Array, at: Anchor) -> dict[Key, Column]:
     """Weight, spring, cogging, and a friction level that depends on position."""
-    y, made = log.position, dict[Key, Array]()
+    y, made = log.position, dict[Key, Column]()
     if at.placed:
-        made = {("weight", "sin"): np.sin(y), ("weight", "cos"): np.cos(y)}
-        made |= {("spring", ""): y, ("level by position", ""): sign * y}
+        made = {("weight", "sin"): lambda: np.sin(y), ("weight", "cos"): lambda: np.cos(y)}
+        made |= {("spring", ""): lambda: y, ("level by position", ""): lambda: sign * y}
     for name, waves, height in (("ripple", at.waves, 1.0), ("level ripple", at.level_waves, sign)):
         for k, w in enumerate(waves):
-            made |= {(f"{name} {k}", "sin"): height * np.sin(w * y), (f"{name} {k}", "cos"): height * np.cos(w * y)}
+            for wave in (np.sin, np.cos):
+                made[f"{name} {k}", wave.__name__] = partial(_ripple, wave, w, y, height)
     return made
+
+
+def _ripple(wave: Callable[[Array], Array], w: float, y: Array, height: Array | float) -> Array:
+    return np.asarray(height * wave(w * y))
 
 
 def carried(log: Log, at: Anchor) -> Array:
@@ -167,8 +186,12 @@ def _rate(log: Log, x: Array) -> Array:
     return out
 
 
+def _turned(log: Log, way: float) -> Array:
+    return play.turned(log, way) - np.sign(log.velocity)
+
+
 def _lagging(log: Log, x: Array, time: float) -> Array:
     out, keep = np.empty(len(x)), np.exp(-log.step / time)
     for run in log.runs():
         out[run] = lfilter([1 - keep], [1, -keep], x[run], zi=[keep * x[run][0]])[0]
-    return out
+    return out - x

@@ -12,7 +12,7 @@ from stribeck.arrays import Array
 from stribeck.identify.core.forms import Anchor, fits, is_bend, steady
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.record import Record
+from stribeck.identify.models.record import LawColumns, Record
 
 RIDGE, DEAD = (
     1e-10,
@@ -156,6 +156,7 @@ class SteadyLibrary(ModelLibrary):
     """
 
     record: Record
+    law: LawColumns
     at: Anchor
     size: dict[int, float]
     name: dict[int, tuple[str, str]]
@@ -230,8 +231,7 @@ class SteadyLibrary(ModelLibrary):
         """Add nodes; ``heights``: coefficients of the law's columns with which the slopes are computed."""
         made, place = [], self.columns.shape[1]
         for shape, height in zip(shapes, heights, strict=True):
-            own = self.record.law_with_slopes(self.curve, shape, height)
-            known = self.record.known(self.curve, shape)
+            own, known = self.law.with_slopes(shape, height), self.law.known(shape)
             self.targets.append(0 if known is None else place + own.shape[1])
             self.starts.append(place)
             level = max((x * x for x in height.values()), default=1.0)

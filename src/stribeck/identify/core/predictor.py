@@ -24,8 +24,8 @@ from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.search import optimum
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
-from stribeck.identify.models.curves import SteadyCurve, curve_of
-from stribeck.identify.models.record import body_columns
+from stribeck.identify.models.curves import curve_of
+from stribeck.identify.models.record import LawColumns, body_columns
 
 FOLDS, MOST_ROWS = 6, 25_000  # stretches left out in turn; most rows of a fit
 WINDOW, NARROWEST = 0.06, 7  # Savitzky-Golay filter: window, s (8 Hz, below an axis' bandwidth); least rows in it
@@ -92,7 +92,10 @@ class Predictor:
 
     def parts(self, log: Log) -> tuple[Array, Array]:
         """Friction and the rest of the force along a log; at rest friction is 0."""
-        log = smoothed(log) if self.motion == BY_POLYNOMIAL else log
+        return self.along(smoothed(log) if self.motion == BY_POLYNOMIAL else log)
+
+    def along(self, log: Log) -> tuple[Array, Array]:
+        """The parts of the force along a log that has this motion."""
         rest = at_rest(log)
         v, curve = log.velocity, self.at.curve
         columns = body_columns(log, [n for n in self.body if n != "sigma_2"], viscous="sigma_2" in self.body)
@@ -102,9 +105,9 @@ class Predictor:
         made = forms(log, self.at) if carried else {}
         for key, c in carried.items():
             if key in made and key[0].startswith(("weight", "spring", "ripple")):
-                beside = beside + c * made[key]
+                beside = beside + c * made[key]()
             elif key in made:
-                friction = friction + c * made[key]
+                friction = friction + c * made[key]()
         return np.where(rest, 0.0, friction), np.asarray(beside)
 
     def force(self, log: Log) -> Array:
@@ -150,29 +153,6 @@ def of_json(saved: Mapping[str, object]) -> Predictor:
     return Predictor(anchor, shape, law, body, named, str(data["motion"]), float(data["error"]))
 
 
-@dataclass(frozen=True)
-class AllRows:
-    """Measured rows of a log, with the interface of a record."""
-
-    log: Log
-    at: NDArray[np.intp]
-
-    def law_columns(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array:
-        """The law's columns."""
-        made = curve.columns(self.log.velocity[self.at], shape)
-        return np.column_stack([made[n] for n in curve.names]) if made else np.empty((len(self.at), 0))
-
-    def law_with_slopes(self, curve: SteadyCurve, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
-        """The law's columns and their slopes."""
-        return np.column_stack(
-            [self.law_columns(curve, shape), *curve.slopes(self.log.velocity[self.at], shape, height)]
-        )
-
-    def known(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array | None:
-        """The force of the given constants."""
-        return curve.known(self.log.velocity[self.at], shape)
-
-
 def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
     """The candidate that predicts held-out stretches of a log best.
 
@@ -185,22 +165,22 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
     count = len(choice.library.gram)
     fold_of_block = np.arange(count) * min(FOLDS, count) // count
     fold = fold_of_block[_block_of(choice, log, block)[moving]]
-    motions = [BY_FILTER, *([BY_POLYNOMIAL] if _can_be_smoothed(log) else [])]
+    motions = {BY_FILTER: log} | ({BY_POLYNOMIAL: smoothed(log)} if _can_be_smoothed(log) else {})
     candidates = [(alone, motion) for motion in motions for alone in ((True,) if choice.alone else (False, True))]
     left = dict.fromkeys(candidates, 0.0)
     for f in range(int(fold_of_block.max()) + 1):
         inside, others = moving[fold == f], moving[fold != f]
         if not len(inside) or not len(others):
             continue
-        for key in candidates:
-            made = _candidate(choice, (fold_of_block != f).astype(float), log, others, *key)
-            left[key] += float(np.sum((log.force - made.force(log))[inside] ** 2))
+        for alone, motion in candidates:
+            made = _candidate(choice, (fold_of_block != f).astype(float), motions[motion], others, alone, motion)
+            left[alone, motion] += float(np.sum((log.force - sum(made.along(motions[motion])))[inside] ** 2))
     best = min(left, key=lambda k: left[k])
     plain = min((k for k in left if k[1] == BY_FILTER), key=lambda k: left[k])
     if best[1] == BY_POLYNOMIAL and left[best] > BETTER**2 * left[plain]:
         best = plain
     error = float(np.sqrt(left[best]) / max(np.linalg.norm(log.force[moving]), 1e-300))
-    return replace(_candidate(choice, np.ones(count), log, moving, *best), error=error)
+    return replace(_candidate(choice, np.ones(count), motions[best[1]], moving, *best), error=error)
 
 
 def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -221,20 +201,20 @@ def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp
 
 
 def _candidate(
-    choice: Selection[SteadyLibrary], weight: Array, log: Log, rows: NDArray[np.intp], alone: bool, motion: str
+    choice: Selection[SteadyLibrary], weight: Array, seen: Log, rows: NDArray[np.intp], alone: bool, motion: str
 ) -> Predictor:
-    """The predictor chosen on a weighting of the blocks and fitted to some rows of the log."""
+    """The predictor chosen on a weighting of the blocks and fitted to some rows of the log with this motion."""
     n, i, x, _ = choice.choose(weight, alone=alone or choice.alone)
     lib, curve = choice.libraries[n], choice.libraries[n].curve
     model, given = lib.models[i], lib.record.given
     keys = list(lib.of_forms(model, x))
-    seen = smoothed(log) if motion == BY_POLYNOMIAL else log
     rows = rows[:: max(1, len(rows) // MOST_ROWS)]
     made = forms(seen, lib.at) if keys else {}
     body = body_columns(seen, [m for m in (*lib.body, *given) if m != "sigma_2"], curve.sigma_2)
-    rest = np.column_stack([*(body[m][rows] for m in lib.body), *(made[k][rows] for k in keys)])
+    rest = np.column_stack([*(body[m][rows] for m in lib.body), *(made[k]()[rows] for k in keys)])
     force = seen.force - sum((c * body[m] for m, c in given.items()), np.zeros(len(seen)))
-    shape, y, _ = optimum(AllRows(seen, rows), curve, lib.shape(model, x), rest, force[rows])
+    law = LawColumns(curve, seen.velocity[rows], np.asarray)
+    shape, y, _ = optimum(law, lib.shape(model, x), rest, force[rows])
     names = [*curve.names, *lib.body, *keys]
     found = dict(zip(names, y.tolist(), strict=True))
     of_body = {m: found[m] for m in lib.body} | {m: c for m, c in given.items() if m in body}

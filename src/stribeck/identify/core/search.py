@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from stribeck.identify.core.library import RIDGE, Model, ModelLibrary, SteadyLib
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.models import ripple
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.record import Record
+from stribeck.identify.models.record import LawColumns, Record
 
 CELLS = {
     0: (),
@@ -44,21 +43,8 @@ FAINT = 1e-9  # largest value up to which a column counts as 0
 SEEN = (0.02, 0.98)  # quantiles of the rows' speeds: the slowest and the fastest level
 
 
-class LawColumns(Protocol):
-    """A source of a law's columns: a record, or measured rows of a log."""
-
-    def law_columns(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array:
-        """The law's columns."""
-
-    def law_with_slopes(self, curve: SteadyCurve, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
-        """The law's columns and their slopes."""
-
-    def known(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array | None:
-        """The force of the given constants."""
-
-
 def optimum(
-    rows: LawColumns, curve: SteadyCurve, shape: Mapping[str, float], rest: Array, force: Array
+    law: LawColumns, shape: Mapping[str, float], rest: Array, force: Array
 ) -> tuple[dict[str, float], Array, float]:
     """Optimize the shapes by Gauss-Newton steps, with linear coefficients eliminated. Steps that fail are shortened.
 
@@ -70,22 +56,22 @@ def optimum(
     """
 
     def solved(columns: Array, at: Mapping[str, float]) -> tuple[Array, float]:
-        a, known = np.column_stack([columns, rest]), rows.known(curve, at)
+        a, known = np.column_stack([columns, rest]), law.known(at)
         target = force if known is None else force - known
         d = np.maximum(np.sqrt(np.sum(a * a, axis=0)), 1e-300)
         x = np.linalg.lstsq(a / d, target, rcond=1e-9)[0] / d
         r = target - a @ x
         return x, float(r @ r)
 
-    n, shape = len(curve.names), dict(shape)
-    x, sse = solved(rows.law_columns(curve, shape), shape)
+    n, shape = len(law.curve.names), dict(shape)
+    x, sse = solved(law.at(shape), shape)
     for _ in range(STEPS if shape else 0):
-        height = dict(zip(curve.names, x.tolist(), strict=False))
-        z, _ = solved(rows.law_with_slopes(curve, shape, height), shape)
+        height = dict(zip(law.curve.names, x.tolist(), strict=False))
+        z, _ = solved(law.with_slopes(shape, height), shape)
         step, before = np.clip(z[n : n + len(shape)], -1.0, 1.0), sse
         for part in SHORTER:
             other = {m: s * float(np.exp(part * e)) for (m, s), e in zip(shape.items(), step.tolist(), strict=True)}
-            y, found = solved(rows.law_columns(curve, other), other)
+            y, found = solved(law.at(other), other)
             if found < sse:
                 shape, x, sse = other, y, found
                 break
@@ -111,26 +97,26 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
     shapes = [dict(zip(axes, p, strict=True)) for p in mesh]
     body = np.column_stack(list(record.body.values()))
     best, at_nodes = shapes[0], []
-    least = np.inf
+    least, law = np.inf, record.of(curve)
     for shape in shapes:
-        x, sse = _plain(record, curve, shape, body)
+        x, sse = _plain(record, law, shape, body)
         at_nodes.append(x)
         if sse < least:
             least, best = sse, shape
-    shape, x, _ = optimum(record, curve, best, body, record.force)
+    shape, x, _ = optimum(law, best, body, record.force)
     if not _sound(curve, shape, x, ranges):
-        shape, x = best, _plain(record, curve, best, body)[0]
-    at = anchor(record, curve, shape, x, body, speeds)
-    out = _with_forms(record, at, body, [float(np.log(a[1] / a[0])) for a in axes.values()])
+        shape, x = best, at_nodes[shapes.index(best)]
+    at = anchor(record, law, shape, x, body, speeds)
+    out = _with_forms(record, law, at, body, [float(np.log(a[1] / a[0])) for a in axes.values()])
     n = len(curve.names)
     out.add([*shapes, shape], [curve.anchored(c[:n].tolist()) for c in (*at_nodes, x)])
     search(out)
     return out
 
 
-def _plain(record: Record, curve: SteadyCurve, shape: Mapping[str, float], body: Array) -> tuple[Array, float]:
+def _plain(record: Record, law: LawColumns, shape: Mapping[str, float], body: Array) -> tuple[Array, float]:
     """Coefficients of the law alone, and the squared residual with a penalty for impossible coefficients."""
-    a, known = np.column_stack([record.law_columns(curve, shape), body]), record.known(curve, shape)
+    curve, a, known = law.curve, np.column_stack([law.at(shape), body]), law.known(shape)
     target = record.force if known is None else record.force - known
     x = np.linalg.lstsq(a, target, rcond=1e-9)[0]
     r = target - a @ x
@@ -147,11 +133,11 @@ def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Map
     return inside and (n == 0 or (x[0] > 0 and float(x[:n].min()) >= 0))
 
 
-def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> SteadyLibrary:
+def _with_forms(record: Record, law: LawColumns, at: Anchor, body: Array, step: list[float]) -> SteadyLibrary:
     """The library without nodes: force, body, and all forms that vary in the record and are not in the body."""
     made: list[Array] = []
     groups, size, name = dict[str, list[int]](), dict[int, float](), dict[int, Key]()
-    whole = {key: record.column(c) for key, c in forms(record.log, at).items()}
+    whole = {key: record.column(column()) for key, column in forms(record.log, at).items()}
     held = {key[0] for key, c in whole.items() if _in_body(c, body)}
     for key, column in whole.items():
         largest = np.max(abs(column))
@@ -166,6 +152,7 @@ def _with_forms(record: Record, at: Anchor, body: Array, step: list[float]) -> S
     natural = [1.0, *np.mean(body**2, axis=0).tolist(), *[1.0] * len(made)]
     return SteadyLibrary(
         record=record,
+        law=law,
         at=at,
         groups=groups,
         size=size,
@@ -184,15 +171,15 @@ def _in_body(column: Array, body: Array) -> bool:
 
 
 def anchor(
-    record: Record, curve: SteadyCurve, shape: Mapping[str, float], x: Array, body: Array, speeds: Sequence[float]
+    record: Record, law: LawColumns, shape: Mapping[str, float], x: Array, body: Array, speeds: Sequence[float]
 ) -> Anchor:
     """The constants of the forms' columns from a fit of the law alone, and the ripples in its residual."""
-    log, v, n = record.log, record.log.velocity, len(curve.names)
+    curve, log, v, n = law.curve, record.log, record.log.velocity, len(law.curve.names)
     found = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
     slow, high = np.quantile(abs(v[record.at]), SEEN)
     seen = (float(slow), float(np.sqrt(slow * high)), float(0.5 * high), float(high))
-    own, known = np.column_stack([record.law_columns(curve, shape), body]), record.known(curve, shape)
+    own, known = np.column_stack([law.at(shape), body]), law.known(shape)
     target = record.force if known is None else record.force - known
     turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
     offset = found.get("offset", 0.0)
@@ -223,12 +210,12 @@ Met = dict[tuple[int, frozenset[str]], tuple[float, tuple[str, ...]]]  # squared
 
 def search(lib: ModelLibrary) -> None:
     """Beam search: every form is added to each set of the beam at every node, and the best models are kept."""
-    total, met = lib.gram.sum(0), Met()
+    total, met, allowed = lib.gram.sum(0), Met(), {g: lib.allowed(g) for g in lib.groups}
     beam: list[tuple[str, ...]] = [()]
     for depth in range(MOST + 1):
         found: dict[frozenset[str], tuple[float, tuple[str, ...]]] = {}
         for chosen in beam:
-            _try_beside(lib, total, chosen, depth < MOST, met, found)
+            _try_beside(lib, total, chosen, allowed if depth < MOST else {}, met, found)
         beam = [c for _, c in sorted(found.values(), key=lambda e: e[0])[:BEAM]]
     taken: list[Model] = []
     many = [0] * (MOST + 1)
@@ -240,13 +227,13 @@ def search(lib: ModelLibrary) -> None:
 
 
 def _try_beside(
-    lib: ModelLibrary, total: Array, chosen: tuple[str, ...], further: bool, met: Met,
+    lib: ModelLibrary, total: Array, chosen: tuple[str, ...], allowed: Mapping[str, Array], met: Met,
     found: dict[frozenset[str], tuple[float, tuple[str, ...]]],
 ) -> None:  # fmt: skip
-    """The squared residual of one set of forms at all nodes, and of this set with each other form added."""
+    """The squared residual of one set of forms at all nodes, and of this set with each other form that is allowed added."""
     nodes, target = range(len(lib.starts)), np.array(lib.targets)
     a_i = np.array([lib.index((s, chosen)) for s in nodes])
-    rest = {g: i for g, i in lib.groups.items() if g not in chosen}
+    rest = {g: lib.groups[g] for g in allowed if g not in chosen}
     b_i = np.array([i for own in rest.values() for i in own], dtype=int)
     a = total[a_i[:, :, None], a_i[:, None, :]]
     d = np.sqrt(np.maximum(np.einsum("mii->mi", a), 1e-300))
@@ -261,10 +248,10 @@ def _try_beside(
     for s in nodes:
         met[s, frozenset(chosen)] = (float(sse[s] * fault[s]), chosen)
     j = 0
-    for g, own in rest.items() if further else ():
+    for g, own in rest.items():
         w = list(range(j, j + len(own)))
         j += len(own)
-        ok = np.all(left[:, w] / diag[w] > HARDLY, axis=1) & lib.allowed(g)
+        ok = np.all(left[:, w] / diag[w] > HARDLY, axis=1) & allowed[g]
         gain = _gain(total, left, share, b, y, b_i, w)
         after = np.where(ok, np.maximum(sse - gain, 1e-12) * np.where(fault > 50, fault, 1.0), np.inf)
         new, key = (*chosen, g), frozenset((*chosen, g))
@@ -306,7 +293,7 @@ def refine(lib: SteadyLibrary, rows: float) -> None:
     n = len(lib.curve.names)
     for model in (*ranked[:REFINED], *alone):
         rest = lib.columns[:, lib.index(model)[lib.k :]]
-        shape, y, _ = optimum(lib.record, lib.curve, lib.shape(model, x[at[model]]), rest, lib.columns[:, 0])
+        shape, y, _ = optimum(lib.law, lib.shape(model, x[at[model]]), rest, lib.columns[:, 0])
         if not lib.curve.possible(y[:n].tolist(), lib.largest):
             continue
         with_ = ranked[:REFINED_WITH] if model not in alone else [model]

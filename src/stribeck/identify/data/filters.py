@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,20 +23,47 @@ _SIDE = 4  # samples to each side
 FARTHEST_SAMPLE = _SIDE  # that a value between two samples takes
 
 
-def zero_phase(b: Array, a: Array, x: Array, padding: int = 0) -> Array:
-    """filtfilt with MATLAB's padding, 3 (order), or more; long arrays in overlapping pieces, so that no copy is as long;
+class Filter(NamedTuple):
+    """Coefficients of a filter, and its state behind a constant input of 1."""
+
+    b: Array
+    a: Array
+    settled: Array
+
+
+def zero_phase(filter: Filter, x: Array, padding: int = 0) -> Array:
+    """There and back with MATLAB's padding, 3 (order), or more; long arrays in overlapping pieces, so that no copy is as long;
     the rows of a matrix each by itself."""
-    padding = max(3 * (max(len(a), len(b)) - 1), padding)
+    padding = max(3 * len(filter.settled), padding)
     if x.ndim > 1 or len(x) <= 2 * _CHUNK:
-        return np.asarray(signal.filtfilt(b, a, x, padlen=min(padding, x.shape[-1] - 1)))
-    slowest = float(np.max(abs(np.roots(a))))
+        return _there_and_back(filter, x, min(padding, x.shape[-1] - 1))
+    slowest = float(np.max(abs(np.roots(filter.a))))
     overlap = min(int(np.log(_FORGOTTEN) / np.log(slowest)) + padding, _CHUNK)
     out = np.empty(len(x))
     for first in range(0, len(x), _CHUNK):
         last = min(first + _CHUNK, len(x))
         low, high = max(first - overlap, 0), min(last + overlap, len(x))
-        out[first:last] = signal.filtfilt(b, a, x[low:high], padlen=padding)[first - low : last - low]
+        out[first:last] = _there_and_back(filter, x[low:high], padding)[first - low : last - low]
     return out
+
+
+def _there_and_back(filter: Filter, x: Array, padding: int) -> Array:
+    """SciPy's filtfilt, but for the filter's settled state, which that finds anew at each call."""
+    ends = 2 * x[..., :1] - x[..., padding:0:-1], 2 * x[..., -1:] - x[..., -2 : -padding - 2 : -1]
+    out = np.concatenate([ends[0], x, ends[1]], axis=-1)
+    for _ in range(2):
+        out = signal.lfilter(filter.b, filter.a, out, zi=filter.settled * out[..., :1])[0][..., ::-1]
+    return np.asarray(out[..., padding : out.shape[-1] - padding])
+
+
+def _settled(b: Array, a: Array) -> Filter:
+    return Filter(b, a, signal.lfilter_zi(b, a))
+
+
+@lru_cache
+def _butterworth(share: float) -> Filter:
+    """Of order 4, with its cut-off as a share of half the sampling rate."""
+    return _settled(*signal.butter(4, share))
 
 
 def low_pass(x: Array, cutoff: float, step: float) -> Array:
@@ -43,7 +71,7 @@ def low_pass(x: Array, cutoff: float, step: float) -> Array:
 
     MATLAB's padding of 12 samples is too short for a cut-off far below the sampling rate: it is 1.2 periods at least.
     """
-    return zero_phase(*signal.butter(4, 2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
+    return zero_phase(_butterworth(2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
 
 
 def stages(q: int) -> list[int]:
@@ -63,15 +91,14 @@ def stages(q: int) -> list[int]:
 
 
 @lru_cache
-def _anti_alias(q: int) -> tuple[Array, Array]:
-    b, a = signal.cheby1(8, 0.05, 0.8 / q)
-    return b, a
+def _anti_alias(q: int) -> Filter:
+    return _settled(*signal.cheby1(8, 0.05, 0.8 / q))
 
 
 def decimate(x: Array, q: int) -> Array:
     """Samples 1, 1 + q, 1 + 2 q, ... (from 0) behind a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
     for part in stages(q):
-        x = zero_phase(*_anti_alias(part), x)[..., 1::part].copy()  # and not a view, which would hold all of it
+        x = zero_phase(_anti_alias(part), x)[..., 1::part].copy()  # and not a view, which would hold all of it
     return x
 
 

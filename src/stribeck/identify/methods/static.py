@@ -293,7 +293,7 @@ def _prediction(choice: Selection[SteadyLibrary]) -> tuple[Prediction, float]:
     i, friction = lib.index(choice.model), np.zeros(len(record.at))
     place = lib.k
     friction = lib.columns[:, i[: lib.k]] @ x[: lib.k]
-    known = record.known(lib.curve, lib.nodes[choice.model[0]])
+    known = lib.law.known(lib.nodes[choice.model[0]])
     friction = friction if known is None else friction + known
     for name in lib.body:
         if name == "sigma_2" or TERMS[name].level or TERMS[name].friction:

@@ -21,6 +21,37 @@ RISE = 0.35  # periods of the cut-off: the rise time of the motion's filter
 LEFT = 0.6  # of the rows in motion: if leaving out the ringing ones leaves fewer, they stay
 
 
+class LawColumns:
+    """A law's columns along a motion; those of one shape are computed once.
+
+    Args:
+        velocity: along which; ``reduce``: gives the rows that are compared.
+    """
+
+    def __init__(self, curve: SteadyCurve, velocity: Array, reduce: Callable[[Array], Array]) -> None:
+        self.curve, self._velocity, self._reduce = curve, velocity, reduce
+        self._made: dict[tuple[float, ...], Array] = {}
+
+    def at(self, shape: Mapping[str, float]) -> Array:
+        """The columns at a node."""
+        key = tuple(shape.values())
+        if key not in self._made:
+            made = self.curve.columns(self._velocity, shape)
+            columns = [self._reduce(made[n]) for n in self.curve.names]
+            self._made[key] = np.column_stack(columns or [self._reduce(self._velocity)[:, None][:, :0]])
+        return self._made[key]
+
+    def with_slopes(self, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
+        """The same, then the slopes by the logarithm of each shape."""
+        slopes = map(self._reduce, self.curve.slopes(self._velocity, shape, height))
+        return np.column_stack([self.at(shape), *slopes])
+
+    def known(self, shape: Mapping[str, float]) -> Array | None:
+        """The force of the law's given constants."""
+        known = self.curve.known(self._velocity, shape)
+        return None if known is None else self._reduce(known)
+
+
 @dataclass(frozen=True)
 class Record:
     """The rows that are compared: behind the filter, thinned, away from rest and from ringing reversals.
@@ -48,20 +79,9 @@ class Record:
         """A column of the log at the rows that are compared."""
         return self.reduce(x)[self.counted]
 
-    def law_columns(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array:
-        """The law's columns at a node."""
-        made = curve.columns(self.log.velocity, shape)
-        return np.column_stack([self.column(made[n]) for n in curve.names]) if made else np.empty((len(self.force), 0))
-
-    def law_with_slopes(self, curve: SteadyCurve, shape: Mapping[str, float], height: Mapping[str, float]) -> Array:
-        """The same, then its slopes by the logarithm of each shape."""
-        slopes = [self.column(x) for x in curve.slopes(self.log.velocity, shape, height)]
-        return np.column_stack([self.law_columns(curve, shape), *slopes])
-
-    def known(self, curve: SteadyCurve, shape: Mapping[str, float]) -> Array | None:
-        """What given constants of the law hold of the force."""
-        known = curve.known(self.log.velocity, shape)
-        return None if known is None else self.column(known)
+    def of(self, curve: SteadyCurve) -> LawColumns:
+        """A law's columns at the rows that are compared."""
+        return LawColumns(curve, self.log.velocity, self.column)
 
 
 def body_columns(log: Log, names: Sequence[str], viscous: bool = True) -> dict[str, Array]:
