@@ -73,3 +73,4 @@ def test_an_irregular_cycle_whose_last_rows_hold_one_slip_hunts():
     (found,) = judge(loop_of(Scenario(data)))
     assert found.verdict == "hunting"
     assert 0.03 < found.amplitude < 0.07
+    assert "by chance" in found.note

@@ -38,6 +38,7 @@ _GROWS = 1.15  # growth from one third to the next, at the end of the longest ru
 
 WINDS = "the force that friction holds still changes"
 SHAKEN = "rest is what its dither alone moves it"
+IRREGULAR = "its swings still differ at the end of the longest run: it may come to rest by chance"
 
 Tell = Callable[[float], None]
 
@@ -230,7 +231,7 @@ class _LaneRecord:
         thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)]
         if self.last and thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]:
             return Judgement("unstable", body, amplitude, period, "the oscillation grows"), wanted
-        return Judgement("hunting", body, amplitude, period), wanted
+        return Judgement("hunting", body, amplitude, period, IRREGULAR if self.last and not keeps else ""), wanted
 
     def _next_length(self, breaks: float | None, length: float) -> float:
         """Twice the length, or the time until a cycle after friction may have broken away, s."""
