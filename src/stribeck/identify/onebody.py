@@ -19,13 +19,8 @@ from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.identify.actuator.api import fit_machine
-from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
-from stribeck.identify.actuator.estimate import FAR_STEP, beyond_noise, first_noise, loosened, point_of, prepared
-from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit
-from stribeck.identify.actuator.runs import RecordedRun
-from stribeck.identify.actuator.solve import search
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.filters import shifted
@@ -40,7 +35,6 @@ from stribeck.identify.models.static_problem import in_stretches
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import LogFit, Prediction
-from stribeck.identify.work import Work
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
@@ -111,97 +105,8 @@ def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress |
     """
     log = log if len(log) <= _MOST_ROWS else in_stretches(log, at_rest(log))[0]
     model = _model(log, name, options)
-    if model.output == "force":
-        found, paths = _fitted(log, model, options, options.starts, progress)
-        return _finished(log, model, found, paths)
-    near, stopped = _near(log, model, options, _share(progress, 0.0, _BEFORE))
-    model.first.update({n: replace(guess, value=near[n]) for n, guess in model.first.items()})
-    later = _interrupt if stopped else _share(progress, _BEFORE, 1.0)
-    found, paths = _fitted(log, model, options, 1, later)
+    found, paths = _fitted(log, model, options, options.starts, progress)
     return _finished(log, model, found, paths)
-
-
-def _interrupt(share: float) -> None:
-    """Stop the second part of a fit if Ctrl-C stopped its first part."""
-    raise KeyboardInterrupt
-
-
-def _near(log: Log, model: OneBody, options: FitOptions, progress: Progress | None) -> tuple[dict[str, float], bool]:
-    """Initial values for a fit of the motion over whole runs, and whether Ctrl-C ended the search.
-
-    Over a long record, the fit of the motion under the measured force has many local minima. The fit of the force along
-    the measured motion has few. So has the fit of the motion in short windows with an initial state each.
-    """
-    work, first = Work(progress), {n: guess.value for n, guess in model.first.items()}
-    inverse = replace(model, output="force", wanted=tuple(n for n in model.wanted if n != "delay"))
-    inverse = replace(inverse, first={n: guess for n, guess in model.first.items() if n != "delay"})
-    best = _searched(log, inverse, options, options.starts, first, work, None)
-    if not best.stopped:
-        best = whole = _searched(log, model, options, 1, {**first, **best.values}, work, None)
-    if not best.stopped and not best.met:
-        best = near = _searched(log, model, options, 1, first, work, _window(log))
-        if not near.stopped and not near.met:
-            best = near = _searched(log, model, options, options.starts, near.values, work, _window(log))
-        if not near.stopped:
-            best = _searched(log, model, options, 1, near.values, work, _LONGER * _window(log))
-        if not best.stopped:
-            best = _searched(log, model, options, 1, best.values, work, None)
-            best = best if best.stopped else min(best, whole, key=lambda x: x.cost)
-    inside = {n: min(max(best.values.get(n, g.value), g.bounds[0]), g.bounds[1]) for n, g in model.first.items()}
-    return inside, best.stopped
-
-
-@dataclass(frozen=True)
-class _Near:
-    """The end of a search: values, cost, whether Ctrl-C ended it, whether the residual is noise."""
-
-    values: dict[str, float]
-    cost: float
-    stopped: bool
-    met: bool
-
-
-def _searched(
-    log: Log, model: OneBody, options: FitOptions, starts: int, begin: Mapping[str, float], work: Work, window: float | None
-) -> _Near:  # fmt: skip
-    """The best values from ``begin`` and other starts, over whole runs or in windows of about ``window`` seconds."""
-    sought, paths = _sought(model, log, options)
-    recordings = [(i, _recording(log, rows, model, i)) for i, rows in enumerate(_runs(log))]
-    scenario = loosened(_scenario(model, log.rotary))
-    own = coordinates(scenario, Logs(tuple(each for _, each in recordings), sought))
-    runs, begun = prepared(scenario, recordings, {c.name for c in own}, window)
-    if window is not None:
-        runs, begun = _in_motion(log, runs, begun)
-    noise, _ = first_noise([each for _, each in recordings])
-    problem = MachineProblem(runs, [*own, *begun], noise, work=work, step=FAR_STEP)
-    first = point_of(problem, {path: begin[n] for path, n in paths.items()})
-    found = search(problem, starts, options.seed, first)
-    stopped, met, values = found.stopped, False, problem.values(found.u)
-    try:
-        met = not stopped and not beyond_noise(problem, found.u, 1)
-    except KeyboardInterrupt:
-        stopped = True
-    return _Near({n: values[path] for path, n in paths.items()}, found.cost, stopped, met)
-
-
-def _window(log: Log) -> float:
-    """The length of a window: a quarter of the median time between two reversals, s."""
-    moving = abs(log.velocity) > _MOVING * np.max(abs(log.velocity))
-    between = [np.diff(np.flatnonzero(np.diff(np.sign(log.velocity[r][moving[r]])))) for r in _runs(log)]
-    rows = np.concatenate(between)
-    return float(max(np.median(rows) / _QUARTERS if len(rows) else 0, _SHORTEST) * log.step)
-
-
-def _in_motion(
-    log: Log, runs: Sequence[RecordedRun], begun: Sequence[MachineCoordinate]
-) -> tuple[list[RecordedRun], list[MachineCoordinate]]:
-    """Windows spread evenly over the record that begin in motion, where the bristles' deflection is steady."""
-    firsts = [_runs(log)[run.log].start + round(float(run.piece or 0) / log.step) for run in runs]
-    moving = abs(log.velocity[firsts]) > _MOVING * np.max(abs(log.velocity))
-    those = np.flatnonzero(moving) if moving.any() else np.arange(len(runs))
-    some = [runs[those[i]] for i in np.unique(np.linspace(0, len(those) - 1, _MANY).round().astype(int))]
-    pieces = {(run.log, run.piece) for run in some}
-    return some, [c for c in begun if (c.log, c.piece) in pieces]
 
 
 def _fitted(

@@ -9,11 +9,11 @@ from scipy.integrate import odeint
 from stribeck import Scenario, simulate
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import coordinates
-from stribeck.identify.actuator.estimate import prepared
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.regression import regressed
 from stribeck.identify.actuator.shooting import relayed
+from stribeck.identify.actuator.starts import prepared
 
 TRUTH = {
     "contacts.mesh.law.parameters.F_c": 0.4, "contacts.mesh.law.parameters.sigma_2": 0.03, "bodies.rotor.inertia": 0.02,

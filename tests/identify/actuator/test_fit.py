@@ -9,10 +9,10 @@ from stribeck.errors import InputError
 from stribeck.identify.actuator import fit_machine, read_logs
 from stribeck.identify.actuator import solve as solver
 from stribeck.identify.actuator.coordinates import coordinates
-from stribeck.identify.actuator.estimate import prepared
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.starts import prepared
 from stribeck.scenario import Scenario
 from tests.identify.actuator.recorded import body, logs, record
 from tests.machine.independent import solve

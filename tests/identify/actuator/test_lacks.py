@@ -9,10 +9,10 @@ from scipy.integrate import odeint
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.estimate import prepared
 from stribeck.identify.actuator.lacks import RunMotion, missing_forms
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+from stribeck.identify.actuator.starts import prepared
 
 STEP, NOISE, STEEP = 0.005, 5e-4, 50.0
 LAW = "contacts.joint.law.parameters."

@@ -8,10 +8,10 @@ from scipy.linalg import expm
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import coordinates
-from stribeck.identify.actuator.estimate import point_of, prepared
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.runs import later
+from stribeck.identify.actuator.starts import prepared
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_what_nobody_measures_begins_a_stretch_as_the_one_before_ends_at_the_sam
     problem = MachineProblem(runs, [*sought, *starts], {"arm.y": 1e-3}, tied=True)
     for inertia in (0.03, 0.08):
         values = {**problem.values(problem.start()), "bodies.arm.inertia": inertia}
-        r, x, at = problem.residuals(point_of(problem, values)[None])[0], np.zeros(4), 0
+        r, x, at = problem.residuals(problem.point(values)[None])[0], np.zeros(4), 0
         A = np.array([[0, 1, 0, 0], [0, -0.02 / inertia, K / inertia, 0], [0, -K / L, -R / L, volts / L], [0, 0, 0, 0]])
         for run in runs:
             begin = "" if run.piece == "0" else f"{float(run.piece):g}s."

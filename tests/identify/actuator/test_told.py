@@ -7,10 +7,12 @@ from scipy.integrate import odeint
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import coordinates
-from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, prepared
+from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+from stribeck.identify.actuator.residuals import beyond_noise
 from stribeck.identify.actuator.solve import Found
+from stribeck.identify.actuator.starts import prepared
 from tests.identify.actuator.recorded import NOISE, body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"

@@ -14,13 +14,15 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, judge, transfer
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates, paths
-from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared
+from stribeck.identify.actuator.estimate import BestPoint, beyond_solver, estimate
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
+from stribeck.identify.actuator.residuals import beyond_noise
 from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.solve import settled
+from stribeck.identify.actuator.starts import prepared
 from stribeck.identify.actuator.traces import traces
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
@@ -151,7 +153,6 @@ class Fitting:
                 self.scenario, self.fitted, self.sought, starts if first is None else max(1, starts // 4), self.seed,
                 self.work, first, keep,
             )  # fmt: skip
-            best = choice.from_simpler(self, best)
         notes = [*checks.before(self.logs, self.scenario), *before]
         left_out = None if best.stopped else choice.earned(self, best, notes)
         if left_out is not None:

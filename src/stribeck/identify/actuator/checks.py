@@ -11,9 +11,10 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.bridges import GAP
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.estimate import POOR, leftovers, point_of
+from stribeck.identify.actuator.estimate import POOR
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
+from stribeck.identify.actuator.residuals import leftovers
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
@@ -233,5 +234,5 @@ def _tried(
 def _left(problem: MachineProblem, starts: int | None, values: dict[str, float]) -> tuple[float, Array]:
     """The largest relative residual of a column after a search from these values and other starts, and its point."""
     shared = {c.name: values[c.name] for c in problem.sought if c.log is None and c.name in values}
-    found = search(problem, starts or 4, 0, point_of(problem, shared), steps=_STEPS, small=_ROUGHLY)
+    found = search(problem, starts or 4, 0, problem.point(shared), steps=_STEPS, small=_ROUGHLY)
     return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values()), found.u

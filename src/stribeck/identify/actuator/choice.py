@@ -14,7 +14,6 @@ from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg, first_line, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate
-from stribeck.identify.actuator.larger import OpenLaw, again, doubtful, left_more, mend
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
 from stribeck.identify.actuator.traces import traces
@@ -158,7 +157,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
     """
     fitted, held, note = _split(fit)
     speeds = _speeds(fit)
-    tried: dict[str, OpenLaw] = {}
+    tried: dict[str, tuple[Scenario, list[MachineCoordinate], BestPoint]] = {}
     failed: dict[str, str] = {}
     combinations = list(product(*laws.values()))
     for names in combinations:
@@ -171,16 +170,14 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
         except StribeckError as error:
             failed[label] = first_line(error)
             continue
-        tried[label] = OpenLaw(scenario, sought, best)
+        tried[label] = (scenario, sought, best)
         if best.stopped:
             break
     if not tried:
         raise InputError([f"law: {label}: {why}" for label, why in failed.items()])
-    if not any(x.best.stopped for x in tried.values()):
-        mend(list(tried.values()), fitted, fit.seed, fit.work)
     rows = [
-        (held_out_error(fit, x.scenario, x.best, held), len(x.sought), label, Chosen(x.scenario, x.sought, x.best))
-        for label, x in tried.items()
+        (held_out_error(fit, scenario, best, held), len(sought), label, Chosen(scenario, sought, best))
+        for label, (scenario, sought, best) in tried.items()
     ]
     finite = [row for row in rows if np.isfinite(row[0])] or rows
     least = min(row[0] for row in finite)
@@ -194,33 +191,6 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
     if again is None and chosen.estimate is not None and not chosen.estimate.stopped:
         again = estimate(chosen.scenario, fit.fitted, chosen.sought, 1, fit.seed, fit.work, chosen.estimate.values())
     return Chosen(chosen.scenario, chosen.sought, again or chosen.estimate, told, [note] if note else [])
-
-
-def from_simpler(fit: Fitting, best: BestPoint) -> BestPoint:
-    """If the residual exceeds the noise, search again from the optimum of a law without bristles that is a special case.
-
-    Returns the better of both fits.
-    """
-    if best.stopped or not doubtful(best):
-        return best
-    large = OpenLaw(fit.scenario, fit.sought, best)
-    contacts = [
-        n
-        for n in fit.scenario.data.get("contacts", {})
-        if any(p.startswith(f"contacts.{n}.law.") for p in large.numbers)
-    ]
-    speeds = dict.fromkeys(contacts, 1.0)
-    for law in reversed(BASELINES.values()):
-        try:
-            scenario, sought = with_laws(fit.scenario, fit.sought, dict.fromkeys(contacts, law), speeds)
-            if not paths(sought) < large.numbers:
-                continue
-            found = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, thorough=False)
-            other = again(large, found, fit.fitted, fit.seed, fit.work)
-        except StribeckError:
-            continue
-        return other if left_more(best, other) else best
-    return best
 
 
 def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, Recording]], str]:
@@ -267,7 +237,7 @@ def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> Chosen | None:
 
 def _no_worse(best: BestPoint, other: BestPoint) -> bool:
     """Whether ``other`` describes the fitted recordings as well as ``best``."""
-    from stribeck.identify.actuator.estimate import leftovers
+    from stribeck.identify.actuator.residuals import leftovers
 
     with_, without = leftovers(best.problem, best.u), leftovers(other.problem, other.u)
     return all(without[c][0] < (1 + _EARNS) * with_[c][0] for c in with_ if c in without)
@@ -293,7 +263,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
             else:
                 base = Scenario(result.data, folder=fit.scenario.folder)
                 scenario, sought = with_laws(base, fit.sought, dict.fromkeys(contacts, law), speeds)
-            best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values, thorough=False)
+            best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values)
             errors = [held_out_error(fit, scenario, best, part) for part in (fit.fitted, fit.held)]
             found[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held else None, "numbers": len(sought)}
         except InputError:  # a recorded column that the simpler machine lacks, such as a contact's force

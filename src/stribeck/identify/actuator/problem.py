@@ -279,6 +279,14 @@ class MachineProblem:
             found.append(c.inner(x) if inside and x is not None else float(np.mean(c.bounds)))
         return np.asarray(self.repaired(np.array([found]))[0])
 
+    def point(self, values: Mapping[str, float]) -> Array:
+        """A point from values by name; other coordinates have their initial values."""
+        u = self.start()
+        for i, c in enumerate(self.sought):
+            if c.name in values:
+                u[i] = c.inner(values[c.name])
+        return np.asarray(self.repaired(u[None])[0])
+
     def values(self, u: Array) -> dict[str, float]:
         """The values at a point, by name."""
         return {c.name: c.outer(x) for c, x in zip(self.sought, u, strict=True)}

@@ -81,6 +81,14 @@ class RecordedRun:
         """The run with other measurements."""
         return replace(self.driven(measured.inputs), targets=measured.targets, inputs=measured.inputs)
 
+    def until(self, end: float) -> RecordedRun:
+        """The run up to a time."""
+        step = self.scenario.output.step
+        end = min(max(math.ceil(end / step - _EVEN), 2) * step, self.scenario.end)
+        targets = [x.rows(x.t <= end) for x in self.targets]
+        scenario = self.scenario.with_changes({"solve.t_end": end})
+        return replace(self, scenario=scenario, targets=[x for x in targets if len(x.t)])
+
     @property
     def size(self) -> int:
         """The number of compared samples."""

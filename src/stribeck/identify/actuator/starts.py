@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -101,6 +102,25 @@ def begun(
             run.start |= {path: f * first for path, f in targets.items()}
             found.append(MachineCoordinate(label, low, high, first, None, targets, None, log, True, run.piece))
     return run, [replace(c, prior=None) for c in found]
+
+
+def prepared(
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], named: set[str], window: float | None = None
+) -> tuple[list[RecordedRun], list[MachineCoordinate]]:  # fmt: skip
+    """The runs, whole or in stretches, and the coordinates of their initial states."""
+    runs: list[RecordedRun] = []
+    starts: list[MachineCoordinate] = []
+    for log, recording in recordings:
+        length = recording.window or window
+        spans: list[tuple[float, float] | None] = [None]
+        if length is not None and length < 0.9 * recording.t[-1]:
+            spans = list(stretches(recording, length))
+        for span in spans:
+            run, own = begun(scenario, recording, log, named, span)
+            if run.size:
+                runs.append(run)
+                starts += own
+    return runs, starts
 
 
 def _free(scenario: Scenario, body: str) -> bool:

@@ -8,14 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.continuation import LEVELS, cut
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
-from stribeck.identify.actuator.estimate import point_of, prepared
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Trace
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import search
+from stribeck.identify.actuator.starts import prepared
 from stribeck.scenario import Scenario
 
 _BEGIN = 24  # samples to which the initial state of a predicted recording is fitted
@@ -35,7 +34,7 @@ def traces(
     shifts = {(run.log, run.piece): run.shift for run in fitted}
     runs = [replace(run, shift=shifts.get((run.log, run.piece), {})) for run in runs]
     problem = MachineProblem(runs, [*chosen, *own], dict.fromkeys(recording.outputs, 1.0))
-    u = _begun(problem, point_of(problem, values), {c.name for c in own} - set(values))
+    u = _begun(problem, problem.point(values), {c.name for c in own} - set(values))
     parts: dict[str, list[tuple[Array, Array, Array]]] = {}
     for k, run in enumerate(problem.runs):
         at = float(run.piece) if run.piece is not None else 0.0
@@ -61,7 +60,7 @@ def _begun(problem: MachineProblem, u: Array, open_: set[str]) -> Array:
             path: scale * values[c.name] for i, c in concerned if i not in mine for path, scale in c.targets.items()
         }
         sensors = [replace(c, low=values[c.name], high=values[c.name]) for _, c in concerned if c.output is not None]
-        first = cut(run, min(int(np.ceil(LEVELS * _BEGIN * len(run.targets) / run.size)), LEVELS))
+        first = run.until(float(np.sort(np.concatenate([x.t for x in run.targets]))[: _BEGIN * len(run.targets)][-1]))
         size = {t.column: float(np.std(t.x)) or 1.0 for t in run.targets}
         part = MachineProblem(
             [replace(first, start={**run.start, **held})], [*(problem.sought[i] for i in mine), *sensors], size

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import judge
-from stribeck.identify.actuator.estimate import beyond_noise, estimate
+from stribeck.identify.actuator.estimate import estimate
 from stribeck.identify.actuator.recordings import Logs
+from stribeck.identify.actuator.residuals import beyond_noise
 from stribeck.identify.actuator.result import LogResult, MachineFit, Moved, Transfer
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.solve import settled

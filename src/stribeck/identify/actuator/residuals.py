@@ -1,0 +1,83 @@
+"""The residuals of a problem by column, and the noise of the measured columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.actuator.drawn import carried
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.recordings import Recording
+from stribeck.identify.actuator.runs import roughness
+
+_FIRST = 0.05  # of a column's changes: initial value of the noise
+# Residual in units of the noise: 1.0 for white noise, to some hundredths. A larger one may be a local minimum, unless
+# this many starts agree.
+_DOUBTED, _AGREEING = 1.2, 3
+
+
+def first_noise(recordings: Sequence[Recording]) -> tuple[dict[str, float], set[str]]:
+    """The initial value of each column's noise, and the columns whose noise is given."""
+    found: dict[str, float] = {}
+    given: set[str] = set()
+    for column in dict.fromkeys(c for r in recordings for c in r.outputs):
+        channels = [r.outputs[column] for r in recordings if column in r.outputs]
+        told = [c.noise for c in channels if c.noise is not None]
+        if told:
+            found[column] = float(np.sqrt(np.mean(np.square(told))))
+            given.add(column)
+        else:
+            size = float(np.sqrt(np.mean([np.nanvar(c.x) for c in channels])))
+            found[column] = _FIRST * size if size > 0 else 1.0
+    return found, given
+
+
+def noise_of(problem: MachineProblem, column: str) -> float:
+    """The noise of a column, from its changes between samples."""
+    rough = roughness([t.x for run in problem.runs for t in run.targets if t.column == column])
+    return max(rough, floor_of(problem, column))
+
+
+def floor_of(problem: MachineProblem, column: str) -> float:
+    """The least noise of a column: its quantization noise."""
+    steps = [
+        np.diff(np.unique(t.x)).min(initial=np.inf) for run in problem.runs for t in run.targets if t.column == column
+    ]
+    least = min(steps, default=np.inf)
+    return float(least / np.sqrt(12)) if np.isfinite(least) else 0.0
+
+
+def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
+    """By column: the rms residual, and the rms of the column's changes within a recording."""
+    r = problem.residuals(u[None])[0]
+    left: dict[str, list[Array]] = {}
+    size: dict[str, list[Array]] = {}
+    for k, run in enumerate(problem.runs):
+        at = int(problem.first[k])
+        for target in run.targets:
+            left.setdefault(target.column, []).append(r[at : at + len(target.t)] * problem.noise[target.column])
+            size.setdefault(target.column, []).append(target.x - target.x.mean())
+            at += len(target.t)
+    rms: Callable[[list[Array]], float] = lambda parts: float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))  # noqa: E731
+    return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
+
+
+def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
+    """The columns whose residual exceeds their noise and the effect of input errors, in words.
+
+    Empty if several starts agree on the minimum; otherwise there may be a better one.
+    """
+    if agreeing >= _AGREEING:
+        return []
+    least = {column: noise_of(problem, column) for column in problem.noise}
+    more = {
+        n: left for n, (left, _) in leftovers(problem, u).items() if least[n] > 0 and not left <= _DOUBTED * least[n]
+    }
+    if more and np.isfinite(list(more.values())).all():  # nan: the simulation fails there
+        least = {n: float(np.hypot(least[n], x)) for n, x in carried(problem, u).items()}
+    return [
+        f"{n}: {left:.2g} is left, {left / least[n]:.3g} times the noise of what is measured"
+        for n, left in more.items() if not left <= _DOUBTED * least[n]
+    ]  # fmt: skip

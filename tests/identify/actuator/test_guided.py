@@ -1,0 +1,63 @@
+"""A guide keeps the simulation at the measured motion, however wrong the friction is."""
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario
+from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator.guided import Guides
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+from stribeck.identify.actuator.residuals import leftovers
+from stribeck.identify.actuator.starts import prepared
+from tests.identify.actuator.recorded import NOISE, body
+from tests.machine.independent import solve
+
+F_C, F_S, MASS = "contacts.guide.law.parameters.F_c", "contacts.guide.law.parameters.F_s", "bodies.a.mass"
+
+
+@pytest.fixture(scope="module")
+def recording():
+    data = body(amplitude=5.0, t_end=4.0)
+    t, x = 0.01 * np.arange(401), solve(data, rtol=1e-9)["a.y"]
+    noisy = x + NOISE * np.random.default_rng(0).standard_normal(len(x))
+    return Recording("run", t, {"a.y": Channel("y", t, noisy)})
+
+
+def left(scenario, recordings):
+    """The residual of the measured position, of its changes."""
+    runs, starts = prepared(scenario, recordings, set())
+    problem = MachineProblem(runs, starts, {"a.y": NOISE})
+    rms, size = leftovers(problem, problem.start())["a.y"]
+    return rms / size
+
+
+def test_a_stiffer_guide_follows_closer(recording):
+    wrong = Scenario(body(amplitude=5.0, t_end=4.0, F_c=3.0, F_s=3.5))
+    guides = Guides(wrong, [(0, recording)])
+    assert left(wrong, [(0, recording)]) > 0.3
+    errors = [left(*guides.with_guide(level)) for level in range(1, len(guides.bandwidths))]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 0.02
+
+
+def test_the_bandwidths_reach_from_the_motion_to_the_sampling(recording):
+    guides = Guides(Scenario(body(t_end=4.0)), [(0, recording)])
+    assert guides.bandwidths[0] == 0.0
+    assert guides.bandwidths == sorted(guides.bandwidths)
+    assert 100.0 / 3 < guides.bandwidths[-1] <= 100.0
+
+
+def test_one_start_far_away_suffices(recording):
+    truth = {F_C: 1.0, F_S: 1.3, MASS: 1.0}
+    sought = tuple(Sought(name, 0.05, 50.0) for name in truth)
+    found = fit_machine(
+        body(t_end=4.0, amplitude=5.0, mass=8.0, F_c=5.0, F_s=6.0),
+        Logs((recording,), sought),
+        starts=1,
+        baselines=False,
+    )
+    for name, x in truth.items():
+        e = found.estimates[name]
+        assert e.state == "identified", found.notes
+        assert e.low < x < e.high
