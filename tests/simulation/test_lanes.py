@@ -16,6 +16,7 @@ from stribeck import Scenario, simulate
 from stribeck.codegen import source
 from stribeck.errors import BuildError
 from stribeck.simulation import cache, compiler, lanes
+from stribeck.simulation.promise import Tolerances
 from stribeck.simulation.variations import Variations
 from tests.simulation.rig import needs_compiler, rig, spring
 
@@ -67,6 +68,21 @@ def test_functions_at_the_ends():
     assert np.array_equal(evaluated("stribeck_exp", ends)[:5], [1, 1, 0, 0, 0])
     np.testing.assert_allclose(evaluated("stribeck_atan", ends), np.arctan(ends), rtol=4e-16)
     assert np.all(np.isnan(evaluated("stribeck_atan", np.array([np.nan]))))
+
+
+def test_a_lane_without_a_trajectory_costs_no_more_than_one_with():
+    scenario, loaded = Scenario({**DATA, "output": {"step": 2e-4}}), library()
+
+    def seconds(count):
+        variations = Variations(scenario, {"law.k_v": np.full(count, 1e7)})
+        tolerances, taken = Tolerances(variations.atol(), rows_are_steps=True), []
+        for _ in range(3):
+            start = time.process_time()
+            lanes.once(loaded, variations, 1, tolerances=tolerances)
+            taken.append(time.process_time() - start)
+        return min(taken)
+
+    assert seconds(1) < 2 * seconds(loaded.stribeck_lanes())  # 90 times, if each row is looked for from the first on
 
 
 @pytest.mark.share(2)

@@ -198,9 +198,10 @@ class _Remedy:
         quiet = np.array([j.quiet for j in judge(self.loop, self.lanes(shares, which), most_steps=self.most_steps)])
         return quiet.reshape(len(shares), len(which))
 
-    def errors(self, controller: str, share: float | None, which: NDArray[np.int64]) -> Array:
-        """The errors after reversals with these samples."""
-        return reversal_errors(self.loop, controller, self.lanes(np.array([share or 0.0]), which))
+    def errors(self, controller: str, shares: Array, which: NDArray[np.int64]) -> Array:
+        """The largest error after reversals of each share, with the worst of these samples."""
+        errors = reversal_errors(self.loop, controller, self.lanes(shares, which))
+        return np.asarray(np.nanmax(errors.reshape(len(shares), len(which)), axis=1))
 
     def holds(self, share: float) -> bool:
         """Whether a share is quiet with every sample; the first samples that are not are added to the worst."""
@@ -233,7 +234,7 @@ def _result(remedy: _Remedy, controller: str, kind: str, share: float, largest: 
     given = {} if remedy.path is None else {remedy.path: np.array([remedy.unit * share])}
     sine = on_a_sine(remedy.loop, controller, given)
     nominal = float(sine.errors["reversal"] or 0.0) if "failed_at" not in sine.errors else np.nan
-    worst = float(np.nanmax(remedy.errors(controller, share, np.arange(len(remedy.without)))))
+    worst = float(remedy.errors(controller, np.array([share]), np.arange(len(remedy.without)))[0])
     table = remedy.loop.scenario.data["controllers"][controller].get("compensation")
     table = {**deepcopy(table), "share": share} if table else None
     return CompensationResult(kind, share, largest, nominal, worst, remedy.loop, sine, table=table)
@@ -260,8 +261,7 @@ def _dithered(
     while first and quiet[first - 1]:
         first -= 1
     shares = _AMPLITUDES[first : last + 1]
-    errors = [float(np.nanmax(remedy.errors(controller, float(share), worst))) for share in shares]
-    share = float(shares[int(np.argmin(errors))])
+    share = float(shares[int(np.argmin(remedy.errors(controller, shares, worst)))])
     if not remedy.holds(share):
         share = float(_AMPLITUDES[last])
     result = _result(remedy, controller, "dither", share, float(_AMPLITUDES[last]) if quiet.any() else None)

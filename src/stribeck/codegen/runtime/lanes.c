@@ -103,7 +103,7 @@ static void find_stop(const Batch *b, Lanes *l, int lane)
         stop = next < stop ? next : stop;
     }
 #endif
-    if (b->rows_are_steps) {
+    if (b->rows_are_steps && l->index[lane] >= 0) {
         int64_t r = l->row[lane];
         while ((double)r * b->step <= l->t[lane] * (1 + SAME_TIME)) r++;
         if (r < b->rows && (double)r * b->step < stop) stop = (double)r * b->step;
