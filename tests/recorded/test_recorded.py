@@ -200,6 +200,26 @@ def test_a_link_that_leads_to_no_column_of_the_file_is_refused(tmp_path, way, re
     assert read_columns(path, {"time": "time"})["time"].tolist() == T.tolist()
 
 
+@pytest.mark.parametrize(
+    "cell",
+    ["1e3", "+1", "-.5", "5.", "inf", "NaN", "NAN", "null", "#N/A", "n/a", "", " 2 ", "1_000", "\u0663", "1\xa0", "0x10",
+     "1d0", "1,5", "1.234,5", "  "],
+)  # fmt: skip
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_a_cell_is_the_same_number_without_pyarrow(tmp_path, monkeypatch, cell, decimal):
+    pytest.importorskip("pyarrow")
+    path = tmp_path / "a.csv"
+    path.write_text(f"time;force\n0;0{decimal}5\n1;1{decimal}5\n2;{cell}\n3;2{decimal}5\n", encoding="utf-8")
+    found = []
+    for _ in range(2):
+        try:
+            found.append(repr(read_columns(path, {"force": "force"})["force"].tolist()))
+        except InputError as error:
+            found.append(str(error).partition(", not numbers")[2])
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    assert found[0] == found[1]
+
+
 @pytest.mark.parametrize("cell", ["1,004", "1.004", "-12,345"])
 def test_a_number_that_may_be_thousands_is_asked_about(tmp_path, cell):
     path = tmp_path / "a.csv"

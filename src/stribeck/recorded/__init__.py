@@ -19,7 +19,16 @@ from numpy.typing import NDArray
 from stribeck import platforms
 from stribeck.arrays import Array, of_arrow
 from stribeck.errors import InputError, StribeckError, arg, nearest, needed, note
-from stribeck.recorded.layout import commas_twice, encoding_of, is_units, may_be_thousands, table_begins, thousands
+from stribeck.recorded.layout import (
+    MISSING,
+    commas_twice,
+    encoding_of,
+    is_units,
+    may_be_thousands,
+    number,
+    table_begins,
+    thousands,
+)
 
 Numbers = NDArray[Any]  # of any type
 
@@ -232,18 +241,17 @@ class CsvSource(Source):
         indices = {name: self.names.index(name) for name in include}
         columns: dict[str, list[float]] = {name: [] for name in include}
         with self.file.open("r", encoding=self.encoding, newline="") as file:
-            for number, cells in enumerate(csv.reader(file, delimiter=self.separator), start=1):
-                if number <= self.rows_from or not cells:
+            for row, cells in enumerate(csv.reader(file, delimiter=self.separator), start=1):
+                if row <= self.rows_from or not cells:
                     continue
                 if len(cells) != len(self.names):
-                    text = f"row {number} has {len(cells)} cells, not {len(self.names)}"
+                    text = f"row {row} has {len(cells)} cells, not {len(self.names)}"
                     raise InputError(f"{arg('data')}: '{self.path}': cannot be read: {text}")
                 for name, i in indices.items():
-                    cell = cells[i].strip()
                     try:
-                        columns[name].append(float((cell.replace(",", ".") if self.decimal == "," else cell) or "nan"))
+                        columns[name].append(number(cells[i], self.decimal))
                     except ValueError:
-                        raise InputError(self._text(name, f"'{cell}'", wanted, str(number))) from None
+                        raise InputError(self._text(name, f"'{cells[i].strip()}'", wanted, str(row))) from None
         return {name: np.array(values) for name, values in columns.items()}
 
     def _by_arrow(self, include: list[str], wanted: dict[str, str]) -> dict[str, Array]:
@@ -255,6 +263,7 @@ class CsvSource(Source):
             include_columns=include,
             column_types=dict.fromkeys(include, pyarrow.float64()),
             decimal_point=self.decimal,
+            null_values=MISSING,
         )
         try:
             reader = arrow_csv.open_csv(

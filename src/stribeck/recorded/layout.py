@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +11,11 @@ import numpy as np
 
 from stribeck.arrays import Array
 
+MISSING = (  # cells without a number, as pyarrow reads them by default; spreadsheets and instruments write them
+    "", "#N/A", "#N/A N/A", "#NA", "-1.#IND", "-1.#QNAN", "-NaN", "-nan", "1.#IND", "1.#QNAN", "N/A", "NA", "NULL", "NaN",
+    "n/a", "nan", "null",
+)  # fmt: skip
+_NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|inf|infinity|nan)", re.ASCII | re.IGNORECASE)
 _LONGEST_PREAMBLE = 200  # lines before the head of a text file: settings of instruments have at most some dozens
 
 
@@ -24,6 +30,21 @@ def encoding_of(path: Path) -> str:
     except UnicodeDecodeError as error:
         return "utf-8-sig" if error.start > len(start) - 4 else "latin-1"
     return "utf-8-sig"
+
+
+def number(cell: str, decimal: str) -> float:
+    """The number of a cell, nan if it is missing: what pyarrow reads, and not all that Python's float does (1_000).
+
+    Raises:
+        ValueError: the cell holds something else.
+    """
+    if cell in MISSING:
+        return math.nan
+    text = cell.strip(" \t")
+    text = text.translate({ord(","): ".", ord("."): ","}) if decimal == "," else text
+    if not _NUMBER.fullmatch(text):
+        raise ValueError(cell)
+    return float(text)
 
 
 def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
