@@ -66,8 +66,8 @@ windows:
 # the tests with the oldest releases that pyproject.toml allows, which Python 3.11 can install
 floors:
 	python3.11 -m venv build/floors
-	build/floors/bin/python -m pip install --quiet --disable-pip-version-check -e '.[all]' pytest pytest-xdist hypothesis jsonschema -c tools/floors.txt
-	build/floors/bin/python -m pytest -n auto --dist worksteal -m "not thorough"
+	build/floors/bin/python -m pip install --quiet --disable-pip-version-check -e '.[all]' pytest pytest-xdist hypothesis jsonschema ruff -c tools/floors.txt
+	build/floors/bin/python -m pytest -n auto --dist worksteal -m "not thorough" -o filterwarnings=default
 
 # the sdist and the wheel, checked as a package index would
 dist: setup

@@ -209,7 +209,7 @@ def prove(claim: Claim, law: Law, closed: bool = False) -> None:
 
 
 def _shown(region: Region) -> str:
-    ends = {n: [None if x is None else float(x) for x in r] for n, r in region.axes.items()}
+    ends = {n: [None if x is None else intervals.nearest(x) for x in r] for n, r in region.axes.items()}
     return ", ".join(f"{n} in {x}" for n, x in ends.items())
 
 

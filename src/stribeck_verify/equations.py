@@ -132,12 +132,8 @@ def compare_bound(law: Mapping[str, Json], Z: fmpq) -> None:
     """
     lo, hi = intervals.evaluate(to_node(law["Z"], law["constants"]), {})
     if lo is None or hi is None or not (lo == hi == Z or (lo < hi and _near(lo, Z) and _near(hi, Z))):
-        raise Refused(f"Z is {_float(Z)!r}, the law's is {None if lo is None else _float(lo)!r}")
+        raise Refused(f"Z is {intervals.nearest(Z)!r}, the law's is {None if lo is None else intervals.nearest(lo)!r}")
 
 
 def _near(own: fmpq, Z: fmpq) -> bool:
     return bool(abs(Z - own) <= own * _ROUNDING)
-
-
-def _float(x: fmpq) -> float:
-    return int(x.p) / int(x.q)

@@ -21,6 +21,11 @@ def point(x: fmpq | int) -> Range:
     return fmpq(x), fmpq(x)
 
 
+def nearest(x: fmpq) -> float:
+    """The nearest double, for messages; fractions of python-flint before 0.9 have no float()."""
+    return int(x.p) / int(x.q)
+
+
 def _rounded(x: fmpq, up: bool) -> fmpq:
     p, q = int(x.p), int(x.q)
     if p.bit_length() + q.bit_length() < _LARGE:
