@@ -179,6 +179,14 @@ def test_a_link_within_the_file_is_followed(tmp_path, way):
     assert read_columns(mat73(tmp_path / "a.mat", fill), WANTED)["position"].tolist() == (T**2).tolist()
 
 
+def test_a_name_that_is_no_text_hides_no_other_column(tmp_path):
+    def fill(h5py, file):
+        file["position"] = T**2
+        file.id.links.create_soft(b"\xff", b"\xff/x")
+
+    assert read_columns(mat73(tmp_path / "a.mat", fill), WANTED)["position"].tolist() == (T**2).tolist()
+
+
 @pytest.mark.parametrize(
     ("way", "reason"),
     [

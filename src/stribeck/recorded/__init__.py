@@ -400,6 +400,8 @@ def _hdf5(path: Path) -> dict[str, Later]:
     variables = {}
     with h5py.File(path) as file:
         for name in file:
+            if not isinstance(name, str):  # bytes that are no text, which nobody can name
+                continue
             x, refused = found(file, name)
             if refused:
                 variables[name] = Later((2,), "f", partial(read, name), refused)
