@@ -94,6 +94,13 @@ def default_tolerance(d: Any) -> Rows:
     ]
 
 
+def promise(d: Any) -> Rows:
+    """The counts of promise.json, and the largest errors of the sets that kept the promise."""
+    worst = ", ".join(f"{name} {x:.1e}" for name, x in d["worst_kept"].items())
+    rows: list[list[object]] = [[what, count] for what, count in d["counts"].items()]
+    return ["random sets", "count"], [*rows, [f"largest errors of those kept: {worst}", ""]]
+
+
 def majorants(d: Any) -> Rows:
     """The table of majorants.json."""
     laws = list(next(iter(d["results"].values())))
@@ -203,7 +210,8 @@ def explorer(d: Any) -> Rows:
 
 TABLES: dict[str, Callable[[Any], Rows]] = {
     "single": single, "ensemble": ensemble, "machines": machines, "chains": chains, "startup": startup,
-    "backends": backends, "sampled": sampled, "default_tolerance": default_tolerance, "majorants": majorants,
+    "backends": backends, "sampled": sampled, "default_tolerance": default_tolerance, "promise": promise,
+    "majorants": majorants,
     "discretisation": discretisation, "in_mujoco": in_mujoco, "arm_instructions": arm_instructions,
     "controller_instructions": controller_instructions, "learning": learning, "learning_gpu": learning_gpu,
     "design_attack": design_attack, "verdicts": verdicts, "explorer": explorer, "coverage": coverage,
