@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, arg, nearest
-from stribeck.identify.actuator import lerobot
 from stribeck.identify.actuator.bridges import Bridged, bridged
-from stribeck.identify.actuator.readers import opened_log, time_of
 from stribeck.identify.data.quality import LARGEST, impossible, wild
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
+from stribeck.recorded.logs import opened_log, time_of
 from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
 _UNITS = LENGTH | ANGLE | SPEED | ACCELERATION | FORCE | PRESSURE | DRIVE
@@ -281,13 +280,24 @@ def _column(given: object, where: str, units: Mapping[str, float], problems: lis
     return Named(given["column"], factor, noise, told, time, held is True)
 
 
+def _episode(given: object, where: str) -> int:
+    """The number of an episode from LOGS.toml.
+
+    Raises:
+        InputError: the value is not an episode's number.
+    """
+    if isinstance(given, int) and not isinstance(given, bool) and given >= 0:
+        return given
+    raise InputError(f"{where}.episode: {show(given)}: must be a whole number >= 0")
+
+
 def _source(entry: Mapping[str, Any], where: str, folder: Path) -> Source:
     """The file, open.
 
     Raises:
         InputError: it cannot be read.
     """
-    episode = lerobot.episode_of(entry["episode"], where) if "episode" in entry else None
+    episode = _episode(entry["episode"], where) if "episode" in entry else None
     try:
         return opened_log(folder / entry["file"], episode)
     except InputError as error:

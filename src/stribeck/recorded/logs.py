@@ -8,8 +8,7 @@ import numpy as np
 
 from stribeck.errors import InputError
 from stribeck.files import json_of
-from stribeck.identify.actuator import bags, lerobot
-from stribeck.recorded import Source, opened
+from stribeck.recorded import Source, bags, lerobot, opened
 
 
 def opened_log(path: Path, episode: int | None = None) -> Source:

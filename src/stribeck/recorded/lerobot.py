@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.constants import show
 from stribeck.errors import InputError, needed
 from stribeck.files import json_of
 from stribeck.recorded import Source
@@ -75,14 +74,3 @@ def _ends(feature: Mapping[str, object], count: int) -> list[str]:
     if isinstance(names, list) and len(names) == count and len(set(map(str, names))) == count:
         return [f".{name}" for name in names]
     return [f"[{i}]" for i in range(count)]
-
-
-def episode_of(given: object, where: str) -> int:
-    """The number of an episode from LOGS.toml.
-
-    Raises:
-        InputError: the value is not an episode's number.
-    """
-    if isinstance(given, int) and not isinstance(given, bool) and given >= 0:
-        return given
-    raise InputError(f"{where}.episode: {show(given)}: must be a whole number >= 0")
