@@ -57,6 +57,26 @@ def test_the_record_of_the_fit_is_no_test(stribeck, fitted):
     assert note not in stribeck("predict", record(fitted / "other.csv", 0.5, 1.3, 1), "--fit", fitted / "out").out
 
 
+def test_a_friction_that_is_all_by_load_predicts(stribeck, tmp_path):
+    """F_c comes out below 0, and so F_s = F_c = 1.5e-8 N in the fit: prediction ended with KeyError 'F_c'."""
+    rng = np.random.default_rng(0)
+    t = np.arange(0, 8, 2e-3)
+    v = 0.1 * np.sin(2 * np.pi * 0.37 * t) + 0.05 * np.sin(2 * np.pi * 0.91 * t + 1)
+    load = 40 + 30 * np.sin(2 * np.pi * 0.23 * t)
+    force = 2 * np.gradient(v, 2e-3) + 0.2 * load * np.sign(v) - 0.5 * np.sign(v) + 0.1 * rng.standard_normal(len(t))
+    rows = (",".join(map(repr, row)) for row in zip(*(x.tolist() for x in (t, v, force, load)), strict=True))
+    (tmp_path / "log.csv").write_text("t,v,F,N\n" + "\n".join(rows))
+    told = stribeck(
+        "fit", tmp_path / "log.csv", "--law", "stribeck", *COLUMNS, "--load", "N", "--out", tmp_path / "out"
+    )
+    assert told.status == 0, told.err
+    used = json.loads((tmp_path / "out" / "fit.json").read_text())["values"]
+    assert 0 < used["F_c"] == used["F_s"] < 1e-7
+    found = stribeck("predict", tmp_path / "log.csv", "--fit", tmp_path / "out", "--json")
+    assert found.status == 0, found.err
+    assert json.loads(found.out)["relative_force_error"] < 0.05
+
+
 def test_rows_beyond_what_was_fitted_are_told(stribeck, fitted, tmp_path):
     """A fit of a curve up to 0.15 m/s says nothing of 0.3 m/s but by its form, and nobody was told."""
     rows = record(tmp_path / "test.csv").read_text().splitlines()

@@ -1,11 +1,13 @@
 """What is told beside the numbers: clocks that drift, another unit, the files."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.integrate import odeint
 
 from stribeck import Scenario
-from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs
+from stribeck.identify.actuator import Logs, advise, checks, fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.problem import MachineProblem
@@ -108,6 +110,26 @@ def test_a_wrong_constant_that_spoils_another_is_the_one_that_is_named(tmp_path)
     assert all(low < truth[n] < high for n, (low, high) in ranges.items()), ranges
     (note,) = [n for n in told.notes if n.startswith("What is left would fall")]
     assert f"{law}sigma_0 fixed at 3e+04 and rather " in note
+
+
+@pytest.mark.parametrize(("amplitude", "t_end"), [(1.5, 1.0), (5.0, 0.3)])
+def test_the_same_recording_once_more_narrows_an_interval_by_the_root_of_two(tmp_path, amplitude, t_end):
+    """It was to make one 98 times narrower, and another recording 507 times: each start was taken as known."""
+    law, machine = "contacts.guide.law.parameters.", body(amplitude=amplitude, t_end=t_end)
+    truth = {F_C: 1.0, f"{law}F_s": 1.3, f"{law}v_s": 0.02, f"{law}sigma_2": 4.0, MASS: 1.0}
+    record(tmp_path / "a.csv", machine)
+    read = read_logs(logs(tmp_path, ["a.csv"], {n: {"low": x / 5, "high": 5 * x} for n, x in truth.items()}))
+    runs, starts = prepared(Scenario(machine), [(0, read.recordings[0])], set(truth))
+    sought = coordinates(Scenario(machine), read)
+    problem = MachineProblem(runs, [*sought, *starts], {"a.y": NOISE})
+    u = np.array([*(c.inner(truth[c.name]) for c in sought), *problem.start()[len(sought) :]])
+    J = problem.slopes(u[None], np.full(len(u), 2e-3))[1][0]
+    advised = advise.experiments(BestPoint(problem, u, Found(u, 0.0), [], False), J, list(range(len(sought))))
+    for text in advised.values():
+        *gains, repeated = (float(x) for x in re.findall(r"(\S+) times(?:\)|$)", text))
+        assert repeated == 1.4, text
+        assert all(1.4 < x <= 10 for x in gains), text
+    assert any("(its deviation would fall more than 10 times)" in text for text in advised.values())
 
 
 def test_the_shorter_of_two_recordings_is_told(tmp_path):

@@ -19,6 +19,7 @@ from stribeck.identify.actuator.problem import STEP, MachineProblem
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 
 _BETTER = 1.3  # times narrower interval than from a repeated recording: a smaller gain is not worth an experiment
+_LINEAR = 10.0  # times: an interval that shrinks by more spanned most of what was searched
 _MOST = 28  # simulated candidates
 _NOISE = 0.01  # of a column's changes: assumed noise of a sensor that is not installed yet
 _LOADS = ("mass", "inertia", "amplitude")
@@ -29,12 +30,13 @@ def experiments(best: BestPoint, J: Array, open_: list[int]) -> dict[int, str]:
     if not open_:
         return {}
     problem = best.problem
-    shared = [i for i, c in enumerate(problem.sought) if c.log is None and not c.nuisance]
+    longest = max(range(len(problem.runs)), key=lambda k: problem.runs[k].scenario.end)
+    run, own = problem.runs[longest], np.flatnonzero(problem.concerns[longest]).tolist()
+    shared = [i for i in own if problem.sought[i].log is None and not problem.sought[i].nuisance]
     base = J.T @ J
-    run = max(problem.runs, key=lambda each: each.scenario.end)
     tried: list[tuple[str, Array]] = []
     for words, other in [("", run), *candidates(best, run)]:
-        found = _information(best, other, shared)
+        found = _information(best, other, shared, [i for i in own if i not in shared])
         if found is not None:
             tried.append((words, found))
     if not tried or tried[0][0]:
@@ -49,13 +51,18 @@ def experiments(best: BestPoint, J: Array, open_: list[int]) -> dict[int, str]:
         repeated = before[k] / again[k]
         good = sorted((g, w) for g, w in gains if g > _BETTER * repeated)[::-1][:2]
         if good:
-            text = "; or ".join(f"{w} (its deviation would fall {g:.3g} times)" for g, w in good)
-            told[k] = f"record {run.name} again {text}; the same recording once more would make it {repeated:.2g} times"
+            text = "; or ".join(f"{w} (its deviation would fall {_times(g)})" for g, w in good)
+            told[k] = f"record {run.name} again {text}; the same recording once more would make it {_times(repeated)}"
         else:
             told[k] = (
                 "none of the recordings that were tried on paper (other loads, drives, speeds, sensors) would tell it"
             )
     return told
+
+
+def _times(gain: float) -> str:
+    """A gain in words; of a deviation that falls further the old one is too large for its linearization to tell the factor."""
+    return f"{gain:.2g} times" if gain < _LINEAR else f"more than {_LINEAR:g} times"
 
 
 def _deviations(A: Array) -> Array:
@@ -70,11 +77,15 @@ def _added(base: Array, more: Array, at: list[int]) -> Array:
     return found
 
 
-def _information(best: BestPoint, run: RecordedRun, shared: list[int]) -> Array | None:
-    """J^T J of one recording for the shared coordinates; None if the simulation fails."""
+def _information(best: BestPoint, run: RecordedRun, shared: list[int], apart: list[int]) -> Array | None:
+    """J^T J of one recording for the shared coordinates; None if the simulation fails.
+
+    ``apart``: coordinates of the recording alone, which a further one has anew. They are eliminated: with them known, the
+    same recording once more would narrow an interval by more than the root of 2.
+    """
     problem = best.problem
-    sought = [problem.sought[i] for i in shared]
-    u = best.u[shared]
+    sought = [problem.sought[i] for i in (*shared, *apart)]
+    u = best.u[[*shared, *apart]]
     noise = dict(problem.noise)
     for target in run.targets:
         if target.column not in noise:
@@ -94,7 +105,8 @@ def _information(best: BestPoint, run: RecordedRun, shared: list[int]) -> Array 
             rows = rows / (_NOISE * size) if size > 0 else 0 * rows
         found += rows.T @ rows
         at += len(target.t)
-    return found
+    n = len(shared)
+    return np.asarray(found[:n, :n] - found[:n, n:] @ np.linalg.pinv(found[n:, n:], hermitian=True) @ found[n:, :n])
 
 
 def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, RecordedRun]]:
