@@ -25,3 +25,9 @@ def of_arrow(column: pyarrow.Array) -> Array:
         bits = np.unpackbits(np.frombuffer(validity, np.uint8), bitorder="little")
         values[bits[column.offset : column.offset + len(column)] == 0] = np.nan
     return values
+
+
+def distinct(x: Array) -> Array:
+    """Each number once, in order. NumPy's unique imports numpy.ma at its first call: a tenth of a short command's time."""
+    x = np.sort(x)
+    return np.asarray(x[np.concatenate([[True], x[1:] != x[:-1]])])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.arrays import Array
+from stribeck.arrays import Array, distinct
 from stribeck.laws.base import Law
 from stribeck.properties import damped, enclosed, replay
 from stribeck.properties.model import Model
@@ -126,7 +126,7 @@ def best(
 
     ``rising`` and ``falling`` hold the laws on the two ways, which are two where the level differs.
     """
-    z = np.unique(z)
+    z = distinct(z)
     dz, fastest = np.gradient(z), own_speeds(rising.law)[-1]
     ups, f_up, e_up = _that_move(rising, ups, z, 1)
     downs, f_down, e_down = _that_move(falling, downs, z, -1)

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.arrays import Array
+from stribeck.arrays import Array, distinct
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.ops import Value
@@ -163,7 +163,7 @@ def merged(parts: Sequence[Pieces]) -> Pieces:
     """Several signals as one table: a row contains the numbers of all of them, one signal after the other."""
     if len(parts) == 1:
         return parts[0]
-    start = np.unique(np.concatenate([np.zeros(1), *(p.start for p in parts)]))
+    start = distinct(np.concatenate([np.zeros(1), *(p.start for p in parts)]))
     start = start[max(int(np.searchsorted(start, 0.0, side="right")) - 1, 0) :]
     rows, restart = [], np.zeros(len(start), np.int8)
     for part in parts:
