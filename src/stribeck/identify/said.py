@@ -122,7 +122,7 @@ def _correlation(fit: LogFit) -> list[Table]:
 def _quality(fit: LogFit) -> list[Chapter]:
     """The number of notes about the data, for the terminal."""
     count = 0 if fit.log is None else len(fit.log.quality)
-    text = f"{count} {'note' if count == 1 else 'notes'} about the data: on the page"
+    text = f"{count} {'note' if count == 1 else 'notes'} about the data: in report.html"
     return [Chapter("quality", "", facts=[text], on=TERMINAL)] if count else []
 
 

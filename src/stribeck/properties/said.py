@@ -177,7 +177,7 @@ def _steepness(found: Mapping[str, Steepness]) -> Chapter:
             steps = f"stiffness {c.stiffness:.4g} 1/s, explicit steps below {c.largest_step:.4g} s"
             facts.append(f"up to {c.v_max:.4g} {speed}: {steps}{body}")
             bent = f"dF/dv changes by up to {c.force_bend:.4g} {unit('N s/m')} per {speed} there"
-            facts.append(f"|v| is bent within {c.bend:.4g} {speed}; {bent}")
+            facts.append(f"|v| is rounded within {c.bend:.4g} {speed}; {bent}")
     table = Table(["law", "tolerance", "needs k_v", "how it was found"], rows, prose=True, on=PAGE)
     figure = Figure("steepness", "Each error against k_v; grey: tolerated.", lambda: errors_against_k_v(found))
     return Chapter("steepness", "The smallest k_v", tables=[table], figures=[figure], facts=facts)

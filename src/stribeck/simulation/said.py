@@ -63,7 +63,7 @@ def _headline(solution: Solution) -> str:
     if len(slips):
         times = "once, at" if len(slips) == 1 else f"{len(slips)} times, first at"
         return f"slips {times} t = {human(float(slips[0]), 's')}; {moves}"
-    return f"{moves}; |v| never passes v_s"
+    return f"{moves}; |v| never rises through v_s"
 
 
 def _numbers(solution: Solution) -> Table:

@@ -269,13 +269,13 @@ class Block:
         delay = machine.values[sampling, "delay"]
         if delay and "delay" not in carried:
             found.append(
-                f"its output is expected to act {delay:g} s after the sample, as in the file ({sampling}.delay)"
+                f"the controller's output must act {delay:g} s after the sample, as in the file ({sampling}.delay)"
             )
         sensor = [n for n in ("resolution", "noise") if machine.values.get((sampling, n)) and n not in carried]
         if sensor:
             sensor += ["seed"] if "noise" in sensor else []
             names = ", ".join(f"{sampling}.{n}" for n in sensor)
-            found.append(f"{names}: not in it: it takes readings as its host's encoder gives them")
+            found.append(f"{names}: not in the export, because the encoder itself has this effect")
         return found
 
     def refuse(self, target: str, *names: str) -> None:

@@ -154,7 +154,7 @@ def _hanging(found: dict[str, Estimate]) -> list[str]:
         if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
             causes.setdefault(e.depends_on, []).append(name)
     return [
-        f"{', '.join(names)}: the range hangs on {cause}, which the machine may lack."
+        f"{', '.join(names)}: the model range depends on {cause}, which your machine may not have."
         for cause, names in causes.items()
     ]
 
