@@ -164,11 +164,12 @@ def learning(d: Any) -> Rows:
 
 def design_attack(d: Any) -> Rows:
     """Of design_attack.json how many verdicts and factors agree, by kind of machine and of compensation."""
-    kinds: dict[tuple[str, str], list[bool]] = {}
+    kinds: dict[tuple[str, str], list[tuple[bool, bool]]] = {}
     for what in ("verdicts", "factors"):
         for r in d[what]:
-            kinds.setdefault((what, r["kind"]), []).append(r["agrees"])
-    return ["what", "kind", "asked", "agree"], [[*key, len(x), sum(x)] for key, x in kinds.items()]
+            kinds.setdefault((what, r["kind"]), []).append((r["agrees"], r.get("chance", False)))
+    head = ["what", "kind", "asked", "agree", "decided by chance"]
+    return head, [[*key, len(x), *map(sum, zip(*x, strict=True))] for key, x in kinds.items()]
 
 
 def verdicts(d: Any) -> Rows:
