@@ -38,7 +38,7 @@ def test_what_it_does_depends_on_the_start():
     assert [abs(s.off) for s in cycles] == pytest.approx([0.03 * 0.025] * 2)
     assert all(s.judgement.amplitude == pytest.approx(0.816e-3, rel=0.01) for s in cycles)
     assert {j.verdict for j in distinct_judgements(found, own)} == {"quiet", "hunting"}
-    assert f"from 2 of {len(found)} other starts it hunts by " in starts_sentence(found, own, "m")
+    assert f"from 2 of {len(found)} other starts it hunts, ±" in starts_sentence(found, own, "m")
     assert len(distinct_judgements([s for s in found if s.judgement.quiet], own)) == 1
 
 
@@ -46,7 +46,7 @@ def test_a_cycle_without_a_period_is_told_without_one():
     rest, uneven = Judgement("quiet", "a", 0.0, np.nan), Judgement("hunting", "a", 2e-6, np.nan)
     found = [Start("a", 1e-3, 0.0, rest), Start("a", 2e-3, 0.0, uneven)]
     told = starts_sentence(found, rest, "m")
-    assert told == "from 1 of 2 other starts it hunts by 2 µm"
+    assert told == "from 1 of 2 other starts it hunts, ±2 µm"
     assert "nan" not in told
 
 

@@ -31,14 +31,14 @@ def main(arguments: list[str] | None = None) -> NoReturn:
 
 def _status(arguments: list[str] | None) -> int:
     """Run the command; its status, after a line for each problem on standard error."""
-    command = _command(arguments)
+    command, given = _command(arguments), sys.argv[1:] if arguments is None else arguments
     warnings.simplefilter("always", StribeckNote)
     warnings.showwarning = _show  # type: ignore[assignment]
     try:
         from stribeck.cli.app import with_command  # here, as a signal may come while it is read
 
         with naming(lambda name: option(name, command)):
-            result = with_command(command)(args=arguments, prog_name="stribeck", standalone_mode=False)
+            result = with_command(command)(args=given or ["--help"], prog_name="stribeck", standalone_mode=False)
         if result == 130:  # Typer's own word for Ctrl-C
             raise KeyboardInterrupt
         return result if isinstance(result, int) else 0

@@ -25,7 +25,6 @@ F = TypeVar("F", bound=Callable[..., int])
 app = typer.Typer(
     help="Friction models that you can simulate, prove, fit and ship.",
     epilog="Example: stribeck new my_rig; stribeck run my_rig.toml --out first",
-    no_args_is_help=True,
     rich_markup_mode=None,  # plain help: nothing folds within a word
     context_settings={"help_option_names": ["-h", "--help"]},
 )

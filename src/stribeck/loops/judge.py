@@ -37,7 +37,7 @@ _FEW, _GREW = 6, 10.0  # rows of a run that ended early; growth from its first t
 _GROWS = 1.15  # growth from one third to the next, at the end of the longest run
 
 WINDS = "the force that friction holds still changes"
-SHAKEN = "rest is what its dither alone moves it"
+SHAKEN = "at rest it moves only as far as its dither shakes it"
 IRREGULAR = "its swings still differ at the end of the longest run: it may come to rest by chance"
 
 Tell = Callable[[float], None]

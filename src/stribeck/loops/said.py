@@ -89,12 +89,11 @@ def _boundaries(result: Design) -> Chapter:
 
 def along_sentences(line: PathVerdicts) -> list[str]:
     """Boundaries and mixed intervals along one varied path, one sentence each, in order."""
-    varied, missed = line.turned, f"stretches narrower than {100 * line.resolution:.1g} % may be missed"
+    varied, missed = line.turned, f"stretches narrower than {100 * line.resolution:.1g} % of the value may be missed"
     if not line.boundaries and not line.mixed:
         return [f"{line.found[0].verdict} from {varied.path} = {varied.low:g} to {varied.high:g}; {missed}"]
     sentences = [
-        (b.low, f"{b.below} below {b.path} = {b.value:.4g}, {b.above} above (between {b.low:.4g} and {b.high:.4g})")
-        for b in line.boundaries
+        (b.low, f"{b.below} up to {b.path} = {b.low:.6g}, {b.above} from {b.high:.6g}") for b in line.boundaries
     ]
     sentences += [(m.low, f"{m.path} = {mixed_sentence(m)}") for m in line.mixed]
     return [*(text for _, text in sorted(sentences)), missed]
@@ -159,7 +158,7 @@ def _excess(result: Design, unit: str) -> str:
     )
     if e.counterexample is None:
         return f"{text} (steady curves; no run shows it)"
-    return f"{text}; let go there at 5 % more, the body runs up to {human(e.ends, unit + '/s')} by itself (overcompensated.toml)"
+    return f"{text}; released there at 5 % more, the body runs up to {human(e.ends, unit + '/s')} by itself (overcompensated.toml)"
 
 
 def _starts(result: Design) -> Chapter:
@@ -186,7 +185,7 @@ def starts_sentence(starts: Sequence[Start], judgement: Judgement, unit: str) ->
     sentences = []
     for kind in distinct_judgements(list(starts), judgement)[1:]:
         alike = [s for s in starts if len(distinct_judgements([s], kind)) == 1]
-        what = f"hunts by {_cycle(kind, unit)}" if kind.verdict == "hunting" else _DOES[kind.verdict]
+        what = f"hunts, {_cycle(kind, unit)}" if kind.verdict == "hunting" else _DOES[kind.verdict]
         sentences.append(f"from {len(alike)} of {len(starts)} other starts it {what}")
     return "; ".join(sentences) or f"the same from {len(starts)} other starts"
 
@@ -194,12 +193,12 @@ def starts_sentence(starts: Sequence[Start], judgement: Judgement, unit: str) ->
 def _headline(j: Judgement, unit: str) -> str:
     """The verdict in a few words."""
     text = _VERDICTS[j.verdict]
-    return f"{text}, {j.body} by {_cycle(j, unit)}" if j.verdict == "hunting" else text
+    return f"{text}: {j.body} oscillates, {_cycle(j, unit)}" if j.verdict == "hunting" else text
 
 
 def _cycle(j: Judgement, unit: str) -> str:
     """The amplitude of a limit cycle and, if it is regular, its period."""
-    return human(j.amplitude, unit) + (f" every {human(j.period, 's')}" if j.period == j.period else "")
+    return f"±{human(j.amplitude, unit)}" + (f", period {human(j.period, 's')}" if j.period == j.period else "")
 
 
 def position_unit(result: Design) -> str:

@@ -59,7 +59,7 @@ def _headline(solution: Solution) -> str:
     moves = f"{'turns' if solution.scenario.rotary else 'moves'} up to {peak}"
     if len(slips) > _OFTEN:
         period = human(float(np.mean(np.diff(slips[-_LATELY:]))), "s")
-        return f"sticks and slips {len(slips)} times, lately every {period}; {moves}"
+        return f"sticks and slips {len(slips)} times, at last every {period}; {moves}"
     if len(slips):
         times = "once, at" if len(slips) == 1 else f"{len(slips)} times, first at"
         return f"slips {times} t = {human(float(slips[0]), 's')}; {moves}"
