@@ -158,7 +158,8 @@ def _excess(result: Design, unit: str) -> str:
     )
     if e.counterexample is None:
         return f"{text} (steady curves; no run shows it)"
-    return f"{text}; released there at 5 % more, the body runs up to {human(e.ends, unit + '/s')} by itself (overcompensated.toml)"
+    speed = human(e.ends, unit + "/s")
+    return f"{text}; released there at 5 % more, the body runs up to {speed} by itself (overcompensated.toml)"
 
 
 def _starts(result: Design) -> Chapter:
