@@ -32,7 +32,8 @@ def compiler(tmp_path, monkeypatch):
 
 
 @needs_compiler
-def test_a_healthy_installation_passes(stribeck):
+def test_a_healthy_installation_passes(stribeck, monkeypatch):
+    monkeypatch.delenv("STRIBECK_BACKEND", raising=False)
     status, found = told(stribeck)
     assert (status, found["backend"], found["self_test"]["passed"]) == (0, "c", True)
     assert found["self_test"]["deviation"] < 1e-6

@@ -21,6 +21,8 @@ from tests.simulation.rig import needs_compiler
 distributed = pytest.importorskip("distributed")
 pytestmark = [needs_compiler, pytest.mark.filterwarnings("ignore::stribeck.errors.StribeckNote")]
 
+by_c = pytest.mark.skipif(os.environ.get("STRIBECK_BACKEND") == "wasm", reason="leaves out who has no C compiler")
+
 LANES = {"law.k_v": np.geomspace(1e6, 1e8, 24), "plant.mass": np.linspace(1.0, 2.0, 24)}
 
 
@@ -120,6 +122,7 @@ def here(tmp_path_factory):
     return bytes_of(folder)
 
 
+@by_c
 def test_workers_make_the_same_bytes_though_one_is_killed_and_one_has_no_compiler(cluster, here, tmp_path):
     killed = []
 
@@ -174,6 +177,7 @@ def test_a_scheduler_that_is_killed_is_one_line_and_the_sweep_goes_on(here, tmp_
     assert bytes_of(tmp_path / "there") == here
 
 
+@by_c
 def test_no_worker_that_can(tmp_path):
     with cluster_in(tmp_path / "cluster") as made:
         made.worker(STRIBECK_CC="none")
