@@ -7,11 +7,11 @@ import pytest
 
 
 def test_the_backend_asked_for_solves(stribeck, scenario):
-    before = os.environ.get("STRIBECK_BACKEND")
+    before = os.environ.get("STRIBECK_BACKEND", "")
     summary = json.loads(stribeck("run", scenario, "--backend", "wasm", "--json").out)
     assert summary["status"] == "done"
     assert summary["steps"]["backend"] == "wasm"
-    assert os.environ.get("STRIBECK_BACKEND") == before
+    assert os.environ.get("STRIBECK_BACKEND", "") == before
 
 
 def test_a_sweep_by_webassembly_needs_no_compiler(stribeck, scenario, tmp_path, monkeypatch):
