@@ -11,6 +11,7 @@ where the reference takes more than 20 000 steps. At last, what keeping the prom
 from __future__ import annotations
 
 import ctypes
+import re
 import statistics
 import subprocess
 import sys
@@ -122,7 +123,7 @@ def outcome(library: ctypes.CDLL, p: Case) -> tuple[str, dict[str, float]]:
         warnings.simplefilter("always")
         found = stribeck.simulate(scenario_of(p))
     if found.status != "done":
-        return f"failed: {found.reason}", {}
+        return "failed: " + re.sub(r"at t = \S+ s ", "", str(found.reason)), {}
     errors = {}
     for i, (name, most) in enumerate(PROMISED.items()):
         column = 4 if name == "F" else i + 1

@@ -17,10 +17,11 @@ from stribeck.errors import InputError, StribeckNote, naming, one_line
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 or 143 interrupted."""
     taken: list[int] = []
+    given = sys.argv[1:] if arguments is None else arguments
     try:
         taken = listen()
-        make_ready(_command(arguments))
-        status = _status(arguments)
+        make_ready(_command(given))
+        status = _status(given)
         for number in taken:  # all is done and said: Python's own end takes no more stops
             signal.signal(number, signal.SIG_IGN)
     except KeyboardInterrupt:  # before the command begins, or between its end and here
@@ -29,16 +30,16 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     sys.exit(status)
 
 
-def _status(arguments: list[str] | None) -> int:
+def _status(arguments: list[str]) -> int:
     """Run the command; its status, after a line for each problem on standard error."""
-    command, given = _command(arguments), sys.argv[1:] if arguments is None else arguments
+    command = _command(arguments)
     warnings.simplefilter("always", StribeckNote)
     warnings.showwarning = _show  # type: ignore[assignment]
     try:
         from stribeck.cli.app import with_command  # here, as a signal may come while it is read
 
         with naming(lambda name: option(name, command)):
-            result = with_command(command)(args=given or ["--help"], prog_name="stribeck", standalone_mode=False)
+            result = with_command(command)(args=arguments or ["--help"], prog_name="stribeck", standalone_mode=False)
         if result == 130:  # Typer's own word for Ctrl-C
             raise KeyboardInterrupt
         return result if isinstance(result, int) else 0
@@ -64,7 +65,6 @@ def _show(message: Warning | str, category: type[Warning], *rest: object) -> Non
     print(f"stribeck: {text}", file=sys.stderr)
 
 
-def _command(arguments: list[str] | None) -> str:
+def _command(arguments: list[str]) -> str:
     """The command that was given: the first word that is no option."""
-    given = sys.argv[1:] if arguments is None else arguments
-    return next((word for word in given if not word.startswith("-")), "")
+    return next((word for word in arguments if not word.startswith("-")), "")

@@ -1,14 +1,14 @@
-"""Long straight-line code as a row of shorter functions, since a C compiler's time and memory grow faster than a function."""
+"""Splits long straight-line C functions: a compiler's time and memory grow faster than the length of a function."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
 
-# Statements of a function that stays whole (none of the examples has more), and of the parts of a longer one. A chain of 200
-# bodies compiles in 26 s as whole functions, in 11 s with parts of 600 and in 7 s with parts of 100.
+# Statements of the longest function that stays whole (the longest of the examples has 189), and of a part of a longer one. A
+# chain of 200 bodies compiles in 26 s as whole functions, in 11 s with parts of 600 and in 7 s with parts of 100.
 _WHOLE, _PART = 600, 100
-BETWEEN = "between"  # the array of what a part leaves to those after it
+_BETWEEN = "between"  # the array of the values that later parts use
 _DEFINED = re.compile(r"(?:const )?real (\w+) =")
 _WORD = re.compile(r"(?<![\w>.])[A-Za-z_]\w*")
 
@@ -19,8 +19,8 @@ def in_parts(name: str, arguments: str, loads: Sequence[str], lines: Sequence[st
     Args:
         name: of the whole function.
         arguments: its parameters, which each part takes too.
-        loads: definitions of what the arguments hold; each part repeats those that it uses.
-        lines: the statements, of which those that belong together (a loop) are indented or define variables.
+        loads: definitions of local names of the arguments' entries; each part repeats those that it uses.
+        lines: the statements; the lines of a loop begin with its variables' definitions and are indented.
 
     Returns:
         The text of the functions ("" where the statements are few), and the body that replaces the statements.
@@ -35,15 +35,15 @@ def in_parts(name: str, arguments: str, loads: Sequence[str], lines: Sequence[st
         own = {m[1] for line in part if (m := _DEFINED.match(line))}
         later = set().union(*words[i + 1 :])
         body = [line for line in loads if (m := _DEFINED.match(line)) and m[1] in words[i]]
-        body += [f"const real {word} = {BETWEEN}[{k}];" for word, k in places.items() if word in words[i]]
+        body += [f"const real {word} = {_BETWEEN}[{k}];" for word, k in places.items() if word in words[i]]
         body += part
         for word in sorted(own & later):
             places[word] = len(places)
-            body.append(f"{BETWEEN}[{places[word]}] = {word};")
-        text += f"static NOINLINE void {name}_{i + 1}({arguments}, real *{BETWEEN})\n{{\n"
-        text += "".join(f"    {line}\n" for line in [*unused(f"{arguments}, {BETWEEN}", body), *body]) + "}\n\n"
-    given = ", ".join([*argument_names(arguments), BETWEEN])
-    return text, [f"real {BETWEEN}[{max(len(places), 1)}];", *(f"{name}_{i + 1}({given});" for i in range(len(parts)))]
+            body.append(f"{_BETWEEN}[{places[word]}] = {word};")
+        text += f"static NOINLINE void {name}_{i + 1}({arguments}, real *{_BETWEEN})\n{{\n"
+        text += "".join(f"    {line}\n" for line in [*unused(f"{arguments}, {_BETWEEN}", body), *body]) + "}\n\n"
+    given = ", ".join([*argument_names(arguments), _BETWEEN])
+    return text, [f"real {_BETWEEN}[{max(len(places), 1)}];", *(f"{name}_{i + 1}({given});" for i in range(len(parts)))]
 
 
 def _cut(lines: Sequence[str]) -> list[list[str]]:

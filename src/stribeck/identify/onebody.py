@@ -52,10 +52,6 @@ _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
 BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms available in a fit of the motion
 _LAW = "contacts.contact.law"
-_BEFORE = 0.3  # of the computing time of a fit of the motion: the windows' share
-# windows: parts of the time between reversals; least number of rows; number of windows; factor to the longer windows
-_QUARTERS, _SHORTEST, _MANY, _LONGER = 4, 40, 16, 4
-_MOVING = 0.05  # of the largest speed: a slower body is near rest
 _Q95 = float(norm.ppf(0.975))
 
 
@@ -125,11 +121,6 @@ def _fitted(
 def _scenario(model: OneBody, rotary: bool) -> Scenario:
     """The machine with initial values."""
     return Scenario(_tables(model, rotary), folder=Path(), trust=True)
-
-
-def _share(progress: Progress | None, begin: float, end: float) -> Progress | None:
-    """The progress of one part of the work."""
-    return None if progress is None else lambda share: progress(begin + share * (end - begin))
 
 
 def _runs(log: Log) -> list[slice]:

@@ -56,41 +56,43 @@ class MeasuredMotion:
     largest: Array
     states: int
 
-    def _part(self, first: int, forces: int, count: int = 0) -> Array:
-        """Columns behind ``first`` of the states and ``forces`` of the forces: one for each force unless ``count`` is given."""
-        start = first * self.states + forces * ((self.largest.shape[1] - 2 * self.states) // 4)
-        width = count or (self.largest.shape[1] - 2 * self.states) // 4
-        return self.largest[:, start : start + width]
+    def _of_states(self, i: int) -> Array:
+        return self.largest[:, i * self.states : (i + 1) * self.states]
+
+    def _of_forces(self, i: int) -> Array:
+        behind = self.largest[:, 2 * self.states :]
+        forces = behind.shape[1] // 4
+        return behind[:, i * forces : (i + 1) * forces]
 
     @property
     def peaks(self) -> Array:
         """The peaks of the states."""
-        return self._part(0, 0, self.states)
+        return self._of_states(0)
 
     @property
     def dense(self) -> Array:
         """The largest last term of the dense output within a step, in the states."""
-        return self._part(1, 0, self.states)
+        return self._of_states(1)
 
     @property
     def force(self) -> Array:
         """The peaks of the friction forces."""
-        return self._part(2, 0)
+        return self._of_forces(0)
 
     @property
     def step_in_force(self) -> Array:
         """The largest error of a step, in the friction forces."""
-        return self._part(2, 1)
+        return self._of_forces(1)
 
     @property
     def dense_in_force(self) -> Array:
         """The largest last term of the dense output within a step, in the friction forces."""
-        return self._part(2, 2)
+        return self._of_forces(2)
 
     @property
     def terms(self) -> Array:
         """The largest sum of the magnitudes of the friction forces' terms."""
-        return self._part(2, 3)
+        return self._of_forces(3)
 
 
 def measures(scenario: Scenario) -> int:
@@ -124,7 +126,7 @@ class Promise:
     def broken(self, tolerances: Tolerances, measured: MeasuredMotion) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """The states, and the friction forces, whose error may exceed the promise, in each lane."""
         loose = self._promised & (0.1 * self._rtol * measured.peaks < _LEAST_PEAK * tolerances.atol)
-        if loose.any():  # seldom
+        if loose.any():  # seldom: rest is only looked for then
             loose &= ~self._at_rest(tolerances, measured)
         wrong = measured.step_in_force > _STEP_IN_FORCE * self._rtol * measured.force
         if not tolerances.rows_are_steps:

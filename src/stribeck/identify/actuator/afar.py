@@ -89,7 +89,14 @@ class GuidedSearch:
             found = Found(problem.point(first), np.inf)
             if starts > 1:
                 found = search(
-                    problem, starts, seed + level, found.u, self._kept(level), wide=True, steps=_ROUGH, small=_SMALL
+                    problem,
+                    starts,
+                    seed + level,
+                    found.u,
+                    kept(self._problem(level), self.keep),
+                    wide=True,
+                    steps=_ROUGH,
+                    small=_SMALL,
                 )
             yield level, found
         for u in found.others:
@@ -100,7 +107,7 @@ class GuidedSearch:
         values = guided = self._problem(level).values(found.u)
         while not found.stopped:
             problem = self._problem(level)
-            found = search(problem, 1, 0, problem.point(values), self._kept(level), small=_SMALL)
+            found = search(problem, 1, 0, problem.point(values), kept(self._problem(level), self.keep), small=_SMALL)
             values = values | problem.values(found.u)
             if not level:
                 break
@@ -124,9 +131,10 @@ class GuidedSearch:
             self._problems[level] = MachineProblem(runs, sought, dict(self.noise), work=self.work, step=_STEP)
         return self._problems[level]
 
-    def _kept(self, level: int) -> Callable[[Array, float], None] | None:
-        keep, problem = self.keep, self._problem(level)
-        return None if keep is None else lambda u, cost: keep(problem.values(u), cost)
+
+def kept(problem: MachineProblem, keep: Keep | None) -> Callable[[Array, float], None] | None:
+    """What a search calls with each better point: ``keep`` with the point's values by name."""
+    return None if keep is None else lambda u, cost: keep(problem.values(u), cost)
 
 
 def _some(recordings: Sequence[tuple[int, Recording]]) -> list[tuple[int, Recording]]:

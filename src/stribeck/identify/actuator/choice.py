@@ -15,6 +15,7 @@ from stribeck.errors import InputError, StribeckError, arg, first_line, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.recordings import Recording
+from stribeck.identify.actuator.residuals import leftovers
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
 from stribeck.identify.actuator.traces import traces
 from stribeck.laws.base import PARAMETERS, Law
@@ -237,8 +238,6 @@ def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> Chosen | None:
 
 def _no_worse(best: BestPoint, other: BestPoint) -> bool:
     """Whether ``other`` describes the fitted recordings as well as ``best``."""
-    from stribeck.identify.actuator.residuals import leftovers
-
     with_, without = leftovers(best.problem, best.u), leftovers(other.problem, other.u)
     return all(without[c][0] < (1 + _EARNS) * with_[c][0] for c in with_ if c in without)
 

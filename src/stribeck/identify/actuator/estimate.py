@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.afar import GuidedSearch, Keep
+from stribeck.identify.actuator.afar import GuidedSearch, Keep, kept
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
@@ -123,7 +123,7 @@ def estimate(
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
     found = Found(problem.point(near.values), near.cost, near.agreeing, near.stopped)
     if not found.stopped:
-        found = replace(search(problem, 1, seed, found.u, _kept(problem, keep)), agreeing=near.agreeing)
+        found = replace(search(problem, 1, seed, found.u, kept(problem, keep)), agreeing=near.agreeing)
     whole = BestPoint(problem, found.u, found, notes, asked)
     if found.stopped or remembers(scenario, recordings):
         return _weighted(whole, given, keep)
@@ -137,7 +137,7 @@ def estimate(
 def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
     """The fit with stretches tied to each other, if it describes the recordings as well."""
     problem = replace(parts.problem, noise=dict(parts.problem.noise))
-    found = joined_stretches(problem, parts.u, _kept(problem, keep), lambda p, u: _weigh(p, u, given))
+    found = joined_stretches(problem, parts.u, kept(problem, keep), lambda p, u: _weigh(p, u, given))
     if found is None:
         return parts
     tied = BestPoint(found[0], found[1].u, replace(found[1], agreeing=parts.found.agreeing), [*parts.notes], True)
@@ -163,7 +163,7 @@ def _in_stretches(
     window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
     runs, own = prepared(scenario, recordings, named, window)
     problem = MachineProblem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
-    found = search(problem, 1, 0, problem.point(begin), _kept(problem, keep))
+    found = search(problem, 1, 0, problem.point(begin), kept(problem, keep))
     parts = BestPoint(problem, found.u, found, whole.notes, True)
     left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
     least = 1 / _AS_WELL if grows else _MUCH  # whole recordings may be the only information on unmeasured states
@@ -187,7 +187,7 @@ def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPo
         _weigh(problem, estimate.u, given)
         if all(abs(np.log(problem.noise[c] / old[c])) < _SETTLED for c in old):
             break
-        found = search(problem, 1, 0, estimate.u, _kept(problem, keep))
+        found = search(problem, 1, 0, estimate.u, kept(problem, keep))
         estimate.u, estimate.found = found.u, replace(found, agreeing=estimate.found.agreeing)
     else:
         _weigh(problem, estimate.u, given)  # the last search may have reduced the residual
@@ -201,7 +201,3 @@ def _weigh(problem: MachineProblem, u: Array, given: set[str]) -> None:
         told = left * np.sqrt(min(share, 2.0))
         if np.isfinite(told) and not (column in given and told < 1.5 * problem.noise[column]):
             problem.noise[column] = max(float(told), floor_of(problem, column), 1e-12)
-
-
-def _kept(problem: MachineProblem, keep: Keep | None) -> Callable[[Array, float], None] | None:
-    return None if keep is None else lambda u, value: keep(problem.values(u), value)

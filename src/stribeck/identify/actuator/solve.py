@@ -169,18 +169,15 @@ def direction(r: Array, J: Array, u: Array, problem: MachineProblem, damping: fl
     A, g = J.T @ J, J.T @ r
     room = 1e-9 * (problem.high - problem.low)
     free = ~(((u <= problem.low + room) & (g > 0)) | ((u >= problem.high - room) & (g < 0)))
-    step = np.zeros(len(u))
     while free.any():
         inner = A[np.ix_(free, free)]
         scale = np.sqrt(np.maximum(np.diag(inner), 1e-12 * max(float(np.diag(inner).max()), 1e-300)))
         inner = inner / np.outer(scale, scale) + damping * np.eye(int(free.sum()))
-        step[:] = 0.0
+        step = np.zeros(len(u))
         step[free] = -np.linalg.lstsq(inner, g[free] / scale, rcond=1e-14)[0] / scale
-        # a step cut at a bound is no descent where parameters make up for each other: the others are solved for anew
+        # a step that is cut at a bound need not descend where parameters compensate each other: solve for the others anew
         out = ((u <= problem.low + room) & (step < 0)) | ((u >= problem.high - room) & (step > 0))
         if not out.any():
-            break
+            return step
         free &= ~out
-    else:
-        step[:] = 0.0
-    return step
+    return np.zeros(len(u))
