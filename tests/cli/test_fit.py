@@ -210,6 +210,8 @@ def test_the_report_says_whether_the_fitted_law_is_passive(stribeck, tmp_path):
     assert found.status == 0, found.err
     law = package.law("lugre_majorant", parameters=str(tmp_path / "parameters.toml"))
     assert law.choices["smooth_abs"] == "sqrt"
+    fit = package.Fit.load(tmp_path)
+    assert fit.predict(tmp_path / "log.npz").force_error == pytest.approx(fit.relative_force_error, rel=1e-3)
     assert package.check(law)["passive"].holds is False  # sigma_1 (F_s - F_c)/F_c is far above sigma_2
     (row,) = (row for table in Page(tmp_path / "report.html").tables for row in table if row[0] == "passive")
     assert "no" in row

@@ -43,11 +43,16 @@ def test_a_fit_predicts_another_record(stribeck, fitted, tmp_path):
     assert data["constant_error"] > 5 * data["relative_force_error"]
     page = Page(tmp_path / "page" / "prediction.html")
     assert (page.headings, page.pictures) == (["1. Errors", "2. Measured and predicted"], 2)
-    shown = page.rows(["of", "error"])
-    assert shown["error of the force, every row in motion"] == [f"{100 * data['relative_force_error']:.3f} %"]
-    assert shown["error of a constant force"] == [f"{100 * data['constant_error']:.3f} %"]
-    told = stribeck("predict", test, "--fit", fitted / "out").out
-    assert "error against friction alone" in told
+    shown = {(record, of): x for table in page.tables for record, of, x in table if record != "record"}
+    assert shown["this one", "force, rows in motion"] == f"{100 * data['relative_force_error']:.3g} %"
+    assert shown["this one", "constant force, rows in motion"] == f"{100 * data['constant_error']:.3g} %"
+    assert (
+        shown["the fit's", "force, rows in motion, held out"] == f"{100 * data['fit']['cross_validated_error']:.3g} %"
+    )
+    printed = stribeck("predict", test, "--fit", fitted / "out").out
+    assert printed.startswith(
+        f"test.csv: coulomb_viscous, relative residual {100 * data['relative_force_error']:.3g} % ("
+    )
 
 
 def test_the_record_of_the_fit_is_no_test(stribeck, fitted):
@@ -85,7 +90,7 @@ def test_rows_beyond_what_was_fitted_are_told(stribeck, fitted, tmp_path):
     told = stribeck("predict", tmp_path / "fast.csv", "--fit", fitted / "out").out
     assert "lie beyond what was fitted: velocity from -0.28" in told
     assert "seen from -0.143 to 0.15." in told
-    assert "error of the force, beyond what was fitted" in told
+    assert "force, rows beyond what was fitted" in told
     assert "beyond what was fitted" not in stribeck("predict", tmp_path / "test.csv", "--fit", fitted / "out").out
 
 

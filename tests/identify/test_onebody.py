@@ -6,7 +6,7 @@ import pytest
 import stribeck
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
-from stribeck.identify.onebody import fit_simulated, parts
+from stribeck.identify.onebody import fit_simulated, initial_deflections, parts
 from stribeck.identify.options import FitOptions
 from stribeck.identify.synthetic import Slider
 from tests.identify import rig
@@ -105,6 +105,21 @@ def test_runs_begin_with_bristles_of_their_own(full):
     fit = fitted(both, mass=0.0)
     assert not any("initial" in name for name in fit.parameters)
     assert fit["sigma_0"].value == pytest.approx(1e6, rel=0.02)
+
+
+def test_the_bristles_of_another_record_begin_as_its_first_rows_show():
+    """Loops shorter than break-away keep the deflection they begin with; steady sliding at the first speed is no such start."""
+    t = np.arange(0, 1, STEP)
+    y = 2e-6 * np.sin(2 * np.pi * t)
+    log = Log(
+        time=t, position=y, velocity=np.gradient(y, STEP), acceleration=np.zeros(len(t)), force=np.zeros(len(t)),
+        run=np.zeros(len(t), np.int32), step=STEP,
+    )  # fmt: skip
+    friction, _ = parts("lugre", MACHINE, log, [6e-5])
+    noisy = log.with_columns(force=friction + 0.1 * np.random.default_rng(0).standard_normal(len(t)))
+    (deflection,) = initial_deflections("lugre", MACHINE, noisy)
+    assert deflection == pytest.approx(6e-5, abs=2e-6)
+    assert initial_deflections("coulomb_viscous", {"F_c": 1.0, "sigma_2": 0.0}, noisy) == []
 
 
 def test_bounds_and_priors_are_kept(full):

@@ -157,7 +157,14 @@ def _by_contact(law: Law) -> dict[str, Sequence[str]]:
 def reading(data: Data, columns: ColumnNames, how: Preparation, options: FitOptions) -> RecordReading:
     """How a record was read, as fit.json has it."""
     return RecordReading(
-        files_of(data), columns.names, columns.units, columns.force_gain, how.cutoff, options.output, how.published
+        files_of(data),
+        columns.names,
+        columns.units,
+        columns.force_gain,
+        how.cutoff,
+        options.output,
+        how.published,
+        how.simulated,
     )
 
 

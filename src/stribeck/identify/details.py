@@ -47,6 +47,7 @@ class RecordReading:
         columns, units, force_gain, cutoff: as the user gave them.
         output: what a simulation was to meet.
         published: whether the record's last rows were kept, as in the published procedure.
+        simulated: whether the motion was filtered for a simulation, with a higher cut-off.
     """
 
     files: tuple[str, ...] = ()
@@ -56,6 +57,7 @@ class RecordReading:
     cutoff: float | None = None
     output: str = "force"
     published: bool = False
+    simulated: bool = False
 
     @property
     def title(self) -> str:

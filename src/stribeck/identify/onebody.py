@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 from scipy.stats import norm
 
 from stribeck import laws
@@ -48,6 +49,7 @@ _SIGN = 0.01  # of the largest speed: width of the smooth sign for initial value
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
 _STROKE = 5.0  # break-away distances: gross sliding begins after two or three
 _BENT = 5.0  # break-away distances: largest deflection of the bristles at the start of a run
+_FIRST_ROWS = 24  # of a run, to which its initial deflection is fitted, as in a machine's recordings that are predicted
 _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
 BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms available in a fit of the motion
@@ -439,6 +441,28 @@ def parts(name: str, values: Values, log: Log, bent: Sequence[float | None] = ()
     friction, beside = _along(name, values, log, bent) + more, beside_friction(numbers, log)
     late = numbers.get("delay", 0.0)
     return later(log, friction, late), later(log, beside, late)
+
+
+def initial_deflections(name: str, values: Values, log: Log) -> list[float]:
+    """The deflection of the bristles at the start of each run, m, fitted to the force of its first rows.
+
+    A body that sticks keeps this deflection, and with it an error of the force, for as long as it sticks.
+    """
+    law = laws.find(name)
+    if not law.has_z:
+        return []
+    constants = law({n: x for n, x in values.items() if n in law.constants()})
+    largest = _BENT * constants.scales(constants.p).length
+    found = []
+    for rows in _runs(log):
+        first = log.rows(slice(rows.start, min(rows.start + _FIRST_ROWS, rows.stop)))
+
+        def residual(share: float, first: Log = first) -> float:
+            friction, beside = parts(name, values, first, [share * largest])
+            return float(np.linalg.norm(first.force - friction - beside))
+
+        found.append(largest * float(minimize_scalar(residual, bounds=(-1.0, 1.0), method="bounded").x))
+    return found
 
 
 def beside_friction(values: Values, log: Log) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from stribeck.identify.details import RecordReading
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
-from stribeck.identify.onebody import beside_friction, parts
+from stribeck.identify.onebody import initial_deflections, parts
 from stribeck.identify.result import Fit, LogFit, Prediction
 from stribeck.identify.validate import Validated, validate
 from stribeck.mouth.document import Document, Told
@@ -34,9 +34,10 @@ class Predicted(Told):
     """A prediction of the force of a record.
 
     Attributes:
-        force_error: norm(residual)/norm(force) over the rows in motion; ``friction_error``: over norm(friction), which is
-            the force less the terms that are not friction; ``all_rows_error``: as the first, rows at rest too.
-        constant_error: what the mean force would leave over the rows in motion: a model must leave less to be of use.
+        force_error: norm(residual)/norm(force) over the compared rows: the rows in motion, for a law with bristles all rows.
+        friction_error: the same over norm(friction), which is the force less the terms that are not friction.
+        all_rows_error: as the first, over all rows.
+        constant_error: as the first, for a prediction by the mean force: a model must leave less to be of use.
         rest: the share of the rows at rest.
         beyond: rows beyond what the fit has seen; None where it tells no ranges.
         traces: measured and predicted force against time; ``friction``: the same for friction alone.
@@ -153,18 +154,22 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
     rest, simulated = at_rest(log), fit.predictor is None
     if rest.all() and not simulated:
         raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
-    of_model = parts(fit.law_name, fit.of_curve, log) if fit.predictor is None else fit.predictor.parts(log)
-    force, not_friction = of_model[0] + of_model[1], of_model[1]
+    if fit.predictor is None:
+        deflections = initial_deflections(fit.law_name, fit.of_curve, log)
+        modeled_friction, not_friction = parts(fit.law_name, fit.of_curve, log, deflections)
+    else:
+        modeled_friction, not_friction = fit.predictor.parts(log)
+    force = modeled_friction + not_friction
     rows = np.ones(len(log), bool) if simulated else ~rest
     left = log.force - not_friction
     traces = Prediction(log.time, log.position, log.velocity, log.force, force)
-    friction = Prediction(log.time, log.position, log.velocity, left, force - not_friction)
-    own = float(np.linalg.norm((log.force - force)[rows])) / max(float(np.linalg.norm(left[rows])), 1e-300)
+    friction = Prediction(log.time, log.position, log.velocity, left, modeled_friction)
+    friction_error = float(np.linalg.norm((log.force - force)[rows])) / max(float(np.linalg.norm(left[rows])), 1e-300)
     mean = np.full(len(log), float(np.mean(log.force[rows])))
     ranges = fit.details.get("seen")
     outside = beyond(ranges, fit.hangs_on, log, rows, log.force - force) if ranges else None
     return Predicted(
-        fit, _error(log.force, force, rows), own, _error(log.force, force, np.ones(len(log), bool)),
+        fit, _error(log.force, force, rows), friction_error, _error(log.force, force, np.ones(len(log), bool)),
         _error(log.force, mean, rows), float(np.mean(rest)), outside, traces, friction, title,
         log.rotary, log.hash == fit.data_hash,
     )  # fmt: skip
@@ -173,15 +178,7 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
 def how_to_read(fit: LogFit, cutoff: float | None = None) -> Preparation:
     """How another record is prepared for a model: as the fit's was."""
     chosen = cutoff if cutoff is not None else fit.reading.cutoff
-    return Preparation(chosen, None, fit.predictor is None, fit.reading.published, True)
-
-
-def beside(fit: LogFit, log: Log, without: Container[str] = ()) -> Array:
-    """What the fitted model says of the force that is no friction, in N at each row; ``without`` some terms."""
-    if fit.predictor is not None:
-        mass = fit.of_curve.get("mass", 0.0) * log.acceleration if "mass" in without else 0.0
-        return np.asarray(fit.predictor.parts(log)[1] - mass)
-    return beside_friction({n: x for n, x in fit.of_curve.items() if n not in without}, log)
+    return Preparation(chosen, None, fit.reading.simulated, fit.reading.published, True)
 
 
 def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:

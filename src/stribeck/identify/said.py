@@ -307,38 +307,56 @@ def _paste(fit: MachineFit) -> Chapter:
 # -- predictions -----------------------------------------------------------------------------------------------------------
 
 
-def of_prediction(found: Predicted) -> Document:
+def of_prediction(prediction: Predicted) -> Document:
     """The force that a fit predicts of a record."""
-    model, measured, friction = found.model, found.traces, found.friction
-    unit = rotary_unit("N") if found.rotary else "N"
-    shown = {
-        "force": (unit, measured.measured, measured.fitted),
-        "friction": (unit, friction.measured, friction.fitted),
-    }
-    rows: list[list[Cell]] = [[name, Share(x, _PLACES)] for name, x in _errors_of(found).items()]
-    about = f"{len(measured.time)} rows of {found.title}, {100 * found.rest:.0f} % at rest; fitted to {model.title}"
+    model, traces, friction = prediction.model, prediction.traces, prediction.friction
+    unit = rotary_unit("N") if prediction.rotary else "N"
+    shown = {"force": (unit, traces.measured, traces.fitted), "friction": (unit, friction.measured, friction.fitted)}
+    rows: list[list[Cell]] = [[record, of, Share(x)] for record, of, x in _residuals(prediction)]
+    about = f"{len(traces.time)} rows, {100 * prediction.rest:.0f} % at rest; fitted to {model.title}"
+    in_fit = model.relative_force_error if model.predictor is None else model.cross_validated_error
+    others = (
+        [f"{percent(in_fit)} {'in' if model.predictor is None else 'held out in'} the fit"]
+        if in_fit is not None
+        else []
+    )
+    others.append(f"{percent(prediction.constant_error)} for a constant force")
     return Document(
-        f"{model.law_name}, {model.method}",
-        f"the predicted force is off by {percent(found.force_error, _PLACES)}",
-        [about, *found.notes()],
-        [_table(rows, ["of", "error"]), _overlay("prediction", measured.time, shown, ("measured", "predicted"))],
+        prediction.title,
+        f"{model.law_name}, relative residual {percent(prediction.force_error)} ({', '.join(others)})",
+        [about, *prediction.notes()],
+        [
+            _table(rows, ["record", "of", "relative residual"]),
+            _overlay("prediction", traces.time, shown, ("measured", "predicted")),
+        ],
     )
 
 
-def _errors_of(found: Predicted) -> dict[str, float | None]:
-    rows: dict[str, float | None] = {
-        "error of the force, every row in motion": found.force_error,
-        "expected by the fit": found.model.expected,
-        "the fit's own, in the band that it was made in": found.model.known.get("relative_force_error"),
-        "the fit's, on parts left out of its record": found.model.known.get("cross_validated_error"),
-        "error against friction alone": found.friction_error,
-        "error of the force, rows at rest too": found.all_rows_error,
-        "error of a constant force": found.constant_error,
-    }
-    if found.beyond and found.beyond.rows:
-        rows["error of the force, beyond what was fitted"] = found.beyond.error
-        rows["error of the force, within it"] = found.beyond.within
-    return {name: x for name, x in rows.items() if x is not None}
+def _residuals(prediction: Predicted) -> list[tuple[str, str, float]]:
+    """The relative residuals of the record and of the fit's: the record, what is compared, and the residual."""
+    model, beyond = prediction.model, prediction.beyond
+    simulated = model.predictor is None
+    compared = "all rows" if simulated else "rows in motion"
+    here, there = "this one", "the fit's"
+    rows: list[tuple[str, str, float | None]] = [(here, f"force, {compared}", prediction.force_error)]
+    if not simulated:
+        rows.append((here, "force, all rows", prediction.all_rows_error))
+    if beyond and beyond.rows:
+        rows.append((here, "force, rows beyond what was fitted", beyond.error))
+        rows.append((here, "force, rows within it", beyond.within))
+    rows += [
+        (here, f"friction alone, {compared}", prediction.friction_error),
+        (here, f"constant force, {compared}", prediction.constant_error),
+    ]
+    if simulated:
+        rows.append((there, "force, all rows", model.known["relative_force_error"]))
+    else:
+        rows += [
+            (there, "force, rows in motion, held out", model.known["cross_validated_error"]),
+            (there, "force, filtered rows that were fitted", model.known["relative_force_error"]),
+            ("another", "force, rows in motion, expected", model.expected),
+        ]
+    return [(record, of, x) for record, of, x in rows if x is not None]
 
 
 def of_validation(found: Validated) -> Document:

@@ -153,6 +153,7 @@ _PARTS: dict[str, dict[str, _Part]] = {
         "files": (_list_of(_text), "a list of names"),
         "output": _one_of(*OUTPUTS),
         "published": (lambda x: isinstance(x, bool), "true or false"),
+        "simulated": (lambda x: isinstance(x, bool), "true or false"),
         "data_sha256": (_text, "text"),
         "seen": (_table_of(_range), "a table of ranges, each [low, high]"),
     },
@@ -223,7 +224,7 @@ def _log_fit(data: Kept, path: Path, trust: bool) -> LogFit:
         predictor=of_json(data["predictor"]) if data["predictor"] else None,
         reading=RecordReading(
             tuple(str(path.parent / name) for name in data["files"]), data["columns"], data["units"], data["force_gain"],
-            data["cutoff"], data["output"], data["published"],
+            data["cutoff"], data["output"], data["published"], data["simulated"],
         ),
     )  # fmt: skip
 
