@@ -1,4 +1,4 @@
-"""Verdicts of loops that move for long before they rest, or rest for long before they break away; SciPy's LSODA on equations
+"""Verdicts of loops that move for long before they rest, or rest for long before they break away; a simulator on equations
 written apart (benchmarks/design_attack.py) comes to the same."""
 
 import pytest
