@@ -43,7 +43,7 @@ def chapter(done: Done) -> Chapter:
     matrix = Table(["law", *NAMES, "passive for |v| up to (m/s)"], [_row(name, v) for name, v in verdicts.items()])
     numbers: dict[str, object] = {
         "verdicts": {name: {n: v[n].holds for n in NAMES} for name, v in verdicts.items()},
-        "largest_v_max": {name: v["passive"].evidence.get("largest_v_max") for name, v in verdicts.items()},
+        "sampled_v_max": {name: v["passive"].evidence.get("sampled_v_max") for name, v in verdicts.items()},
         "cycle": cycle,
     }
     tables = [matrix, _paper(verdicts, cycle)]
@@ -52,7 +52,7 @@ def chapter(done: Done) -> Chapter:
 
 def _row(name: str, verdicts: Verdicts) -> list[str]:
     passive = verdicts["passive"]
-    largest = passive.evidence.get("largest_v_max")
+    largest = passive.evidence.get("sampled_v_max")
     speed = "any" if passive.holds else "none" if largest == 0 else "-" if largest is None else f"{largest:.3g}"
     return [name, *(DECIDED[verdicts[n].holds] for n in NAMES), speed]
 

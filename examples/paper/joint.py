@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from examples.paper.common import Chapter, Done, Printed, finish
-from stribeck.constants import SHOWN
 from stribeck.errors import StribeckError
 from stribeck.mouth import plots
 from stribeck.mouth.document import Table
@@ -74,7 +73,7 @@ def chapter(done: Done) -> Chapter:
     )
     rows = [[n, v.law.name, _of(v), _word(verdict)] for n, (v, verdict) in contacts.items()]
     rows.append(["mesh without v_d", _ELASTIC, f"F_c and F_s up to {_SWING:g} times theirs", _word(swung)])
-    rows.append(["the joint", "from torques to speeds", "", SHOWN[numbers["machine_passive"] or None]])
+    rows.append(["the joint", "from torques to speeds", "", "yes" if numbers["machine_passive"] else "not shown"])
     table = Table(["contact", "law", "what varies", "passive"], rows, prose=True)
     return Chapter("joint", "One machine: a geared joint", text, [table], [_figure(held, hunting, swung)], numbers)
 

@@ -135,7 +135,6 @@ def rotary_words(text: str) -> str:
 
 
 DECIDED = {True: "yes", False: "no", None: "undecided"}  # a verdict in one word
-SHOWN = {**DECIDED, None: "not shown"}  # the same for statements that are never disproved
 
 
 def kind_of(value: object) -> str:

@@ -49,6 +49,27 @@ def test_a_counterexample_is_replayed_by_run(stribeck, tmp_path):
     assert drift["peaks"]["u"] < 1.5
 
 
+def test_evidence_has_words_and_units(stribeck):
+    lugre = ("check", "lugre", "--parameters", "canudas1995")
+    passive = json.loads(stribeck(*lugre, "--json").out)["properties"]["passive"]["evidence"]
+    printed = " ".join(stribeck(*lugre).out.split())
+    assert f"passive energy drawn {1e6 * passive['energy_drawn']:.3g} µJ duration " in printed
+    assert "not passive speed duration z at the end energy put in step 1 303 mm/s 104 µs" in printed
+    assert "sigma_0 = 100000 N/m" in printed
+    assert "_v_max" not in printed
+    assert "It may be passive at low speeds: --v-max bounds the speed." in printed
+
+
+def test_a_machine_s_answer_is_one_sentence(stribeck, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    stribeck("new", "gear")
+    lines = stribeck("check", "gear.toml", "--force", "gear=40").out.splitlines()
+    assert lines[0] == (
+        "gear: passivity not shown: energy can be drawn from bearing, and other elements may dissipate less than that"
+    )
+    assert any("bound of |z|" in line and line.endswith("2.5 mrad") for line in lines)
+
+
 def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
     name = f"{ROOT / 'tests' / 'properties' / 'broken_laws.py'}:NegativeDamping"
     data = json.loads(stribeck("check", name, "--parameters", "canudas1995", "--out", tmp_path, "--json").out)
@@ -140,4 +161,4 @@ def test_the_questions_that_it_answers(stribeck, tmp_path, monkeypatch):
     assert re.search(r"smooth +yes", own)
     assert "for every history of F_c from 1 to 2, F_s from 1.5 to 3" in swung
     assert re.search(r"passive +no +a cycle of held speeds and levels", swung)
-    assert "passive at its ports: yes" in joint
+    assert "passive at its ports (proved)" in joint

@@ -16,9 +16,9 @@ def test_the_smallest_k_v_and_the_verdicts_on_the_law_with_it(stribeck, tmp_path
     asked = (*SOBCZYK, "--creep", "1e-6", "--sample-time", "1e-4")
     result = stribeck(*asked, "--out", tmp_path / "found")
     assert result.status == 0
-    assert "lugre_sobczyk: k_v = 1.271e+07 s/m" in result.out
-    assert "lugre_majorant: k_v = 1.472e+06 s/m" in result.out
-    assert "by formula: k_v = tan(pi q/2)/v" in " ".join(result.out.split())
+    assert result.out.startswith("lugre_sobczyk: smallest k_v 1.271e+07 s/m; proved: unique, ")
+    assert "lugre_majorant creep under 0.95 F_s held, 1 µm/s 1.472e+06 s/m" in " ".join(result.out.split())
+    assert "formula: k_v = tan(pi q/2)/v" in " ".join(result.out.split())
     assert (tmp_path / "found" / "steepness.svg").exists()
     assert "The smallest k_v" in (tmp_path / "found" / "report.html").read_text()
     found = json.loads(stribeck(*asked, "--json").out)
@@ -86,4 +86,4 @@ def test_each_tolerance_gives_a_steepness(stribeck, tmp_path, monkeypatch):
     assert [result.status for result in outputs] == [0] * 5
     for number in ("1.271e+07", "1.472e+06"):
         assert number in outputs[0].out
-    assert "lugre_sobczyk: k_v = 1.405e+08 s/m" in outputs[3].out
+    assert "lugre_sobczyk: smallest k_v 1.405e+08 s/m" in outputs[3].out

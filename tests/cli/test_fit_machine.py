@@ -50,7 +50,9 @@ def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(st
     mass = found["parameters"][MASS]
     assert float(shown[MASS][0]) == pytest.approx(mass["value"], abs=0.1 * (mass["high"] - mass["low"]))
     assert shown[MASS][-2:] == ["kg", "identified"]
-    assert shown["guide level half"][-2:] == ["N", "identified"]
+    (level,) = (name for name in shown if name.startswith("guide level half ("))
+    assert level.endswith(" mm/s)")
+    assert shown[level][-2:] == ["N", "identified"]
     (moved,) = page.rows(["number", "here", "there"])
     assert moved == F_C
     assert "run.csv" in page.rows(["recording"])

@@ -47,7 +47,7 @@ def _problem(x: float) -> str | None:
 
 @dataclass(frozen=True)
 class Test:
-    """A test: what it tells, and its numbers in SI units; None where a number has no part in it.
+    """A test: what it identifies, and its numbers in SI units; None where a number has no part in it.
 
     ``motion`` tests set the velocity: ``amplitude`` is the way there and back, ``speed`` the largest speed and
     ``duration`` one of ``repeats`` cycles. ``force`` tests raise the force from rest at ``force_rate``.
@@ -56,7 +56,7 @@ class Test:
     __test__ = False  # not one of pytest's
 
     kind: str
-    tells: str
+    identifies: str
     control: str
     amplitude: float | None
     speed: float | None
@@ -96,17 +96,17 @@ def _loops(limits: Limits) -> list[Test]:
     """From well inside the elastic range to sliding."""
     if limits.deflection is None:
         sizes = limits.stroke * np.geomspace(1e-6, 1e-2, 2 * _LOOPS + 1)
-        tells = "sigma_0: keep the loops in which the force levels off at the ends, and the next two smaller ones"
+        identifies = "sigma_0: keep the loops in which the force levels off at the ends, and the next two smaller ones"
     else:
         sizes = limits.deflection * np.geomspace(0.5, 8, _LOOPS)
-        tells = "sigma_0; sigma_1 where the loop is fast"
+        identifies = "sigma_0; sigma_1 where the loop is fast"
     slow, fast = 0.5, 20.0
     found = []
     for size in sizes.tolist():
         for rate in (slow, fast):
             speed = np.pi * rate * size  # y = size/2 (1 - cos(2 pi rate t))
             if speed <= limits.speed:
-                found.append(Test("presliding loop", tells, "motion", size, float(speed), None, 1 / rate, _CYCLES))
+                found.append(Test("presliding loop", identifies, "motion", size, float(speed), None, 1 / rate, _CYCLES))
     return found
 
 
@@ -114,8 +114,8 @@ def _strokes(limits: Limits) -> list[Test]:
     found = []
     for speed in (limits.speed * np.geomspace(_SLOWEST, 1, _SPEEDS)).tolist():
         half = min(0.9 * limits.stroke / (0.7 * speed), 0.5)  # s; the ramps take three tenths of the way
-        tells = "F_c and sigma_2" if speed > 0.1 * limits.speed else "F_s and v_s"
-        found.append(Test("constant speed", tells, "motion", 0.7 * speed * half, speed, None, 2 * half, 2))
+        identifies = "F_c and sigma_2" if speed > 0.1 * limits.speed else "F_s and v_s"
+        found.append(Test("constant speed", identifies, "motion", 0.7 * speed * half, speed, None, 2 * half, 2))
     return found
 
 
@@ -129,9 +129,9 @@ def _ramps(limits: Limits) -> list[Test]:
 
 def _accelerate(limits: Limits) -> Test:
     half = min(0.9 * limits.stroke / (0.5 * limits.speed), 0.5)
-    tells = "mass: shorten it until the force comes near its limit"
+    identifies = "mass: shorten it until the force comes near its limit"
     way = 0.5 * limits.speed * half
-    return Test("acceleration", tells, "motion", way, limits.speed, None, 2 * half, 3)
+    return Test("acceleration", identifies, "motion", way, limits.speed, None, 2 * half, 3)
 
 
 def motion(tests: Sequence[Test], step: float) -> tuple[Array, Array]:

@@ -26,7 +26,7 @@ HEAD = (
     "force_rate_N_per_s",
     "duration_s",
     "repeats",
-    "tells",
+    "identifies",
 )
 # The files of a synthetic rig, and how each begins.
 SYNTHETIC = {"synthetic_log.csv": "time,position,force\n", "synthetic_truth.toml": f'title = "{LABEL}'}
@@ -44,7 +44,7 @@ def table(tests: Sequence[Test]) -> list[list[str]]:
     return [
         [
             str(i), t.kind, t.control, show(t.amplitude), show(t.speed), show(t.force_rate), show(t.duration),
-            str(t.repeats), t.tells,
+            str(t.repeats), t.identifies,
         ]
         for i, t in enumerate(tests, start=1)
     ]  # fmt: skip

@@ -13,7 +13,7 @@ from stribeck.constants import DECIDED, rotary_unit
 from stribeck.errors import StribeckError
 from stribeck.identify import figures
 from stribeck.identify.formula import model_lines
-from stribeck.mouth.cells import percent
+from stribeck.mouth.cells import human, percent
 from stribeck.mouth.document import (
     PAGE,
     TERMINAL,
@@ -42,16 +42,19 @@ UNCERTAINTIES = (
     "The interval says how far an estimate would move in another stretch of this experiment; the range says how far it may "
     "be from the truth if the model lacks something."
 )
+_SPEED_UNITS = {unit("N"): unit("m/s") for unit in (str, rotary_unit)}  # of a speed, by that of the friction there
 _OTHERS = 3  # models in the headline
 _PLACES = 3  # of a share
 
 # -- parts of both kinds of fits -----------------------------------------------------------------------------------------
 
 
-def _row(name: str, e: Estimate) -> list[Cell]:
-    wide = Ends(e.range, e.value, e.interval)
-    own = Uncertain(e.value, e.interval, not e.identifiable)
-    return [name, own, Ends(e.interval, e.value, e.interval), wide, e.unit or "1", str(e.state)]
+def _row(name: str, e: Estimate, speed: float | None) -> list[Cell]:
+    """A row of the table of estimates; a level of friction is named with its speed."""
+    label = name if speed is None else f"{name} ({human(speed, _SPEED_UNITS[e.unit])})"
+    estimate = Uncertain(e.value, e.interval, not e.identifiable)
+    interval, model_range = (Ends(ends, e.value, e.interval) for ends in (e.interval, e.range))
+    return [label, estimate, interval, model_range, e.unit or "1", str(e.state)]
 
 
 def _numbers(
@@ -62,23 +65,22 @@ def _numbers(
     more: Sequence[Table] = (),
 ) -> list[Chapter]:
     """The table of estimates, the reasons why some are withheld, and the notes. A terminal prints only the first notes."""
-    rows = [*(_row(n, e) for n, e in estimates.items()), *given]
+    rows = [*(_row(n, e, speeds.get(n)) for n, e in estimates.items()), *given]
     why: list[list[Cell]] = [[n, e.why, e.experiment or "-"] for n, e in estimates.items() if e.why or e.experiment]
     tables = [Table(HEAD, rows), *more]
     if why:
         tables.insert(1, Table(["not determined", "why", "what to measure"], why, prose=True, on=PAGE))
-    told = ", ".join(f"{n.removeprefix('level ')} {v:.4g}" for n, v in speeds.items())
-    text = [UNCERTAINTIES, *([f"Levels are the friction at speeds that were seen (SI): {told}."] if told else [])]
+    text = [UNCERTAINTIES, *(["Levels are the friction at speeds that were seen."] if speeds else [])]
     return [
         Chapter("result", "Parameters", [*text, *notes], tables),
         Chapter("notes", "Notes", facts=notes, brief=True, on=TERMINAL),
     ]
 
 
-def _beside(lead: str, others: Mapping[str, float | None]) -> str:
-    """The headline with the residuals of simpler models, the largest first."""
+def _beside(lead: str, others: Mapping[str, float | None], words: str = "") -> str:
+    """The headline with the residuals of other models, the largest first."""
     known = sorted(((x, n) for n, x in others.items() if x is not None), reverse=True)[:_OTHERS]
-    return f"{lead} ({', '.join(f'{n} {percent(x)}' for x, n in known)})" if known else lead
+    return f"{lead} ({words}{', '.join(f'{n} {percent(x)}' for x, n in known)})" if known else lead
 
 
 # -- a law fitted to a log -------------------------------------------------------------------------------------------------
@@ -212,7 +214,9 @@ def of_machine(fit: MachineFit) -> Document:
     plainer = {n: b.get("held_out") or b.get("fitted") for n, b in list(fit.baselines.items())[1:]}
     chapters = [*_numbers(fit.parameters, (), fit.speeds, _of_machine(fit)), _errors(fit), *_other_friction(fit)]
     chapters += [_recording(log, i) for i, log in enumerate(fit.logs) if log.traces]
-    return Document(fit.title, _beside(fit.lead, plainer), (), [*chapters, *_relation(fit), _paste(fit)])
+    return Document(
+        fit.title, _beside(fit.lead, plainer, "simpler friction: "), (), [*chapters, *_relation(fit), _paste(fit)]
+    )
 
 
 def _of_machine(fit: MachineFit) -> list[str]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from stribeck.loops import figures
 from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult
+from stribeck.loops.excess import BEYOND
 from stribeck.loops.judge import Judgement
 from stribeck.loops.starts import Start, distinct_judgements
 from stribeck.mouth.cells import human
@@ -16,6 +17,7 @@ from stribeck.scenario import said as of_scenario
 
 if TYPE_CHECKING:
     from stribeck.loops import Design
+    from stribeck.loops.excess import Excess
 
 _MEANING = {
     "quiet": "settles and stays there",
@@ -128,7 +130,7 @@ def _compensations(result: Design, unit: str) -> Chapter:
         if d
     ]
     if result.excess is not None:
-        facts.append(_excess(result, unit))
+        facts += _excess(result.excess, unit)
     head = ["remedy", "quiet", "share", "after a reversal", "worst friction"]
     drawn = [
         figures.motions(result.compensations, result.moves.period, unit),
@@ -148,18 +150,17 @@ def _quiet_range(c: CompensationResult) -> str:
     return f"up to {c.largest_quiet_share:.2f}"
 
 
-def _excess(result: Design, unit: str) -> str:
-    """The share above which compensation at the measured speed adds energy, in words."""
-    e = result.excess
-    assert e is not None
-    text = (
-        f"over-compensation: at the measured speed friction and compensation together push from share {e.worst_share:.3g} on "
-        f"with the worst friction (at {human(e.speed, unit + '/s')}), from {e.share:.3g} on with the file's"
-    )
-    if e.counterexample is None:
-        return f"{text} (steady curves; no run shows it)"
-    speed = human(e.ends, unit + "/s")
-    return f"{text}; released there at 5 % more, the body runs up to {speed} by itself (overcompensated.toml)"
+def _excess(excess: Excess, unit: str) -> list[str]:
+    """The share above which compensation at the measured speed adds energy, and the run that shows it."""
+    speed = human(excess.speed, unit + "/s")
+    facts = [
+        f"over-compensation: the observer drives the body from share {excess.worst_share:.3g} on with the worst friction "
+        f"(at {speed}), from {excess.share:.3g} on with the file's friction"
+    ]
+    if excess.counterexample is None:
+        return [*facts, "it follows from the steady curves; no run shows it"]
+    share, end = (1 + BEYOND) * excess.worst_share, human(excess.ends, unit + "/s")
+    return [*facts, f"overcompensated.toml shows it: from {speed}, with share {share:.3g}, the body speeds up to {end}"]
 
 
 def _starts(result: Design) -> Chapter:

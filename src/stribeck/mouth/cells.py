@@ -61,7 +61,7 @@ def in_places(x: float, value: float, interval: tuple[float, float]) -> str:
     if not math.isfinite(x) or not half:
         return f"{x:.4g}"
     places = 1 - math.floor(math.log10(half))
-    text = f"{round(x, places):.6g}"
+    text = f"{round(x, places):.7g}"
     return f"{x:.{places}f}" if 0 <= places <= 5 and "e" not in text else text
 
 

@@ -70,7 +70,7 @@ def _chapter(chapter: Chapter, verbose: bool) -> Iterator[str]:
     if left := len(chapter.facts) - len(facts):
         yield f"  {left} more: --verbose, or the page (--out DIR)"
     for i, table in enumerate(tables):
-        if i:
+        if i or facts:
             yield ""
         yield from _table(table)
     for line in chapter.code.splitlines():

@@ -61,8 +61,7 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
         )
     found.evidence["v_max"] = v_max
     if v_max is None and found.holds is not True:
-        found.evidence["largest_v_max"] = largest_speed(model.law, reach)
-        found.evidence["largest_v_max_method"] = "bisection and secants, with the storage interval as sampled"
+        found.evidence["sampled_v_max"] = largest_speed(model.law, reach)
     return found
 
 
@@ -178,7 +177,7 @@ def _with_cells(
     data = {"slope": slope, "own_up_to": own, "cells": table}
     certificate = Certificate("passive", "storage", [*shown, *rising], data, hypotheses)
     evidence = {
-        "storage": "S' is the elastic force up to |z| = own_up_to, beyond it fitted between L and U",
+        "storage": "the elastic energy near z = 0, beyond it fitted between L and U",
         "own_up_to": cells.own,
         "slopes": [[float(x) for x in row] for row in zip(cells.low, cells.high, cells.slope, strict=True)],
     }

@@ -8,7 +8,7 @@ from pathlib import Path
 from time import process_time
 from typing import TYPE_CHECKING
 
-from stribeck.constants import SHOWN, Constant, show
+from stribeck.constants import Constant, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
@@ -72,6 +72,13 @@ class MachineVerdicts:
     def __getitem__(self, name: str) -> Verdicts:
         return self.contacts[name]
 
+    @property
+    def answer(self) -> str:
+        """Whether the machine is passive, and by what, in one sentence."""
+        if self.passive:
+            return "passive at its ports (proved)"
+        return f"{'passivity not shown' if self.passive is None else 'not passive'}: {self.why}"
+
     def document(self) -> Document:
         """What the verdicts say to people, for the terminal and for a page."""
         from stribeck.properties import said
@@ -80,7 +87,7 @@ class MachineVerdicts:
 
     def __repr__(self) -> str:
         contacts = [f"{name}: {verdicts!r}" for name, verdicts in self.contacts.items()]
-        return "\n".join([*contacts, f"{self.name}: passive at its ports: {SHOWN[self.passive]}: {self.why}"])
+        return "\n".join([*contacts, f"{self.name}: {self.answer}"])
 
     def verify(self) -> bool:
         """Check every proof and replay every counterexample; True where all agree."""
@@ -226,7 +233,7 @@ def _judge(found: MachineVerdicts, alone: bool) -> None:
     elif found.spoiled_by:
         names = ", ".join(found.spoiled_by)
         found.passive = False if alone else None
-        found.why = f"{names}: not passive: energy can be drawn from it"
-        found.why += "" if alone else "; whether other elements of this machine lose more than that is not known"
+        found.why = f"energy can be drawn from {names}"
+        found.why += "" if alone else ", and other elements may dissipate less than that"
     else:
-        found.why = f"not known of {', '.join(found.undecided)}"
+        found.why = f"undecided for {', '.join(found.undecided)}"

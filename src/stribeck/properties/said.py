@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stribeck.constants import DECIDED, SHOWN, rotary_unit
-from stribeck.errors import StribeckError
+from stribeck.constants import DECIDED, rotary_unit
+from stribeck.errors import StribeckError, arg
 from stribeck.laws import said as of_law
 from stribeck.laws.base import Law
 from stribeck.mouth import plots
-from stribeck.mouth.cells import digits, rounded_up
-from stribeck.mouth.document import PAGE, Cell, Chapter, Document, Figure, Head, Table
+from stribeck.mouth.cells import digits, human, rounded_up
+from stribeck.mouth.document import PAGE, Amount, Cell, Chapter, Document, Figure, Head, Table
 from stribeck.mouth.quantities import Quantity, scale
 from stribeck.properties.verdicts import Verdict, Verdicts, ranges_in_words
 from stribeck.simulation.drawing import figure_of
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawn
 
     from stribeck.properties.ports import MachineVerdicts
-    from stribeck.properties.steepness import Steepness
+    from stribeck.properties.steepness import Cost, Steepness
 
 _MEANING = {
     "unique": "one z(t) for every v(t)",
@@ -32,8 +32,26 @@ _MEANING = {
     "drift_free": "below some load the contact is elastic: no creep",
 }
 _AGAIN = {True: ", verified", False: ", NOT CONFIRMED", None: ""}
-_LISTED = ("programme", "levels")  # evidence that is a list of steps
 _STEPS = 40  # of a list that is shown
+# Evidence that people read: its words and unit. The rest is for programs (--json).
+_QUANTITIES = {
+    "within": ("proved for", ""), "Z": ("bound of |z|", "m"), "z_within": ("proved for |z| up to", "m"),
+    "own_up_to": ("elastic energy for |z| up to", "m"), "storage": ("storage function", ""),
+    "coq": ("theorem in Coq", ""), "sampled": ("by sampling", ""), "where": ("cases meet where", ""), "v": ("speed", "m/s"),
+    "z": ("deflection z", "m"), "from_below": ("{derivative}, from below", ""), "from_above": ("{derivative}, from above", ""),
+    "z_from": ("deflection, from", "m"), "z_to": ("deflection, to", "m"), "z_0": ("elastic for |z| up to", "m"),
+    "F_0": ("elastic for forces up to", "N"), "energy_drawn": ("energy drawn", "J"),
+    "energy_drawn_per_cycle": ("energy drawn in a cycle", "J"), "time_per_cycle": ("duration of a cycle", "s"),
+    "z_start": ("deflection at the start", "m"), "z_end": ("deflection at the end", "m"), "time": ("duration", "s"),
+    "escape_time": ("z grows without limit within", "s"), "growth": ("growth", ""), "largest_load": ("largest load", "N"),
+    "F_s": ("static friction F_s", "N"), "cycles": ("cycles of the load", ""), "distance": ("distance moved", "m"),
+    "elastic_displacement": ("elastic deflection", "m"), "largest_v_d": ("passive with v_d up to", "m/s"),
+    "sigma_2_needed": ("passive with sigma_2 from", "N s/m"), "largest_F_s": ("passive with F_s up to", "N"),
+}  # fmt: skip
+_IN_STEPS = {
+    **_QUANTITIES, "F_c": ("F_c", "N"), "F_s": ("F_s", "N"), "z_end": ("z at the end", "m"), "duration": ("duration", "s"),
+    "z_over_Z": ("over the bound", ""), "energy_in": ("energy put in", "J"),
+}  # fmt: skip
 _SENSE = "Yes is proved; for no there is a counterexample. The constants are taken as exact."
 
 
@@ -47,7 +65,8 @@ def law(found: Verdicts) -> Document:
         *_replays(found, "", "replays", "The counterexamples"),
         of_law.chapter(found.law),
     ]
-    return Document(found.law.name, _in_short(found), found.headings(), chapters)
+    facts = [*found.headings(), *_hints(found)] if found.properties else []
+    return Document(found.law.name, _in_short(found), facts, chapters)
 
 
 def machine(found: MachineVerdicts) -> Document:
@@ -69,43 +88,69 @@ def machine(found: MachineVerdicts) -> Document:
         chapters.append(_verdicts(verdicts, f"contact-{name}", f"Contact {name}", headed=True))
         chapters += _replays(verdicts, name, f"replays-{name}", f"Counterexamples of {name}")
     laws = [of_law.chapter(v.law, f"law-{i}", f" of {name}") for i, (name, v) in enumerate(found.contacts.items())]
-    lead = f"passive at its ports: {SHOWN[found.passive]}: {found.why}"
-    return Document(found.name, lead, (), [*chapters, *laws])
+    facts = [f"{found.why[:1].upper()}{found.why[1:]}."] if found.passive else []
+    return Document(found.name, found.answer, facts, [*chapters, *laws])
 
 
 def _in_short(found: Verdicts) -> str:
     """Which properties are proved, refuted and undecided."""
     if not found.properties:
         return "no k_v meets the tolerances"
+    needed = found.steepness.get(found.law.name)
+    smallest = "" if needed is None else f"smallest k_v {_k_v(needed.k_v, needed.rotary)}; "
     limit = f" for |v| up to {found.v_max:g} {'rad/s' if found.law.rotary else 'm/s'}" if found.v_max else ""
     named = {
         word: ", ".join(name.replace("_", "-") for name, v in found.properties.items() if v.holds is holds)
         for word, holds in ((f"proved{limit}", True), ("refuted", False), ("undecided", None))
     }
-    return "; ".join(f"{word}: {names}" for word, names in named.items() if names)
+    return smallest + "; ".join(f"{word}: {names}" for word, names in named.items() if names)
 
 
 def _verdicts(found: Verdicts, key: str, title: str, headed: bool = False) -> Chapter:
     """The properties, how each was decided with its evidence, and for which histories it holds."""
     rows: list[list[Cell]] = [
-        [name.replace("_", "-"), _MEANING[name], DECIDED[v.holds], "\n".join([v.reason + _AGAIN[v.verified], *_evidence(v)])]
+        [name.replace("_", "-"), _MEANING[name], DECIDED[v.holds], v.reason + _AGAIN[v.verified]]
         for name, v in found.properties.items()
-    ]  # fmt: skip
-    table = Table(["property", Head("meaning", on=PAGE), "holds", "how it was decided"], rows, prose=True)
-    facts = found.headings() if headed else []
-    return Chapter(key, title, [_SENSE], [table], facts=facts, headed=headed)
+    ]
+    tables = [Table(["property", Head("meaning", on=PAGE), "holds", "how it was decided"], rows, prose=True)]
+    if evidence := [row for name, v in found.properties.items() for row in _evidence(name, v, found.law.rotary)]:
+        tables.append(Table(["property", "evidence", "value"], evidence, prose=True))
+    tables += [table for name, v in found.properties.items() for table in _steps(name, v, found.law.rotary)]
+    facts = [*found.headings(), *_hints(found)] if headed else []
+    return Chapter(key, title, [_SENSE], tables, facts=facts, headed=headed)
 
 
-def _evidence(verdict: Verdict) -> list[str]:
-    """The evidence in short: numbers and words; of lists their entries."""
-    lines = []
-    plain = {n: x for n, x in verdict.evidence.items() if isinstance(x, int | float | str) and n != "reason"}
-    if plain:
-        lines.append(", ".join(f"{n} {x:.9g}" if isinstance(x, float) else f"{n} {x}" for n, x in plain.items()))
-    for name in _LISTED:
-        steps: Sequence[Mapping[str, float]] = verdict.evidence.get(name, ())
-        lines += [", ".join(f"{n} {x:.6g}" for n, x in step.items()) for step in steps[:_STEPS]]
-    return lines
+def _hints(found: Verdicts) -> list[str]:
+    """A bound of the speed, if sampling leaves room for passivity below one."""
+    passive = found.properties.get("passive")
+    worth_a_try = passive is not None and passive.holds is not True and passive.evidence.get("sampled_v_max")
+    return [f"It may be passive at low speeds: {arg('v_max')} bounds the speed."] if worth_a_try else []
+
+
+def _evidence(name: str, verdict: Verdict, rotary: bool) -> list[list[Cell]]:
+    """The evidence of a property, a quantity a row."""
+    rows: list[list[Cell]] = []
+    for key, value in verdict.evidence.items():
+        if key in _QUANTITIES and value is not None:
+            words, unit = _QUANTITIES[key]
+            shown = value if isinstance(value, str | int) else Amount(value, rotary_unit(unit) if rotary else unit)
+            rows.append(["" if rows else name.replace("_", "-"), words.format_map(verdict.evidence), shown])
+    return rows
+
+
+def _steps(name: str, verdict: Verdict, rotary: bool) -> list[Table]:
+    """The held speeds of a cycle, or the levels that z passes, a step a row."""
+    tables = []
+    for listed in ("programme", "levels"):
+        steps: Sequence[Mapping[str, float]] = verdict.evidence.get(listed, ())[:_STEPS]
+        if steps:
+            units = {key: rotary_unit(_IN_STEPS[key][1]) if rotary else _IN_STEPS[key][1] for key in steps[0]}
+            rows: list[list[Cell]] = [
+                [f"step {i}", *(Amount(step[key], unit) for key, unit in units.items())]
+                for i, step in enumerate(steps, 1)
+            ]
+            tables.append(Table([f"not {name.replace('_', '-')}", *(_IN_STEPS[key][0] for key in units)], rows))
+    return tables
 
 
 def _curve(law: Law) -> Figure:
@@ -163,33 +208,40 @@ def _replay(name: str, verdict: Verdict, of: str) -> Figure:
 
 def _steepness(found: Mapping[str, Steepness]) -> Chapter:
     """The smallest k_v, what each tolerance needs, and what it costs."""
-    facts, rows = [], list[list[Cell]]()
-    for law, each in found.items():
-        unit = rotary_unit if each.rotary else str
-        speed, steep = unit("m/s"), unit("s/m")
-        facts.append(f"{law}: k_v = {_k_v(each.k_v, steep)}")
-        for r in each.requirements:
-            row = f"{r.name}, {_tolerance(r.tolerance, r.unit)}", _k_v(r.k_v, steep), f"by {r.method}: {r.detail}"
-            facts.append(f"{row[0]}: {row[1]}, {row[2]}")
-            rows.append([law, *row])
-        if (c := each.cost) is not None:
-            body = "" if c.body_stiffness is None else f"; with the body: eigenvalues up to {c.body_stiffness:.4g} 1/s"
-            steps = f"stiffness {c.stiffness:.4g} 1/s, explicit steps below {c.largest_step:.4g} s"
-            facts.append(f"up to {c.v_max:.4g} {speed}: {steps}{body}")
-            bent = f"dF/dv changes by up to {c.force_bend:.4g} {unit('N s/m')} per {speed} there"
-            facts.append(f"|v| is rounded within {c.bend:.4g} {speed}; {bent}")
-    table = Table(["law", "tolerance", "needs k_v", "how it was found"], rows, prose=True, on=PAGE)
+    rows: list[list[Cell]] = [
+        [law, f"{r.name}, {_tolerance(r.tolerance, r.unit)}", _k_v(r.k_v, each.rotary), f"{r.method}: {r.detail}"]
+        for law, each in found.items() for r in each.requirements
+    ]  # fmt: skip
+    tables = [Table(["law", "tolerance", "smallest k_v", "how it was found"], rows, prose=True)]
+    if costs := {law: each.cost for law, each in found.items() if each.cost is not None}:
+        unit = rotary_unit if any(each.rotary for each in found.values()) else str
+        amounts: list[tuple[str, str, Callable[[Cost], float | None]]] = [
+            ("steps of explicit Euler below", "s", lambda c: c.largest_step),
+            ("stiffness", "1/s", lambda c: c.stiffness),
+            ("stiffness with the body", "1/s", lambda c: c.body_stiffness),
+            ("up to the speed", unit("m/s"), lambda c: c.v_max),
+            ("|v| is rounded within", unit("m/s"), lambda c: c.bend),
+            ("dF/dv changes there by up to", f"{unit('N s/m')} per {unit('m/s')}", lambda c: c.force_bend),
+        ]
+        price: list[list[Cell]] = [
+            [words, *(Amount(of(cost), unit_of) for cost in costs.values())]
+            for words, unit_of, of in amounts
+            if any(of(cost) is not None for cost in costs.values())
+        ]
+        tables.append(Table(["cost", *costs], price))
     figure = Figure("steepness", "Each error against k_v; grey: tolerated.", lambda: errors_against_k_v(found))
-    return Chapter("steepness", "The smallest k_v", tables=[table], figures=[figure], facts=facts)
+    return Chapter("steepness", "The smallest k_v", tables=tables, figures=[figure])
 
 
 def _tolerance(x: float, unit: str) -> str:
-    return f"{digits(x, count=4)} {unit}" if unit else f"{digits(100 * x, count=4)} %"
+    return human(x, unit, 4) if unit else f"{digits(100 * x, count=4)} %"
 
 
-def _k_v(k_v: float | None, unit: str) -> str:
+def _k_v(k_v: float | None, rotary: bool) -> str:
     """A required k_v: a number, rounded up as a smaller one would miss the tolerance; any, or none."""
-    return "none will do" if k_v is None else f"{rounded_up(k_v)} {unit}" if k_v else "any will do"
+    return (
+        "none will do" if k_v is None else f"{rounded_up(k_v)} {'s/rad' if rotary else 's/m'}" if k_v else "any will do"
+    )
 
 
 def errors_against_k_v(found: Mapping[str, Steepness]) -> Drawn:

@@ -141,7 +141,9 @@ class Verdicts:
 
     def headings(self) -> list[str]:
         """The law with its constants; and what varies, where something does."""
-        values = {n: f"{x:g}" for n, x in self.law.p.numbers.items()} | self.law.choices
+        declared = self.law.constants()
+        units = {n: declared[n].unit_for(self.law.rotary) for n in self.law.p.numbers}
+        values = {n: f"{x:g} {units[n]}".rstrip() for n, x in self.law.p.numbers.items()} | self.law.choices
         found = [f"{self.law.name} with " + ", ".join(f"{n} = {x}" for n, x in values.items())]
         return [*found, f"for every history of {ranges_in_words(self.level)}"] if self.level else found
 

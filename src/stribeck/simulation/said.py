@@ -52,8 +52,9 @@ def run(solution: Solution) -> Document:
 def _headline(solution: Solution) -> str:
     """A summary of the motion in one sentence."""
     if not solution.scenario.elements.unnamed:
-        largest = ", ".join(f"{c.name} up to {human(solution.peaks[c.name], c.unit)}" for c in solution.columns[:4])
-        return f"largest magnitudes: {largest}"
+        return "reaches " + ", ".join(
+            f"|{c.name}| = {human(solution.peaks[c.name], c.unit)}" for c in solution.columns[:4]
+        )
     slips = solution.events["slip"]
     peak = human(solution.peaks["y"], solution.columns[0].unit)
     moves = f"{'turns' if solution.scenario.rotary else 'moves'} up to {peak}"
@@ -69,17 +70,10 @@ def _headline(solution: Solution) -> str:
 def _numbers(solution: Solution) -> Table:
     peaks, final = solution.peaks, solution.final
     rows = [
-        [c.name, c.meaning, *in_prefix(c.unit, peaks[c.name], final.get(c.name, float("nan")))]
+        [c.name, *in_prefix(c.unit, peaks[c.name], final.get(c.name, float("nan"))), c.meaning]
         for c in solution.columns
     ]
-    columns: list[str | Head] = [
-        "column",
-        Head("meaning", on=PAGE),
-        Head("peak", 8),
-        Head("at the end", 8),
-        "unit",
-    ]
-    return Table(columns, rows)
+    return Table(["column", Head("peak", 4), Head("at the end", 4), "unit", "meaning"], rows, prose=True)
 
 
 def _events(solution: Solution) -> list[Table]:

@@ -29,7 +29,7 @@ _EARNS = 0.01  # of the held-out error: the least reduction that justifies a fur
 _STEEP = 50.0  # k_v in units of 1/speed: the smooth sign is complete at a few hundredths of the speed
 _ELASTIC = 0.5  # of F_c/sigma_0: initial value of z_ba
 _FEWER = 6  # starts of fits that only serve for comparison
-BASELINES = {"coulomb and viscous": "coulomb_viscous", "coulomb, stribeck and viscous": "stribeck"}
+BASELINES = {"Coulomb and viscous": "coulomb_viscous", "Stribeck curve": "stribeck"}
 
 
 @dataclass

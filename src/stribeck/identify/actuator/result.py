@@ -157,7 +157,7 @@ class MachineFit(Fit):
         """The relative residuals of the fitted and the held-out recordings, in words."""
         left = f"relative residual {percent(self.error(False))}"
         if (held := self.error(True)) is not None:
-            left += f", {percent(held)} held out"
+            left = f"relative residual {percent(held)} held out, {percent(self.error(False))} fitted"
         if self.laws:
             left = f"{self.laws['picked']}, {left}"
         return left if self.status == "done" else f"{self.status}: {self.reason}; {left}"
