@@ -12,7 +12,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.patches import FancyBboxPatch
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, FancyBboxPatch
 
 import stribeck
 from stribeck.cli import _status
@@ -46,9 +47,9 @@ def draw_hunts(file: Path) -> None:
             solution = stribeck.simulate(example("axis_hunts", Path(folder), controllers__axis__K_i=gain))
             shown = solution.t < 10
             plot.plot(solution.t[shown][::5], 1e3 * solution["slide.y"][shown][::5], color=color, label=words, lw=1)
-    plot.axhline(10, color=GREY, lw=0.8, ls="--")
+    plot.axhline(10, color=GREY, lw=0.8, ls="--", label="target")
     plot.set(xlabel="time (s)", ylabel="position (mm)", ylim=(8, 12))
-    plot.legend(frameon=False, loc="upper right")
+    figure.legend(frameon=False, loc="outside upper center", ncols=3)
     saved(figure, file)
 
 
@@ -70,10 +71,10 @@ def draw_joint(file: Path) -> None:
     figure, (above, below) = plt.subplots(2, figsize=(6.4, 3.4), sharex=True, layout="constrained")
     above.plot(measured["t"][::4], measured["torque"][::4], color=GREY, lw=1)
     above.set_ylabel("torque (N m)")
-    below.plot(measured["t"][::8], measured["angle"][::8], ".", ms=2.5, color=GREY, label="held-out recording")
+    below.plot(measured["t"][::24], measured["angle"][::24], ".", ms=5, color=GREY, label="held-out recording")
     below.plot(solution.t, solution["joint.y"], color=BLUE, lw=1, label="fitted machine")
-    below.set(xlabel="time (s)", ylabel="angle (rad)", ylim=(-1.4, None))
-    below.legend(frameon=False, loc="lower right", ncols=2)
+    below.set(xlabel="time (s)", ylabel="angle (rad)")
+    figure.legend(frameon=False, loc="outside upper center", ncols=2)
     saved(figure, file)
 
 
@@ -89,7 +90,7 @@ def draw_kv(file: Path) -> None:
             over = np.flatnonzero(law.steady_force(speeds) >= 0.95 * law.values["F_s"])
             creep.append(1e6 * speeds[over[0]] if len(over) else np.nan)  # nan: it breaks away
         plot.loglog(steepness, creep, "o-", ms=3, color=color, label=name)
-    plot.axhline(1, color=GREY, lw=0.8, ls="--")
+    plot.axhline(1, color=GREY, lw=0.8, ls="--", label="tolerance of the example")
     plot.set(xlabel="k_v (s/m)", ylabel="creep under 0.95 F_s (\N{MICRO SIGN}m/s)")
     plot.legend(frameon=False)
     saved(figure, file)
@@ -116,23 +117,24 @@ def draw_creep(file: Path) -> None:
 
 
 def draw_blocks(file: Path) -> None:
-    """The block of an FMU of a law within a model of a mass."""
-    figure, plot = plt.subplots(figsize=(6.4, 1.9), layout="constrained")
-    plot.set(xlim=(0, 10), ylim=(0.2, 3.2))
+    """The block of an FMU of a law within a model of a mass: the friction is subtracted from the force that drives the mass."""
+    figure, plot = plt.subplots(figsize=(6.4, 2.2), layout="constrained")
+    plot.set(xlim=(0, 10), ylim=(0.2, 3.2), aspect="equal")
     plot.axis("off")
-    for x, width, words in ((2.4, 1.6, "1/m \N{INTEGRAL}"), (6.6, 2.0, "FMU\nfriction.fmu")):
+    for x, width, words in ((3.0, 1.7, "mass\n1/(m s)"), (6.5, 1.9, "FMU\nfriction")):
         plot.add_patch(FancyBboxPatch((x, 1.6), width, 1.1, "round,pad=0.08", fc="white", ec=BLUE, lw=1.5))
         plot.text(x + width / 2, 2.15, words, ha="center", va="center")
-    arrow = {"arrowstyle": "-|>", "color": "black", "lw": 1.2}
+    plot.add_patch(Circle((1.7, 2.15), 0.25, fc="white", ec="black", lw=1.2))
+    for x, y, sign in ((1.3, 2.35, "+"), (1.95, 1.62, "\N{MINUS SIGN}")):
+        plot.text(x, y, sign, ha="center", va="center")
+    arrow = {"arrowstyle": "-|>", "color": "black", "lw": 1.2, "shrinkA": 0, "shrinkB": 0}
     for start, end, words in (
-        ((0.2, 2.15), (2.3, 2.15), "u \N{MINUS SIGN} F (N)"),
-        ((4.1, 2.15), (6.5, 2.15), "v (m/s)"),
-        ((8.7, 2.15), (9.9, 2.15), "F (N)"),
-    ):
+        ((0.1, 2.15), (1.45, 2.15), "drive"), ((1.95, 2.15), (2.92, 2.15), ""), ((4.78, 2.15), (6.42, 2.15), "velocity v"),
+        ((8.48, 2.15), (9.9, 2.15), "friction F"), ((1.7, 0.7), (1.7, 1.9), ""),
+    ):  # fmt: skip
         plot.annotate("", end, start, arrowprops=arrow)
-        plot.text((start[0] + end[0]) / 2, 2.35, words, ha="center")
-    plot.plot([9.3, 9.3, 1.0], [2.15, 0.7, 0.7], color="black", lw=1.2)
-    plot.annotate("", (1.0, 2.1), (1.0, 0.7), arrowprops=arrow)
+        plot.text((start[0] + end[0]) / 2, 2.3, words, ha="center", va="bottom")
+    plot.plot([9.2, 9.2, 1.7], [2.15, 0.7, 0.7], color="black", lw=1.2)
     saved(figure, file)
 
 
@@ -146,6 +148,8 @@ def draw_map(file: Path) -> None:
     figure, plot = plt.subplots(figsize=(6.4, 3.0), layout="constrained")
     image = plot.pcolormesh(F_s, stiffness, ensemble.slips.reshape(F_s.shape), cmap="Blues", rasterized=True)
     figure.colorbar(image, label="slips in 40 s")
+    once = ensemble.slips.reshape(F_s.shape) <= 1
+    plot.text(1.03, float(stiffness[once].mean()), "slides steadily\nafter one slip", va="center", fontsize=9)
     plot.set(xlabel="F_s (N)", ylabel="stiffness of the spring (N/m)")
     saved(figure, file)
 
@@ -188,17 +192,33 @@ def draw_own_law(file: Path) -> None:
 
 
 def draw_plan(file: Path) -> None:
-    """The motions of 'stribeck fit --plan stroke=0.05,speed=0.1,force=50'."""
+    """The tests of 'stribeck fit --plan stroke=0.05,speed=0.1,force=50,deflection=1e-5', one after the other."""
     from stribeck.identify.plan import Limits, programme
 
-    tests = programme(Limits(stroke=0.05, speed=0.1, force=50.0))
-    figure, plots = plt.subplots(1, 3, figsize=(6.4, 2.2), layout="constrained")
-    chosen = {each.kind: each for each in reversed(tests) if each.control == "motion"}
-    for plot, (kind, test) in zip(plots, chosen.items(), strict=False):
+    tests = programme(Limits(stroke=0.05, speed=0.1, force=50.0, deflection=1e-5))
+    figure, (above, below) = plt.subplots(2, figsize=(6.4, 4.0), layout="constrained")
+    time, kinds = 0.0, dict[str, list[float]]()
+    for test in (each for each in tests if each.control == "motion"):
         v = test.velocity(1e-3)
-        plot.plot(1e-3 * np.arange(len(v)), 1e3 * v, color=BLUE, lw=1)
-        plot.set(xlabel="time (s)", title=kind)
-    plots[0].set_ylabel("velocity (mm/s)")
+        above.plot(time + 1e-3 * np.arange(len(v)), 1e3 * v, color=BLUE, lw=1)
+        kinds.setdefault(test.kind, []).extend([time, time + 1e-3 * len(v)])
+        time += 1e-3 * len(v)
+    words = {
+        "presliding loop": "small loops,\nslow and fast",
+        "constant speed": "strokes,\nslow to fast",
+        "acceleration": "accelerations",
+    }
+    for kind, times in kinds.items():
+        above.axvspan(min(times), max(times), color=GREY, alpha=0.15 if kind == "constant speed" else 0, lw=0)
+        above.text(np.mean([min(times), max(times)]), 6e2, words[kind], ha="center", va="bottom", fontsize=9)
+    above.set_yscale("symlog", linthresh=1e-2)
+    above.set(xlabel="time (s)", ylabel="velocity (mm/s)", yticks=[-100, -1, 0, 1, 100], ylim=(-3e2, 3e2))
+    above.set_yticklabels(["\N{MINUS SIGN}100", "\N{MINUS SIGN}1", "0", "1", "100"])
+    for test in (each for each in tests if each.control == "force"):
+        assert test.force_rate is not None
+        below.plot([0, test.duration], [0, test.force_rate * test.duration], color=BLUE, lw=1)
+    below.set(xlabel="time (s)", ylabel="force (N)")
+    below.set_title("force ramps from standstill", fontsize=9)
     saved(figure, file)
 
 
@@ -218,8 +238,18 @@ def draw_intervals(file: Path) -> None:
             plot.plot(np.array(each.range) / true, [row, row], color="#a9c4e4", lw=8, solid_capstyle="butt")
         if each.interval is not None:
             plot.plot(np.array(each.interval) / true, [row, row], color=BLUE, lw=4, solid_capstyle="butt")
+        plot.plot(each.value / true, row, "o", ms=4, mfc="white", mec=BLUE)
     plot.axvline(1, color=RED, lw=1)
-    plot.set(yticks=range(len(shown)), yticklabels=[n for n, _ in reversed(shown)], xlabel="value over the truth")
+    plot.set(
+        yticks=range(len(shown)),
+        yticklabels=[n for n, _ in reversed(shown)],
+        xlabel="value / true value",
+        ylim=(-0.6, 3.6),
+    )
+    bars = [Line2D([], [], color=color, lw=width) for color, width in (("#a9c4e4", 8), (BLUE, 4), (RED, 1))]
+    bars.append(Line2D([], [], marker="o", ls="", ms=4, mfc="white", mec=BLUE))
+    names = ["model range", "95 % interval", "true value", "estimate"]
+    figure.legend(bars, names, frameon=False, loc="outside upper center", ncols=4, handlelength=1.5, columnspacing=1.2)
     saved(figure, file)
 
 
@@ -242,7 +272,9 @@ EXPERIMENTS = (  # the example, its title, what is drawn over what, their units 
 
 def draw_law(name: str, file: Path) -> None:
     """What a law does in five experiments: the built-in examples, with this law."""
-    figure, plots = plt.subplots(1, 5, figsize=(11, 2.2), layout="constrained")
+    figure, grid = plt.subplots(2, 3, figsize=(7.2, 4.2), layout="constrained")
+    *plots, last = grid.flat
+    last.axis("off")
     with tempfile.TemporaryDirectory() as folder:
         for plot, (example_name, title, horizontal, vertical) in zip(plots, EXPERIMENTS, strict=True):
             changes = {"law.name": name, **{f"law.{n}": x for n, x in CONSTANTS[name].items()}}

@@ -111,11 +111,11 @@ def draw_fit(file: Path) -> None:
     force = truth.steady_force(v) + 0.05 * rng.standard_normal(len(t))
     fit = stribeck.fit({"t": t, "v": v, "F": force}, "stribeck_tanh", time="t", velocity="v", force="F")
     figure, plot = plt.subplots(figsize=(6.4, 2.4), layout="constrained")
-    plot.plot(1e3 * v[::5], force[::5], ".", ms=1.5, color="#bbbbbb", label="log", rasterized=True)
+    plot.plot(1e3 * v[::5], force[::5], ".", ms=2, color="#999999", label="log", rasterized=True)
     speeds = np.linspace(v.min(), v.max(), 2001)
     plot.plot(1e3 * speeds, fit.law(guessing=True).steady_force(speeds), color="#3572b0", label="fit")
     plot.set(xlabel="velocity (mm/s)", ylabel="friction (N)")
-    plot.legend(frameon=False, loc="lower right")
+    plot.legend(frameon=False, loc="lower right", markerscale=4)
     figure.savefig(file, metadata={"Date": None})
     plt.close(figure)
 
@@ -125,16 +125,24 @@ def draw_passive(file: Path) -> None:
     law = stribeck.law("lugre_sobczyk", parameters=PAPER, k_v=1e7)
     solution = stribeck.simulate(stribeck.check(law)["passive"].scenario)
     figure, plot = plt.subplots(figsize=(6.4, 2.4), layout="constrained")
+    t, energy = solution.t, 1e6 * solution["E_in"]
+    least, gain = int(energy.argmin()), -energy[-1]
     plot.axhline(0, color="#bbbbbb", lw=1)
-    plot.plot(solution.t, 1e6 * solution["E_in"], color="#c4412f")
-    plot.annotate(
-        "the bristles end as they began, and this energy has come out",
-        (solution.t[-1], 1e6 * solution["E_in"][-1]),
-        (0, 12),
-        textcoords="offset points",
-        ha="right",
+    plot.plot(t, energy, color="#c4412f")
+    arrow = {"arrowstyle": "<->", "color": "black", "shrinkA": 0, "shrinkB": 0}
+    plot.annotate("", (t[-1], 0), (t[-1], energy[-1]), arrowprops=arrow)
+    unit = "\N{MICRO SIGN}J"
+    plot.text(0.98 * t[-1], -gain / 2, f"energy gained in a cycle: {gain:.0f} {unit}", ha="right", va="center")
+    plot.text(
+        0.02 * t[-1], -gain / 2, f"fast, unwinding the bristles:\n{-energy[least]:.0f} {unit} come out", va="center"
     )
-    plot.set(xlabel="time (s)", ylabel="energy put in (\N{MICRO SIGN}J)")
+    plot.text(
+        0.4 * t[-1],
+        1.12 * energy[least],
+        f"slow, winding them up again: {energy[-1] - energy[least]:.0f} {unit} go in",
+        va="top",
+    )
+    plot.set(xlabel="time (s)", ylabel=f"energy put in ({unit})", ylim=(1.45 * energy[least], 20))
     figure.savefig(file, metadata={"Date": None})
     plt.close(figure)
 

@@ -69,11 +69,13 @@ def test_a_browser_makes_one_column(page, tmp_path):
         f'<iframe width="{PHONE}" height="800" srcdoc="{html.escape(page)}"></iframe><script>'
         "onload = () => { const d = document.querySelector('iframe').contentDocument;"
         "const left = [...d.querySelectorAll('section')].map(e => Math.round(e.getBoundingClientRect().left));"
-        "document.title = [d.documentElement.scrollWidth, left.length, new Set(left).size].join(' '); };</script>"
+        "const wide = [...d.querySelectorAll('figure svg')].filter(e => e.clientWidth > e.closest('.scroll').clientWidth);"
+        "document.title = [d.documentElement.scrollWidth, left.length, new Set(left).size, wide.length].join(' '); };</script>"
     )
     words = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--dump-dom"]
     shown = subprocess.run([*words, told.as_uri()], capture_output=True, text=True, timeout=120, check=True).stdout
-    width, sections, columns = map(int, re.search(r"<title>([\d ]+)</title>", shown)[1].split())
+    width, sections, columns, scrolled = map(int, re.search(r"<title>([\d ]+)</title>", shown)[1].split())
     assert width <= PHONE
     assert sections > 2
     assert columns == 1
+    assert scrolled == 0  # a figure of two columns has one here

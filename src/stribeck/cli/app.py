@@ -28,8 +28,8 @@ __all__ = ["app", "with_command"]
 
 def with_command(name: str) -> Typer:
     """The command with this one alone, whose options are then all that is made; with all where there is no such one."""
-    if not (found := [each for each in app.registered_commands if each.name == name]):
+    if not (named := [each for each in app.registered_commands if each.name == name]):
         return app
     only = copy(app)
-    only.registered_commands = found
+    only.registered_commands = named
     return only

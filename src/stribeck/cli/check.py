@@ -130,20 +130,20 @@ def _decide(
         if certificate is not None:
             check_file("--certificate", certificate, *asked.reads)
         with progress(f"check {asked.name}"):
-            found = asked.verdicts(v_max)
+            verdicts = asked.verdicts(v_max)
         if verify:
-            found.verify()
-        files, pages = _write(found, out, certificate)
+            verdicts.verify()
+        files, pages = _write(verdicts, out, certificate)
     more = asked.more | {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
     tell(
-        found.document,
-        {**found.to_dict(), **more} if json else None,
+        verdicts.document,
+        {**verdicts.to_dict(), **more} if json else None,
         None if json else [*(files or ()), *(pages or ())[-1:]],
     )
 
 
 def _write(
-    found: Verdicts | MachineVerdicts, out: Path | None, certificate: Path | None
+    verdicts: Verdicts | MachineVerdicts, out: Path | None, certificate: Path | None
 ) -> tuple[list[str] | None, list[str] | None]:
     """Write the counterexamples, the page and the proofs; the paths of the first and last, and of the page's."""
     from stribeck.files import write_text
@@ -153,9 +153,9 @@ def _write(
     if out is not None:
         from stribeck.properties.written import write_check
 
-        files, pages = write_check(found, out, command_line())
+        files, pages = write_check(verdicts, out, command_line())
     if certificate is not None:
-        write_text(certificate, dumps(found.certificates(), indent=1) + "\n")
+        write_text(certificate, dumps(verdicts.certificates(), indent=1) + "\n")
         files = [*(files or ()), str(certificate)]
     return files, pages
 
@@ -208,7 +208,7 @@ class _Law:
     level: tuple[float, float] | None
     tolerated: dict[str, object]
     open_k_v: bool  # the smallest one is looked for, and the verdicts are on the law with it
-    own: bool  # of a user's file
+    from_file: bool  # of a user
 
     @classmethod
     def of(
@@ -261,11 +261,11 @@ class _Law:
                 if not (k_v := steepness[law.name].k_v):
                     return Verdicts(law, {}, v_max, steepness=steepness)
                 law = law.replace(k_v=k_v)
-        found = decide(law, v_max, level=self.level)
-        found.steepness = steepness
-        if self.own:
-            _note_what_makes_no_sense(law, found)
-        return found
+        verdicts = decide(law, v_max, level=self.level)
+        verdicts.steepness = steepness
+        if self.from_file:
+            _note_what_makes_no_sense(law, verdicts)
+        return verdicts
 
 
 def _note_what_makes_no_sense(law: Law, verdicts: Verdicts) -> None:
@@ -285,17 +285,17 @@ def level_of(text: str | None) -> tuple[float, float] | None:
         return None
     low, sign, high = text.partition(":")
     try:
-        found = float(low), float(high)
+        bounds = float(low), float(high)
     except ValueError:
-        found = nan, nan
-    if not sign or not 0 < found[0] <= found[1] < inf:
+        bounds = nan, nan
+    if not sign or not 0 < bounds[0] <= bounds[1] < inf:
         raise InputError(f"--level: {text!r}: must be LOW:HIGH, two finite numbers with 0 < LOW <= HIGH, such as 1:2")
-    return found
+    return bounds
 
 
 def _forces(texts: list[str]) -> dict[str, float]:
     """NAME=MAX as numbers."""
-    found: dict[str, float] = {}
+    bounds: dict[str, float] = {}
     for text in texts:
         name, sign, size = text.partition("=")
         try:
@@ -304,8 +304,8 @@ def _forces(texts: list[str]) -> dict[str, float]:
             value = nan
         if not (name and sign and isfinite(value) and value >= 0):
             raise InputError(f"--force: {text!r}: must be NAME=MAX, a link, load or motor and a finite number >= 0")
-        found[name] = value
-    return found
+        bounds[name] = value
+    return bounds
 
 
 def _lacks_parameters(name: str, given: Mapping[str, object]) -> bool:
@@ -313,8 +313,8 @@ def _lacks_parameters(name: str, given: Mapping[str, object]) -> bool:
     from stribeck import laws
     from stribeck.laws.base import PARAMETERS
 
-    found = laws.find(name)
-    return not set(given) & set(PARAMETERS) and any(found.constants()[n].required for n in found.uses)
+    kind = laws.find(name)
+    return not set(given) & set(PARAMETERS) and any(kind.constants()[n].required for n in kind.uses)
 
 
 def _constants_of(name: str, scenario: Scenario) -> dict[str, float | str | None]:

@@ -60,30 +60,30 @@ def design(
     loaded = source.load()
     with OutputFolder(out, [source.scenario], MACHINES):
         with stages(loaded.name) as share:
-            found = judge(
+            result = judge(
                 loaded, vary=vary or [], compensate=compensate, uncertainty=uncertainty, controller=controller, v_max=v_max,
                 seed=seed, tell=share,
             )  # fmt: skip
-        summary = found.to_dict()
-        files = [] if out is None else write_design(found, summary, out, command_line())
+        summary = result.to_dict()
+        files = [] if out is None else write_design(result, summary, out, command_line())
     if files:
         summary["files"] = files
-    tell(lambda: _document(found, source.scenario, out), summary if json else None, None if json else files)
-    if found.failed is not None:
-        failed(loaded.name, found.failed)
+    tell(lambda: _document(result, source.scenario, out), summary if json else None, None if json else files)
+    if result.failed is not None:
+        failed(loaded.name, result.failed)
         return 1
     return 0
 
 
-def _document(found: Design | ServoDesign, path: Path, out: Path | None) -> Document:
+def _document(result: Design | ServoDesign, path: Path, out: Path | None) -> Document:
     """What is told, under the file's name, with the next step."""
     from stribeck.loops import Design
 
-    document = found.document()
-    if not isinstance(found, Design):
+    document = result.document()
+    if not isinstance(result, Design):
         return document
     again = f"stribeck design {shlex.quote(str(path))} --compensate"
-    if not found.compensations and not found.why_not:
+    if not result.compensations and not result.why_not:
         following = again, "compare remedies against friction"
     elif out is None:
         following = f"{again} --out design", "write the page and the machine"

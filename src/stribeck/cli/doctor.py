@@ -122,16 +122,16 @@ def _compiler() -> CompilerFound:
 
     from stribeck.simulation import compiler
 
-    found = compiler.find()
-    if found is None:
+    cc = compiler.find()
+    if cc is None:
         return {"command": None, "version": None}
     try:
-        asked = compiler.called([*found.command, "--version"], found.command[0], _ANSWERS_WITHIN, Path(gettempdir()))
+        asked = compiler.called([*cc.command, "--version"], cc.command[0], _ANSWERS_WITHIN, Path(gettempdir()))
         lines = (asked.stdout or asked.stderr).splitlines()
         first = lines[0] if lines else "does not answer to --version"
     except BuildError as error:
         first = str(error)
-    return {"command": " ".join(found.command), "version": one_line(first)}
+    return {"command": " ".join(cc.command), "version": one_line(first)}
 
 
 def _cache() -> CacheFound:

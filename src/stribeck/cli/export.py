@@ -207,28 +207,28 @@ def _law(
 
     own_law, rotary_body = _of(rig, contact) if rig is not None else (None, False)
     if name is not None:
-        found = laws.find(name)
+        kind = laws.find(name)
     elif own_law is not None:
-        found = type(own_law)
+        kind = type(own_law)
     else:
         raise InputError("LAW: missing: must be given, unless --scenario names it")
     given = parse_assignments(assignments)
     values, rotary = {}, False
     if parameters is not None:
-        values = laws.parameters_for(found, parameters, given=given)
+        values = laws.parameters_for(kind, parameters, given=given)
         rotary = parameter_sets.load(parameters, needs=()).rotary
     elif rig is not None and own_law is not None:
         if (whole := contact_law(rig, contact)).inputs:
-            if found is not type(own_law):
+            if kind is not type(own_law):
                 text = f"would be lost: the contact's law is {own_law.name!r}, not {name!r}"
                 raise InputError(f"{', '.join(whole.beside)}: {text}")
             return _at_contact(whole, given)
-        own = found.own_constants()
-        values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in own}
+        constants = kind.own_constants()
+        values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in constants}
         rotary = rotary_body
-    if problems := found.problems({**values, **given}):
+    if problems := kind.problems({**values, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])
-    law = found({**values, **given}, rotary)
+    law = kind({**values, **given}, rotary)
     if name is not None and ".py:" in name:
         if trouble := laws.trouble(law):
             raise InputError(f"{name!r}: {trouble}")

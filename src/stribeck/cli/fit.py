@@ -208,17 +208,17 @@ def _fit(
         with progress("fit") as share:
             given["progress"] = share
             if "logs" in given:
-                found = _of_machine(data[0], laws, assignments, given | {"folder": out})
+                result = _of_machine(data[0], laws, assignments, given | {"folder": out})
             else:
-                found = _of_log(data, laws, assignments, given)
+                result = _of_log(data, laws, assignments, given)
         written: list[str] = []
         try:
             if out is not None:
-                write_fit(found, out, command_line(), written)
+                write_fit(result, out, command_line(), written)
         finally:  # while the page is drawn, too: what was found is said
-            _show(found, data, written, out, verbose=verbose, json=json)
-    missed = found.status == "done" and unmet(found, given["require"])
-    return 1 if missed else {"done": 0, "stopped": 130}.get(found.status, 1)
+            _show(result, data, written, out, verbose=verbose, json=json)
+    missed = result.status == "done" and unmet(result, given["require"])
+    return 1 if missed else {"done": 0, "stopped": 130}.get(result.status, 1)
 
 
 def _of_log(data: list[Path], laws: list[str], assignments: list[str], given: record.Keywords) -> Fit:
@@ -245,7 +245,7 @@ def sought(texts: Sequence[str]) -> dict[str, object]:
     """``PATH=LOW:HIGH``, or ``PATH=TABLE`` as in LOGS.toml, as a mapping."""
     from stribeck.scenario import parse_assignment
 
-    found: list[tuple[str, object]] = []
+    ranges: list[tuple[str, object]] = []
     for text in texts:
         path, _, given = text.partition("=")
         ends = given.split(":")
@@ -256,57 +256,57 @@ def sought(texts: Sequence[str]) -> dict[str, object]:
         table: object = parse_assignment(text)[1] if "{" in given else pair
         if not path.strip() or not (isinstance(table, dict) or len(pair) == 2):
             raise InputError(f"--unknown: {text!r}: must be PATH=LOW:HIGH, or PATH={{ low = X, high = X, start = X }}")
-        found.append((path.strip(), table))
-    refuse_twice([path for path, _ in found], "--unknown")
-    return dict(found)
+        ranges.append((path.strip(), table))
+    refuse_twice([path for path, _ in ranges], "--unknown")
+    return dict(ranges)
 
 
 def shares(texts: Sequence[str]) -> dict[str, float]:
     """``NAME=5%``, or ``NAME=0.05``, as a mapping."""
-    found: list[tuple[str, float]] = []
+    half_widths: list[tuple[str, float]] = []
     for text in texts:
         name, _, given = text.partition("=")
         number, sign, rest = given.strip().partition("%")
         try:
-            found.append((name.strip(), float(number) / (100 if sign else 1)))
+            half_widths.append((name.strip(), float(number) / (100 if sign else 1)))
         except ValueError:
             rest = text
         if rest or not name.strip():
             raise InputError(f"--require: {text!r}: must be NAME=SHARE, such as F_c=5%")
-    refuse_twice([name for name, _ in found], "--require")
-    return dict(found)
+    refuse_twice([name for name, _ in half_widths], "--require")
+    return dict(half_widths)
 
 
 def _by_contact(texts: Sequence[str]) -> dict[str, list[str]]:
     """``CONTACT=NAME,NAME`` as a mapping."""
-    found = []
+    laws = []
     for text in texts:
         contact, equals, names = text.partition("=")
         if not equals or not contact or not names:
             raise InputError(f"--law: {text!r}: must be CONTACT=NAME,NAME with --logs")
-        found.append((contact.strip(), [name.strip() for name in names.split(",")]))
-    refuse_twice([contact for contact, _ in found], "--law")
-    return dict(found)
+        laws.append((contact.strip(), [name.strip() for name in names.split(",")]))
+    refuse_twice([contact for contact, _ in laws], "--law")
+    return dict(laws)
 
 
 # -- show ------------------------------------------------------------------------------------------------------------
 
 
-def _show(found: Fit, data: list[Path], written: list[str], out: Path | None, *, verbose: bool, json: bool) -> None:
+def _show(result: Fit, data: list[Path], written: list[str], out: Path | None, *, verbose: bool, json: bool) -> None:
     """Print the fit, and what comes next."""
     from stribeck.identify.result import LogFit
 
-    summary = found.to_dict()
-    if isinstance(found, LogFit) and (log := found.log) is not None:
+    summary = result.to_dict()
+    if isinstance(result, LogFit) and (log := result.log) is not None:
         about = {"rows": len(log), "quality": list(log.quality), "sources": log.sources}
         summary["data"] = {"files": [str(p) for p in data], **about}
 
     def document() -> Document:
         following = None
-        if written and isinstance(found, LogFit):
+        if written and isinstance(result, LogFit):
             following = f"stribeck predict other.csv --fit {shlex.quote(str(out))}", ""
         elif any(name.endswith("machine.toml") for name in written):
             following = f"stribeck run {shlex.quote(str(out))}/machine.toml --out run", ""
-        return replace(found.document(), next=following)
+        return replace(result.document(), next=following)
 
     tell(document, {**summary, "files": written} if json else None, None if json else written, verbose)

@@ -38,9 +38,9 @@ def import_(
         data = exchange.tables(Scenario.load(file))
         text = json_.dumps(exchange.to_bam(data), indent=2) + "\n" if kind == "bam" else exchange.to_mujoco(data)
     else:
-        made = exchange.from_bam(file) if kind == "bam" else exchange.from_mujoco_file(file)
-        Scenario(made)  # what is written is valid
-        text = f"# From {printable(file.name)}, by stribeck import {kind}\n" + tomli_w.dumps(made)
+        tables = exchange.from_bam(file) if kind == "bam" else exchange.from_mujoco_file(file)
+        Scenario(tables)  # what is written is valid
+        text = f"# From {printable(file.name)}, by stribeck import {kind}\n" + tomli_w.dumps(tables)
     if out is None:
         print(text, end="")
     else:

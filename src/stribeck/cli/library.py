@@ -30,12 +30,12 @@ def library(
     """List friction laws, parameter sets and machines with their sources; a NAME shows its details."""
     from stribeck.laws import library as shelf
 
-    found = shelf.library(*(name or ()))
-    files = [] if out is None else [_write(found, name or [], out)]
+    selection = shelf.library(*(name or ()))
+    files = [] if out is None else [_write(selection, name or [], out)]
     if json:
-        print_json(found.to_dict())
+        print_json(selection.to_dict())
         return 0
-    documents = found.documents() if name else [found.document()]
+    documents = selection.documents() if name else [selection.document()]
     from stribeck.mouth import terminal
 
     for i, document in enumerate(documents):
@@ -45,7 +45,7 @@ def library(
     return 0
 
 
-def _write(found: Library, names: list[str], out: Path) -> str:
+def _write(selection: Library, names: list[str], out: Path) -> str:
     """Write the machine as a scenario file, with its source above; its path.
 
     Raises:
@@ -56,10 +56,10 @@ def _write(found: Library, names: list[str], out: Path) -> str:
     from stribeck.files import write_text
     from stribeck.scenario import Scenario
 
-    if len(names) != 1 or len(found.machines) != 1:
+    if len(names) != 1 or len(selection.machines) != 1:
         raise InputError(f"--out: needs the NAME of one machine, not {', '.join(names) or 'none'}")
     check_file("--out", out)
-    (machine,) = found.machines.values()
+    (machine,) = selection.machines.values()
     Scenario(dict(machine.machine))  # a file that is written can be run
     words = ("title", "source", "record", "licence", "date")
     about = "".join(f"# {word}: {getattr(machine, word)}\n" for word in words)

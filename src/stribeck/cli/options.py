@@ -63,22 +63,22 @@ def _spread(function: Callable[..., int]) -> Callable[..., int]:
     groups: dict[str, Any] = {n: kind for n, kind in kinds.items() if is_dataclass(kind)}
 
     def called(**given: Any) -> int:
-        made = {n: kind(**{f.name: given.pop(f.name) for f in fields(kind)}) for n, kind in groups.items()}
-        return function(**made, **given)
+        filled = {n: kind(**{f.name: given.pop(f.name) for f in fields(kind)}) for n, kind in groups.items()}
+        return function(**filled, **given)
 
     parameters = []
     for name, parameter in inspect.signature(function).parameters.items():
-        own = [parameter.replace(annotation=kinds[name], kind=parameter.KEYWORD_ONLY)]
+        replacing = [parameter.replace(annotation=kinds[name], kind=parameter.KEYWORD_ONLY)]
         if (kind := groups.get(name)) is not None:
             hints = get_type_hints(kind, include_extras=True)
-            own = [
+            replacing = [
                 inspect.Parameter(
                     f.name, parameter.KEYWORD_ONLY, annotation=hints[f.name],
                     default=parameter.empty if f.default is MISSING else f.default,
                 )
                 for f in fields(kind)
             ]  # fmt: skip
-        parameters += own
+        parameters += replacing
     called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     called.__annotations__ = {p.name: p.annotation for p in parameters}
     called.__name__, called.__doc__ = function.__name__, function.__doc__

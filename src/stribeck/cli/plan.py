@@ -61,19 +61,19 @@ def _limits(text: str) -> Limits:
         InputError: a key is unknown, missing or given twice, or a value is no number.
     """
     known = [field.name for field in fields(Limits)]
-    found: dict[str, float] = {}
+    limits: dict[str, float] = {}
     problems = []
     for part in text.split(","):
         key, value = parse_assignment(part) if "=" in part else (part.strip(), None)
         if key not in known or value is None:
             problems.append(f"--plan: {part!r}: must be one of {', '.join(known)}, followed by = and a number")
-        elif key in found:
+        elif key in limits:
             problems.append(f"--plan {key}: given twice")
         elif isinstance(value, bool) or not isinstance(value, int | float):
             problems.append(f"--plan {key}: {value!r}: must be a number")
         else:
-            found[key] = float(value)
-    problems += [f"--plan {key}: missing" for key in ("stroke", "speed", "force") if key not in found and not problems]
+            limits[key] = float(value)
+    problems += [f"--plan {key}: missing" for key in ("stroke", "speed", "force") if key not in limits and not problems]
     if problems:
         raise InputError(problems)
-    return Limits(**found)
+    return Limits(**limits)

@@ -81,12 +81,14 @@ def _by_fit(data: list[Path], fit: Path, given: Keywords, *, out: Path | None, j
 
     with OutputFolder(out):
         with progress("predict"):
-            found = predicted(data, fit, trust=trust, **given)
-        assert isinstance(found, Predicted)
-        document = found.document()
+            prediction = predicted(data, fit, trust=trust, **given)
+        assert isinstance(prediction, Predicted)
+        document = prediction.document()
         files = [] if out is None else _write(document, out, "prediction.html")
-    about = {"files": [str(p) for p in data], "rows": len(found.traces.time)}
-    tell(lambda: document, {**found.to_dict(), "notes": found.notes(), "data": about} if json else None, files)
+    about = {"files": [str(p) for p in data], "rows": len(prediction.traces.time)}
+    tell(
+        lambda: document, {**prediction.to_dict(), "notes": prediction.notes(), "data": about} if json else None, files
+    )
     return 0
 
 
@@ -107,14 +109,14 @@ def _by_machine(
     with OutputFolder(out):
         loaded = load_scenario(machine, assignments, trust)
         with progress("predict"):
-            found = predicted(data, machine=loaded, **given)
-        assert isinstance(found, Validated)
-        document = found.document()
+            comparison = predicted(data, machine=loaded, **given)
+        assert isinstance(comparison, Validated)
+        document = comparison.document()
         files = [] if out is None else _write(document, out, "validation.html")
-    summary = {**found.to_dict(), "scenario": loaded.name, "data": str(data)}
+    summary = {**comparison.to_dict(), "scenario": loaded.name, "data": str(data)}
     tell(lambda: document, summary if json else None, files)
-    if not found.success:
-        failed(loaded.name, found.reason)
+    if not comparison.success:
+        failed(loaded.name, comparison.reason)
         return 1
     return 0
 

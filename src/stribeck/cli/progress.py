@@ -63,8 +63,8 @@ def _lines(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
     def write() -> None:
         while not done.wait(_EVERY):
             with suppress(OSError, ValueError):  # the reader has gone
-                said = f"{last[0]} after" if last[0] else "running for"
-                print(f"stribeck: {what}: {said} {monotonic() - started:.0f} s", file=sys.stderr, flush=True)
+                state = f"{last[0]} after" if last[0] else "running for"
+                print(f"stribeck: {what}: {state} {monotonic() - started:.0f} s", file=sys.stderr, flush=True)
 
     Thread(target=write, daemon=True).start()
     try:

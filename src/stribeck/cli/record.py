@@ -115,7 +115,7 @@ def constants(assignments: list[str]) -> dict[str, float | str]:
     """``KEY=VALUE`` as a mapping."""
     from stribeck.scenario import parse_assignment
 
-    found: dict[str, float | str] = {}
+    values: dict[str, float | str] = {}
     given = [
         (path.removeprefix("law.").removeprefix("parameters."), x) for path, x in map(parse_assignment, assignments)
     ]
@@ -123,5 +123,5 @@ def constants(assignments: list[str]) -> dict[str, float | str]:
     for name, value in given:
         if isinstance(value, bool) or not isinstance(value, int | float | str):
             raise InputError(f"--set {name}: {shown(value)}: must be a number or a word")
-        found[name] = value if isinstance(value, str) else float(value)
-    return found
+        values[name] = value if isinstance(value, str) else float(value)
+    return values

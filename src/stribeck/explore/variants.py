@@ -57,18 +57,18 @@ def variants(scenario: Scenario, wanted: Iterable[str] | None = None) -> dict[st
     Raises:
         InputError: a law is unknown, or does not accept the scenario's numbers.
     """
-    own = type(scenario.law)
-    found = {scenario.law.name: scenario}
+    own_kind = type(scenario.law)
+    by_law = {scenario.law.name: scenario}
     for name in laws.builtin() if wanted is None else wanted:
         kind = laws.find(name, scenario.folder)
-        if kind is own or kind.name in found:
+        if kind is own_kind or kind.name in by_law:
             continue
         try:
-            found[kind.name] = under(scenario, kind)
+            by_law[kind.name] = under(scenario, kind)
         except InputError:
             if wanted is not None:
                 raise
-    return found
+    return by_law
 
 
 def under(scenario: Scenario, kind: type[Law]) -> Scenario:
@@ -76,16 +76,20 @@ def under(scenario: Scenario, kind: type[Law]) -> Scenario:
     law = scenario.law
     given = {**law.machine, **law.p.numbers}
     machine = {**parameter_sets.load(_SET).values, **{n: x for n, x in given.items() if n in PARAMETERS}}
-    own: dict[str, float | str | None] = {n: word for n, word in law.choices.items() if n in kind.constants()}
+    constants: dict[str, float | str | None] = {n: word for n, word in law.choices.items() if n in kind.constants()}
     for name, constant in kind.own_constants().items():
         if constant.choices:
             continue
         if name in given:
-            own[name] = given[name]
+            constants[name] = given[name]
         elif constant.required or name == "k_v":
-            own[name] = _GUESSES[name](machine) if name in _GUESSES else constant.example or 1.0
+            constants[name] = _GUESSES[name](machine) if name in _GUESSES else constant.example or 1.0
     used = {n: x for n, x in machine.items() if n in PARAMETERS and (n in kind.uses or n in law.machine)}
-    table = {"name": kind({**used, **own}).to_dict()["name"], **own, **({"parameters": used} if used else {})}
+    table = {
+        "name": kind({**used, **constants}).to_dict()["name"],
+        **constants,
+        **({"parameters": used} if used else {}),
+    }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StribeckNote)
         return Scenario({**scenario.data, "law": table}, folder=scenario.folder, trust=True)

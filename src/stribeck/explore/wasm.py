@@ -7,9 +7,9 @@ import ctypes
 from stribeck.simulation.wasm import System, run_struct
 
 
-def shape(made: System) -> dict[str, object]:
+def shape(system: System) -> dict[str, object]:
     """What the runtime must be told of the system before it solves (runtime/any.c), and where memory is free."""
-    return {"numbers": made.shape, "end": made.end}
+    return {"numbers": system.shape, "end": system.end}
 
 
 def layout() -> dict[str, tuple[int, str]]:

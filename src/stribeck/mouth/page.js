@@ -5,6 +5,35 @@ if (copy) {
     try { await navigator.clipboard.writeText(copy.dataset.command); copy.textContent = "copied"; } catch { copy.textContent = copy.dataset.command; }
   };
 }
+// On a narrow screen a figure of two columns becomes one: the right column moves below the left one, the legend shrinks.
+const moved = new Map(); // by picture: the group of the right column, and how far it moved
+const NS = "http://www.w3.org/2000/svg";
+function fold(svg) {
+  const [left, top, wide, high] = svg.getAttribute("viewBox").split(/[ ,]+/).map(Number), room = 8;
+  const frame = svg.getBoundingClientRect(), place = (x) => left + (x - frame.left) / frame.width * wide;
+  const panels = [...svg.querySelectorAll('g[id*="-axes_"]')].map((group) => { // with its labels, and without what is clipped
+    const parts = [group.querySelector("path"), ...group.querySelectorAll("text")].map((each) => each.getBoundingClientRect());
+    return { group, from: place(Math.min(...parts.map((each) => each.left))), to: place(Math.max(...parts.map((each) => each.right))) };
+  });
+  const right = panels.filter(({ from }) => from > left + wide * 0.4), others = panels.filter((each) => !right.includes(each));
+  if (!right.length || !others.length || others.some(({ to }) => to > left + wide * 0.6)) return;
+  const legends = [...svg.querySelectorAll('g[id*="-legend_"]')].filter((each) => !each.closest('g[id*="-axes_"]'));
+  const above = Math.max(top, ...legends.map((each) => { const box = each.getBBox(); return box.y + box.height; }));
+  const start = (some) => Math.min(...some.map(({ from }) => from)), end = (some) => Math.max(...some.map(({ to }) => to));
+  const [dx, dy] = [start(others) - start(right), top + high - above], group = document.createElementNS(NS, "g");
+  const width = Math.max(end(others), end(right) + dx) + room - left;
+  right[0].group.before(group);
+  group.append(...right.map((each) => each.group));
+  group.setAttribute("transform", `translate(${dx} ${dy})`);
+  for (const legend of legends) {
+    const box = legend.getBBox(), share = Math.min(1, (width - room) / box.width);
+    legend.setAttribute("transform", `translate(${left + room / 2 - share * box.x} ${(1 - share) * box.y}) scale(${share})`);
+  }
+  svg.setAttribute("viewBox", [left, top, width, high + dy].join(" "));
+  svg.style.minWidth = 0;
+  moved.set(svg, { group, dx, dy, from: top + high });
+}
+if (matchMedia("(max-width: 40rem)").matches) document.querySelectorAll("figure svg[viewBox]").forEach(fold);
 // Pictures: + and - or Ctrl and the wheel zoom where the pointer is, dragging moves, Escape or a double click shows all.
 for (const svg of document.querySelectorAll("figure svg[viewBox]")) {
   const whole = svg.getAttribute("viewBox").split(/[ ,]+/).map(Number);
@@ -80,8 +109,8 @@ function read(svg) {
     panel.x.label ||= panels.find((p) => p.x.label && p.box[0] === panel.box[0] && String(p.x.ends) === String(panel.x.ends))?.x.label ?? "";
     panel.y.label ||= panels.find((p) => p.y.label && p.box[1] === panel.box[1] && String(p.y.ends) === String(panel.y.ends))?.y.label ?? panel.title;
   }
-  let at = null;
-  const mark = document.createElementNS("http://www.w3.org/2000/svg", "circle");
+  let at = null, below = false; // a place in the drawing as it was drawn, and whether it was moved since
+  const mark = document.createElementNS(NS, "circle");
   mark.setAttribute("class", "reading");
   const curves = (panel) => {
     if (!known.has(panel)) {
@@ -129,7 +158,7 @@ function read(svg) {
     if (found.mark) {
       mark.setAttribute("cx", found.mark.p[0]); mark.setAttribute("cy", found.mark.p[1]); mark.setAttribute("r", 3);
       mark.style.stroke = found.mark.curve.colour;
-      svg.append(mark);
+      (below ? moved.get(svg).group : svg).append(mark);
     }
     tip.replaceChildren(...found.words.map(([text, colour]) => {
       const row = Object.assign(document.createElement("div"), { textContent: text });
@@ -141,7 +170,11 @@ function read(svg) {
     tip.style.top = `${y + tip.offsetHeight + 24 > innerHeight ? y - tip.offsetHeight - 10 : y + 14}px`;
   };
   const hide = () => { tip.hidden = true; mark.remove(); };
-  const over = (e) => { const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(svg.getScreenCTM().inverse()); at = [p.x, p.y]; show(e.clientX, e.clientY); };
+  const over = (e) => { const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(svg.getScreenCTM().inverse()), { dx, dy, from } = moved.get(svg) ?? {};
+    below = p.y > from;
+    at = below ? [p.x - dx, p.y - dy] : [p.x, p.y];
+    show(e.clientX, e.clientY);
+  };
   svg.addEventListener("pointermove", over);
   svg.addEventListener("pointerdown", over);
   svg.addEventListener("pointerleave", (e) => { if (e.pointerType !== "touch") hide(); });

@@ -77,26 +77,26 @@ def figure(layout: Sequence[Sequence[str]], height: float) -> tuple[Figure, dict
     """A page-wide figure with panels named as in ``layout``, ``height`` in inches. Call within :func:`style`."""
     from matplotlib.figure import Figure as NewFigure
 
-    made = NewFigure(figsize=(7.2, height), layout="constrained")
-    axes = made.subplot_mosaic([list(row) for row in layout])
+    blank = NewFigure(figsize=(7.2, height), layout="constrained")
+    axes = blank.subplot_mosaic([list(row) for row in layout])
     for axis in axes.values():
         axis.locator_params(nbins=6)
-    return made, axes
+    return blank, axes
 
 
-def svg(made: Figure) -> str:
+def svg(figure: Figure) -> str:
     """The figure as SVG text, from which a page can read values; the same figure gives the same text. Call within
     :func:`style`."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     buffer = io.StringIO()
-    FigureCanvasSVG(made)
-    if (layout := made.get_layout_engine()) is not None:
-        layout.execute(made)  # once, and not for every format
-        made.set_layout_engine("none")
-    told = marked(made)
-    made.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    return buffer.getvalue().replace("<svg ", f"<svg {told} ", 1) if told else buffer.getvalue()
+    FigureCanvasSVG(figure)
+    if (layout := figure.get_layout_engine()) is not None:
+        layout.execute(figure)  # once, and not for every format
+        figure.set_layout_engine("none")
+    attribute = marked(figure)
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    return buffer.getvalue().replace("<svg ", f"<svg {attribute} ", 1) if attribute else buffer.getvalue()
 
 
 def thin(x: Array, y: Array) -> tuple[Array, Array]:
@@ -180,7 +180,7 @@ def number(x: float) -> str:
     return ("\N{MINUS SIGN}" if x < 0 else "") + _power(abs(x))
 
 
-def legend(made: Figure, axis: Axes, names: Sequence[str] | None = None) -> None:
+def legend(figure: Figure, axis: Axes, names: Sequence[str] | None = None) -> None:
     """One legend for the whole figure, above the panels, from one panel's lines (those of ``names``)."""
     handles, labels = axis.get_legend_handles_labels()
     if names is not None:
@@ -191,7 +191,7 @@ def legend(made: Figure, axis: Axes, names: Sequence[str] | None = None) -> None
     room = 88  # characters beside each other at the legend's size, a line's sample counted as six
     fits = max(1, room // (6 + max(map(len, labels), default=0)))
     columns = len(labels) if sum(len(label) + 6 for label in labels) <= room else min(fits, (len(labels) + 1) // 2)
-    made.legend(handles, labels, loc="outside upper center", ncols=columns)
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
 def key(axis: Axes, names: Sequence[str], beside: int) -> None:
@@ -203,23 +203,23 @@ def key(axis: Axes, names: Sequence[str], beside: int) -> None:
     )
 
 
-def finish(made: Figure, name: str, caption: str) -> FigureSvg:
+def finish(figure: Figure, name: str, caption: str) -> FigureSvg:
     """The drawn figure as SVG under a name, with its caption. Call within :func:`style`."""
-    return FigureSvg(name, svg(made), caption)
+    return FigureSvg(name, svg(figure), caption)
 
 
 def drawn(figure: Picture) -> FigureSvg | None:
     """A document's figure as SVG; None where there is nothing to draw."""
     with style():
-        made = figure.draw()
-        return None if made is None else finish(made, figure.name, figure.caption)
+        canvas = figure.draw()
+        return None if canvas is None else finish(canvas, figure.name, figure.caption)
 
 
-def png(made: Figure) -> bytes:
+def png(figure: Figure) -> bytes:
     """A figure that :func:`svg` has laid out as PNG. Call within :func:`style`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     buffer = io.BytesIO()
-    FigureCanvasAgg(made)
-    made.savefig(buffer, format="png", dpi=160, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
+    FigureCanvasAgg(figure)
+    figure.savefig(buffer, format="png", dpi=160, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
     return buffer.getvalue()

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 DPI = 72.0  # of an SVG: its unit is a point
 
 
-def marked(made: Figure) -> str:
+def marked(figure: Figure) -> str:
     """An attribute ``data-axes`` that tells of every panel of a laid out figure; its lines get ids by which it names them."""
-    told = [_panel(axis, k, made) for k, axis in enumerate(made.axes) if axis.axison and _is_read(axis)]
-    return f'data-axes="{escape(json.dumps(told, separators=(",", ":")))}"' if told else ""
+    panels = [_panel(axis, k, figure) for k, axis in enumerate(figure.axes) if axis.axison and _is_read(axis)]
+    return f'data-axes="{escape(json.dumps(panels, separators=(",", ":")))}"' if panels else ""
 
 
 def _is_read(axis: Axes) -> bool:
@@ -29,11 +29,11 @@ def _is_read(axis: Axes) -> bool:
     return axis.get_label() != "<colorbar>" and {axis.get_xscale(), axis.get_yscale()} <= {"linear", "log", "asinh"}
 
 
-def _panel(axis: Axes, k: int, made: Figure) -> dict[str, object]:
-    width, height = made.get_size_inches() * DPI
+def _panel(axis: Axes, k: int, figure: Figure) -> dict[str, object]:
+    width, height = figure.get_size_inches() * DPI
     place = axis.get_position()
     box = [place.x0 * width, (1 - place.y1) * height, place.width * width, place.height * height]
-    found: dict[str, object] = {
+    panel: dict[str, object] = {
         "box": [round(x, 2) for x in box],
         "title": _plain(axis.get_title(loc="left") or axis.get_title()),
         "x": _scale(axis.xaxis, axis.get_xlim()),
@@ -41,40 +41,40 @@ def _panel(axis: Axes, k: int, made: Figure) -> dict[str, object]:
         "lines": _lines(axis, k),
     }
     if (cells := _cells(axis)) is not None:
-        found["cells"] = cells
-    return found
+        panel["cells"] = cells
+    return panel
 
 
 def _lines(axis: Axes, k: int) -> list[list[str]]:
     """The id and the name of whatever has points that can be read off."""
-    found = []
+    lines = []
     for j, drawn in enumerate((*axis.get_lines(), *axis.collections)):
         if type(drawn).__name__ not in ("Line2D", "PathCollection") or drawn.get_rasterized():
             continue
         if drawn.get_gid() is None:
             drawn.set_gid(f"line-{k}-{j}")
         label = str(drawn.get_label())
-        found.append([str(drawn.get_gid()), "" if label.startswith("_") else _plain(label)])
-    return found
+        lines.append([str(drawn.get_gid()), "" if label.startswith("_") else _plain(label)])
+    return lines
 
 
 def _scale(axis: Axis, limits: tuple[float, float]) -> dict[str, object]:
     """Label, kind and limits of a scale; words that stand in the place of numbers."""
     from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter
 
-    found: dict[str, object] = {"label": _plain(axis.get_label_text()), "ends": [float(f"{x:.9g}") for x in limits]}
+    scale: dict[str, object] = {"label": _plain(axis.get_label_text()), "ends": [float(f"{x:.9g}") for x in limits]}
     kind = axis.get_scale()
     if kind != "linear":
-        found["kind"] = kind
+        scale["kind"] = kind
     if kind == "asinh":
-        found["width"] = float(f"{getattr(axis.get_transform(), 'linear_width', 1.0):.9g}")
+        scale["width"] = float(f"{getattr(axis.get_transform(), 'linear_width', 1.0):.9g}")
     locator, formatter = axis.get_major_locator(), axis.get_major_formatter()
     if kind == "linear" and isinstance(locator, FixedLocator) and isinstance(formatter, FixedFormatter | FuncFormatter):
         places = [float(x) for x in np.asarray(locator(), float)]
-        at = list(zip(places, map(_plain, formatter.format_ticks(places)), strict=True))
-        if any(text and not text[-1:].isdigit() for _, text in at):
-            found["words"] = at
-    return found
+        ticks = list(zip(places, map(_plain, formatter.format_ticks(places)), strict=True))
+        if any(text and not text[-1:].isdigit() for _, text in ticks):
+            scale["words"] = ticks
+    return scale
 
 
 def _cells(axis: Axes) -> dict[str, object] | None:

@@ -79,8 +79,8 @@ def _chapter(chapter: Chapter, verbose: bool) -> Iterator[str]:
 
 def _said(text: str, indent: int = 0, first: str = "", wide: int | None = None) -> list[str]:
     """Text on lines that end between words."""
-    found = _folded(printable(" ".join(text.split())), wide or width(), first, " " * indent)
-    return found or [first.rstrip()]
+    folded = _folded(printable(" ".join(text.split())), wide or width(), first, " " * indent)
+    return folded or [first.rstrip()]
 
 
 def _folded(text: str, wide: int, first: str = "", other: str = "") -> list[str]:
