@@ -10,6 +10,7 @@ typedef struct {
     double m, sigma_0, sigma_1, sigma_2, F_c, F_s, v_s;                 /* of mass and contact */
     double K_p, K_i, K_d, r, limit, period, delay, resolution;          /* of the controller; period 0: continuous */
     double t, x[N];                                                     /* time; position, speed, deflection, integral */
+    double low, high;                                                   /* of the position, at the solver's steps */
     double h, u, total, last, taken;                                    /* of the solver and the sampled controller */
     double act[QUEUE], asked[QUEUE], first, count;                      /* outputs that are computed, but not yet applied */
 } Loop;
@@ -93,6 +94,7 @@ static void solve_to(Loop *p, double end)
         if (error <= 1) {
             memcpy(p->x, y, sizeof y);
             p->t = ends ? end : p->t + h;
+            p->low = fmin(p->low, y[0]), p->high = fmax(p->high, y[0]);
         }
         if (!(error <= 1) || !ends || factor < 1) p->h = h * (error >= 0 ? factor : 0.1);
         else p->h = fmax(p->h, h * factor);
@@ -116,6 +118,7 @@ int march(Loop *p, double seconds, int rows, double *positions, double *outputs)
 {
     const double begun = p->t, end = p->t + seconds;
     int row = 0;
+    p->low = p->high = p->x[0];
     if (!(p->period > 0)) {
         for (; row < rows; row++) {
             solve_to(p, begun + seconds * row / (rows - 1));

@@ -41,7 +41,7 @@ LONGEST = 40_000  # slowest time constants that are simulated at most
 BY_CHANCE = 100  # slowest time constants of swings before rest, from which on an irregular cycle may rest by chance
 FIELDS = dict.fromkeys(
     ("m", "sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s", "K_p", "K_i", "K_d", "r", "limit", "period", "delay",
-     "resolution", "t", "x", "h", "u", "total", "last", "taken", "act", "asked", "first", "count"), 1,
+     "resolution", "t", "x", "low", "high", "h", "u", "total", "last", "taken", "act", "asked", "first", "count"), 1,
 ) | {"x": 4, "act": 256, "asked": 256}  # fmt: skip
 Data = dict[str, Any]
 
@@ -175,8 +175,8 @@ def verdict(data: Data, slowest: float, start: tuple[float, float] = (0.0, 0.0))
         y, charged = motion.on(stretch)
         if not np.isfinite(y).all() or np.abs(y - c["signal"]["value"]).max() > 1e3 * max(move, 1e-3):
             return "unstable", math.inf, motion.t
-        low, high = min(low, float(y.min())), max(high, float(y.max()))
-        rest, swing = max(REST * max(high - low, c["signal"]["value"]), resolution), float(np.ptp(y))
+        low, high, swing = min(low, motion.low), max(high, motion.high), motion.high - motion.low
+        rest = max(REST * max(high - low, c["signal"]["value"]), resolution)
         if swing > rest:
             moved, stretch = motion.t, CHUNK * slowest
             swings.append(swing)
