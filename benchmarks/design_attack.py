@@ -38,6 +38,7 @@ CHUNK = 25  # slowest time constants between two looks of the judgement apart
 ROWS = 250  # of a chunk
 REST = 1e-6  # of its travel, or of the file's move: rest of a body without an encoder
 LONGEST = 40_000  # slowest time constants that are simulated at most
+MOVING = 5_000  # the same of irregular swings: whether and when they come to rest later is chance
 BY_CHANCE = 100  # slowest time constants of swings before rest, from which on an irregular cycle may rest by chance
 FIELDS = dict.fromkeys(
     ("m", "sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s", "K_p", "K_i", "K_d", "r", "limit", "period", "delay",
@@ -185,6 +186,8 @@ def verdict(data: Data, slowest: float, start: tuple[float, float] = (0.0, 0.0))
             if len(far) == 16 and not drifts and motion.t > 400 * slowest and max(far) < 1.02 * min(far) + 0.2 * rest:
                 limit = c.get("limit", math.inf)
                 return ("unstable" if swing > 0.1 * limit / c["K_p"] else "hunting"), swing, motion.t
+            if motion.t > MOVING * slowest and not drifts:
+                break
             continue
         swings = []
         if motion.t > 2 * moved + 200 * slowest and abs(charged) * longest / stretch < 0.5 * F_s:
