@@ -23,6 +23,9 @@ SCENARIO = Scenario(VALID["force_points"])
     [
         ("law.k_v=1e7", "law.k_v", 1e7),
         ("law.k_v = 10_000", "law.k_v", 10_000),
+        ("law.k_v=-.5e3", "law.k_v", -500.0),
+        ("law.k_v=5.", "law.k_v", 5.0),
+        ("name=.a5", "name", ".a5"),
         ("output.energy=true", "output.energy", True),
         ("law.name=lugre", "law.name", "lugre"),
         ("law.name='lugre'", "law.name", "lugre"),
@@ -39,7 +42,7 @@ SCENARIO = Scenario(VALID["force_points"])
         ("name=" + "[" * 50_000, "name", "[" * 50_000),
         ("name=" + "9" * 5_000, "name", "9" * 5_000),
     ],
-    ids=range(17),
+    ids=range(20),
 )
 def test_assignments(text, path, value):
     assert parse_assignment(text) == (path, value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable
 from typing import Any
@@ -9,10 +10,11 @@ from typing import Any
 from stribeck.errors import InputError, arg, refuse_twice
 
 Toml = Any  # a value as tomllib gives it
+_DECIMAL = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?")  # .5 or 5., where TOML wants digits on both sides
 
 
 def parse_assignment(text: str) -> tuple[str, Toml]:
-    """Read ``PATH=VALUE`` as a path and a TOML value; anything else than TOML is text.
+    """Read ``PATH=VALUE`` as a path and a TOML value; ``.5`` and ``5.`` are numbers too, anything else is text.
 
     Raises:
         InputError: if there is no '=' or no path.
@@ -24,7 +26,8 @@ def parse_assignment(text: str) -> tuple[str, Toml]:
     try:
         read = tomllib.loads(f"x = {value}")
     except (ValueError, RecursionError):
-        return path, value.strip()
+        text = value.strip()
+        return path, float(text) if _DECIMAL.fullmatch(text) else text
     return path, read["x"] if len(read) == 1 else value.strip()
 
 
