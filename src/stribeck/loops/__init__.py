@@ -151,6 +151,8 @@ def design(
     part = partial(_share_callback, tell)
     judgement = judge(loop, tell=part("the verdict"))[0]
     starts = from_starts(loop, name, part("the starts"))
+    if tell is not None:
+        tell(0.0, "the tracking errors")
     tracked = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
     compensations, excess_share, why_not = _compensations(loop, name, samples, compensate, tell)
