@@ -18,7 +18,7 @@ from typing import Any
 
 import coverage_records as records
 import numpy as np
-from measure import machine, options, say, table, write
+from measure import environment, machine, options, say, table, write
 
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
@@ -79,7 +79,8 @@ def static(folder: Path, files: list[str], law: str) -> Callable[[], object]:
     """A whole command: reading, fit, intervals, pictures and page."""
     words = ["fit", *files, "--time", "t", "--position", "q", "--force", "F", "--out", str(folder / "out")]
     words += ["--law", law] if law else []
-    return lambda: subprocess.run([sys.executable, "-m", "stribeck", *words], check=True, stdout=subprocess.DEVNULL)
+    command = [sys.executable, "-m", "stribeck", *words]
+    return lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment())
 
 
 def main() -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from measure import machine, options, spread, table, write
+from measure import environment, machine, options, spread, table, write
 from problems import LIMIT_CYCLE
 
 KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
@@ -37,11 +37,10 @@ class Case:
     def run(self) -> None:
         """Run once, keeping time and memory."""
         cache, arguments = self.prepare()
-        environment = {**os.environ, "STRIBECK_CACHE": str(cache)}
         started = perf_counter()
         process = subprocess.Popen(
-            [*self.command, *arguments], env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
+            [*self.command, *arguments], env=environment(STRIBECK_CACHE=str(cache)), stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
         )  # fmt: skip
         assert process.stderr is not None
         complaint = process.stderr.read()
