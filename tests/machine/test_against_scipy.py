@@ -100,7 +100,8 @@ MACHINES = {
     "dither": with_contact(controllers={"u": {**PID, "limit": 9.0, "dither": {"amplitude": 3.0, "frequency": 9.0}}}),
     "sampled_dither": with_contact(
         controllers={"u": {
-            **CASCADE, "sampling": SAMPLING, "dither": {"kind": "square", "amplitude": 3.0, "frequency": 12.5},
+            **CASCADE, "sampling": SAMPLING,
+            "dither": {"kind": "square", "amplitude": 3.0, "frequency": 10.0},  # its edges are at samples
         }},
     ),
     "sampled_noise": with_contact(

@@ -13,6 +13,7 @@ from stribeck.machine.table import FileTable, quantity
 
 PHASE = "phase"  # the share of a wave that has passed: what a sampled controller keeps of it
 WAVES_A_STEP = 0.125  # at most, of a step of the solver: none is missed
+_EDGE = 1e-9  # of a wave: a sample so little before an edge is at it; 1e6 samples' rounding adds up to 1e-10
 
 
 class Dither(FileTable):
@@ -24,7 +25,7 @@ class Dither(FileTable):
 
     def force(self, phase: Value) -> Expr:
         """What is added after ``phase`` of a wave; it begins at 0 and upwards."""
-        wave = sin(2 * pi * phase) if self.kind == "sine" else where(phase < 0.5, 1.0, -1.0)
+        wave = sin(2 * pi * phase) if self.kind == "sine" else where(phase < 0.5 - _EDGE, 1.0, -1.0)
         return wrap(self.amplitude * wave)
 
     def at(self, t: Expr) -> Expr:
@@ -34,4 +35,4 @@ class Dither(FileTable):
     def next_phase(self, phase: Value, period: Value) -> Expr:
         """The phase at the next sample."""
         on = phase + self.frequency * period
-        return wrap(where(on >= 1, on - 1, on))
+        return wrap(where(on >= 1 - _EDGE, on - 1, on))
