@@ -140,8 +140,8 @@ static int step(const Problem *p, real t, real h, int late, const real *x, real 
     return 0;
 }
 
-/* Rows of t, y, v, z, F; how many were reached. */
-int reference(const Problem *p, int rows, double row_step, double *out)
+/* Rows of t, y, v, z, F, and the peaks of the same over the motion, at each step; how many rows were reached. */
+int reference(const Problem *p, int rows, double row_step, double *out, double *peaks)
 {
     real x[MOST] = {0}, t = 0, h = (real)row_step * 1e-6L, peak[MOST] = {0}, peak_F = 0, F, dx[MOST];
     const int n = states(p);
@@ -179,6 +179,8 @@ int reference(const Problem *p, int rows, double row_step, double *out)
                 t = ends ? stop : t + length;
                 for (int j = 0; j < n; j++) peak[j] = fmaxl(peak[j], fabsl(x[j]));
                 peak_F = fmaxl(peak_F, fabsl(F_two));
+                peaks[0] = (double)t, peaks[4] = (double)peak_F;
+                for (int j = 0; j < 3; j++) peaks[j + 1] = (double)peak[j];
             }
             real factor = 0.9L * powl(error + 1e-10L, -1.0L / 6);
             factor = fminl(4, fmaxl(0.1L, factor));

@@ -102,23 +102,24 @@ def _constants(name: str) -> set[str]:
     return set(builtin()[name].constants())
 
 
-def reference(library: ctypes.CDLL, p: Case, tolerance: float) -> np.ndarray[Any, Any] | None:
-    """Rows of t, y, v, z, F; None where they were not reached."""
+def reference(library: ctypes.CDLL, p: Case, tolerance: float) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]] | None:
+    """Rows of t, y, v, z, F and the peaks of these over the motion, also between rows; None where it was not solved."""
     places = {"law": LAWS, "drive": DRIVES, "signal": SIGNALS}
     given = {**p, "tolerance": tolerance, "most": MOST_STEPS}
     numbers = [float(places[n].index(given[n]) if n in places else given[n]) for n in FIELDS]
-    out = np.full((ROWS, 5), np.nan)
+    out, peaks = np.full((ROWS, 5), np.nan), np.zeros(5)
     problem = (ctypes.c_double * len(FIELDS))(*numbers)
     step = ctypes.c_double(p["t_end"] / (ROWS - 1))
-    reached = library.reference(problem, ROWS, step, ctypes.c_void_p(out.ctypes.data))
-    return out if reached == ROWS else None
+    reached = library.reference(problem, ROWS, step, *(ctypes.c_void_p(x.ctypes.data) for x in (out, peaks)))
+    return (out, peaks) if reached == ROWS else None
 
 
 def outcome(library: ctypes.CDLL, p: Case) -> tuple[str, dict[str, float]]:
     """What became of a set, and the errors as parts of the peaks."""
-    fine, coarse = (reference(library, p, tolerance) for tolerance in TOLERANCES)
-    if fine is None or coarse is None:
+    solved = [reference(library, p, tolerance) for tolerance in TOLERANCES]
+    if solved[0] is None or solved[1] is None:
         return "no reference", {}
+    (fine, peaks), (coarse, _) = solved
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
         found = stribeck.simulate(scenario_of(p))
@@ -127,7 +128,7 @@ def outcome(library: ctypes.CDLL, p: Case) -> tuple[str, dict[str, float]]:
     errors = {}
     for i, (name, most) in enumerate(PROMISED.items()):
         column = 4 if name == "F" else i + 1
-        peak = max(float(np.max(abs(fine[:, column]))), 1e-300)
+        peak = max(float(peaks[column]), 1e-300)
         if np.max(abs(fine - coarse)[:, column]) > 0.1 * most * peak:
             return "reference unsure", {}
         errors[name] = float(np.max(abs(found[name] - fine[:, column]))) / peak

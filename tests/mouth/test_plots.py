@@ -153,3 +153,16 @@ def test_matplotlib_says_nothing_of_its_own_folders(tmp_path):
     (tmp_path / "file").touch()
     done = subprocess.run([sys.executable, "-c", words], env=told, capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_a_label_longer_than_its_panel_loses_its_middle():
+    """Matplotlib gives up its layout, with a warning of its own, if a label leaves no room for the panel."""
+    name = "spindle" * 20
+    with plots.style():
+        figure, axes = plots.figure([["a", "b"]], 2.2)
+        for axis in axes.values():
+            axis.set(title=f"{name}: velocity", xlabel="t (s)", ylabel=f"{name}.v (mm/s)")
+        text = plots.svg(figure)
+    assert "…" in text
+    assert all(end in text for end in ("spindlespin", "spindle: velocity<", ".v (mm/s)<", ">t (s)<"))
+    assert name not in text

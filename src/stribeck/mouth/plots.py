@@ -58,6 +58,7 @@ _STYLE: dict[str, Any] = {
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LARGEST = 1e300  # of what is drawn: its axis ends beyond, and is a number too
 _LONGEST = 60  # characters of a label
+_IN_AN_INCH = 19  # characters of a label, on average
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
 _GAP = 1.5  # usual steps: a longer one is a gap
 
@@ -91,12 +92,29 @@ def svg(figure: Figure) -> str:
 
     buffer = io.StringIO()
     FigureCanvasSVG(figure)
+    _fit_labels(figure)
     if (layout := figure.get_layout_engine()) is not None:
         layout.execute(figure)  # once, and not for every format
         figure.set_layout_engine("none")
     attribute = marked(figure)
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return buffer.getvalue().replace("<svg ", f"<svg {attribute} ", 1) if attribute else buffer.getvalue()
+
+
+def _fit_labels(figure: Figure) -> None:
+    """Shorten labels that are longer than their panel: the middle is left out, since names differ at their ends."""
+
+    def shortened(text: str, room: float) -> str:
+        half = max(int(_IN_AN_INCH * room) // 2, 4)
+        return text if len(text) <= 2 * half else f"{text[: half - 1]}…{text[1 - half :]}"
+
+    for axis in figure.axes:
+        share, (width, height) = axis.get_position(), figure.get_size_inches()
+        for place in ("left", "center"):
+            if text := axis.get_title(loc=place):
+                axis.set_title(shortened(text, share.width * width), loc=place)
+        axis.set_xlabel(shortened(axis.get_xlabel(), share.width * width))
+        axis.set_ylabel(shortened(axis.get_ylabel(), share.height * height))
 
 
 def thin(x: Array, y: Array) -> tuple[Array, Array]:

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
+from stribeck.machine.equations import Equations
 from stribeck.machine.table import joined
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
@@ -100,6 +101,13 @@ def measures(scenario: Scenario) -> int:
     return 2 * len(scenario.system.states) + 4 * len(scenario.system.contacts)
 
 
+@lru_cache(maxsize=64)
+def _moving(system: Equations) -> NDArray[np.bool_]:
+    """Whether each state is the position or the velocity of a body."""
+    names = {joined(body.name, n) for body in system.bodies for n in "yv"}
+    return np.array([state.name in names for state in system.states])
+
+
 @dataclass(frozen=True)
 class Promise:
     """The promised accuracy of a scenario."""
@@ -113,9 +121,8 @@ class Promise:
     @cached_property
     def _promised(self) -> NDArray[np.bool_]:
         """The states with a promised accuracy: positions and velocities whose tolerance is not in the file."""
-        bodies = self.scenario.system.bodies
-        names = {joined(body.name, n) for body in bodies for n in "yv"} - self.scenario.solve.atol.keys()
-        return np.array([state.name in names for state in self.scenario.system.states])
+        moving, given = _moving(self.scenario.system), self.scenario.solve.atol
+        return moving & [s.name not in given for s in self.scenario.system.states] if given else moving
 
     def _at_rest(self, tolerances: Tolerances, measured: MeasuredMotion) -> NDArray[np.bool_]:
         """The states that move by no more than rounding."""
@@ -125,13 +132,14 @@ class Promise:
 
     def broken(self, tolerances: Tolerances, measured: MeasuredMotion) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """The states, and the friction forces, whose error may exceed the promise, in each lane."""
-        loose = self._promised & (0.1 * self._rtol * measured.peaks < _LEAST_PEAK * tolerances.atol)
+        rtol, peaks, force = self._rtol, measured.peaks, measured.force
+        loose = self._promised & (0.1 * rtol / _LEAST_PEAK * peaks < tolerances.atol)
         if loose.any():  # seldom: rest is only looked for then
             loose &= ~self._at_rest(tolerances, measured)
-        wrong = measured.step_in_force > _STEP_IN_FORCE * self._rtol * measured.force
+        wrong = measured.step_in_force > _STEP_IN_FORCE * rtol * force
         if not tolerances.rows_are_steps:
-            loose |= self._promised & (measured.dense > _DENSE * self._rtol * measured.peaks)
-            wrong |= measured.dense_in_force > _DENSE_IN_FORCE * self._rtol * measured.force
+            loose |= self._promised & (measured.dense > _DENSE * rtol * peaks)
+            wrong |= measured.dense_in_force > _DENSE_IN_FORCE * rtol * force
         return loose, wrong
 
     def rounded(self, measured: MeasuredMotion) -> NDArray[np.bool_]:
