@@ -92,20 +92,20 @@ def digest(scenario):
 
 
 GOLDEN = {
-    "arm": "a2be2f575a756689",
-    "axis_hunts": "a430c7fae32bd2ae",
-    "belt": "94409b2fbed392af",
-    "break_away": "6afff9df9af22746",
-    "gear": "91ec2a7e1a99a126",
-    "hysteresis": "b3080ca3dffa8164",
-    "joint_from_log": "95ae5a08e7e29dc9",
-    "limit_cycle": "dae6c2ca2d6a59af",
-    "machine": "67427ac956c5a3ac",
-    "measured": "81c9e26423e8593d",
-    "presliding": "e17af5bddbf9fb06",
-    "servo": "d5bcaef162f7f16b",
-    "sine_force": "f9bbf146cbcff8b9",
-    "stick_slip": "d5f18893e475499c",
+    "arm": "2ba9a9b7d0073d53",
+    "axis_hunts": "ed284801f2c45745",
+    "belt": "f94cc2f1b8e8f90d",
+    "break_away": "f2a155295cdbb90d",
+    "gear": "9295fc7baeaef450",
+    "hysteresis": "9538387c83443781",
+    "joint_from_log": "0a312fa2e90f1b14",
+    "limit_cycle": "c3a2994562f9454a",
+    "machine": "e23cfa8ad8f56582",
+    "measured": "0419e49e185d61fe",
+    "presliding": "99d238f81ea73468",
+    "servo": "2a3bc4d21eb7211e",
+    "sine_force": "28ad6c587554b42a",
+    "stick_slip": "8360be3e3e1a6ea0",
 }
 
 

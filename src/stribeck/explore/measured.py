@@ -26,6 +26,7 @@ Arrays = dict[str, Array]
 # Reaches of a slider, tried in turn: the first for which the file is valid and the effect proportional.
 _REACHES = (10.0, 3.0, 1.5, 1.1, 1.01)
 _INSIDE = (0.0, 0.37, 0.71)  # shares of the slider at which proportionality is tested; no simple fractions
+_TOLERANCES = ("atol", "fixed_atol")  # they stay those of the file, unless the solver's numbers are turned
 _ROUNDING = 1e-12  # relative: well above the rounding of a few operations
 _COUNTS = ("solve.t_end", "solve.max_steps", "output.step")  # the page itself computes their effects
 
@@ -190,8 +191,8 @@ def _effects(scenario: Scenario, base: Arrays, number: Number) -> tuple[tuple[st
         return None
     effects = []
     for name, array in base.items():
-        if name == "atol" and number.group != "solve":
-            continue  # tolerances follow natural scales: they stay those of the file
+        if name in _TOLERANCES and number.group != "solve":
+            continue
         rate = (upper[name] - array) / (number.high - number.value)
         effects += [(name, int(i), float(rate[i])) for i in np.flatnonzero(rate)]
     predicted = [replace(number, effects=tuple(effects))]
@@ -207,7 +208,7 @@ def _as_predicted(scenario: Scenario, base: Arrays, numbers: list[Number], value
     if changed is None or not _same_shape(base, changed):
         return False
     expected = moved(base, numbers, values)
-    names = [name for name in base if name != "atol" or all(n.group == "solve" for n in numbers)]
+    names = [name for name in base if name not in _TOLERANCES or all(n.group == "solve" for n in numbers)]
     return all(_close(changed[name], expected[name], base[name]) for name in names)
 
 

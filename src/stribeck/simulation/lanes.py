@@ -21,7 +21,7 @@ from stribeck.machine.equations import Equations
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.native import step_share
-from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Promise, Tolerances, measures
+from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Promise, Tolerances, given, measures
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
 
@@ -102,6 +102,7 @@ def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arra
     held = len(scenario.system.held)
     numbers = {
         "parameters": lanes.parameters(), "atol": share * tolerances.atol, "x0": lanes.initial(),
+        "fixed_atol": share * tolerances.atol * given(scenario),
         "thresholds": thresholds, "h_limit": lanes.longest_step(), "noise": noise, "queue": np.zeros((count, held, room)),
         "piece_start": pieces.whole.start, "piece_rows": pieces.whole.rows,
         "out": np.empty((count, scenario.rows, len(scenario.system.states) + held)), "t_reached": np.zeros(count),

@@ -1,9 +1,10 @@
 """The promised accuracy of a run, and the tolerances that achieve it.
 
 The error of y and v is at most 100 solve.rtol of their peaks over the motion, that of F 10^4 solve.rtol. The peaks are
-unknown before the motion. A run therefore begins with tolerances for a motion of the machine's natural scales. The solver
-measures the peaks, and the errors of its steps and of its dense output in F. If these are too large, the run is repeated with
-tolerances for the measured motion, and each row ends a step. docs/explanation/solver.md states the rule.
+unknown before the motion, so the tolerances of a run follow its peaks so far, up to those of a motion of the machine's natural
+scales. The solver measures the errors of its steps and of its dense output in F, too. If these are too large, or a state moves
+far less than the others, the run is repeated with tolerances for the measured motion, and each row ends a step.
+docs/explanation/solver.md states the rule.
 """
 
 from __future__ import annotations
@@ -22,13 +23,12 @@ from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
 
 MOTION, FORCE = 1e2, 1e4  # times solve.rtol, of the peaks: the promised accuracy of y and v, and of F
-# Shares of the promised accuracy. A step's error is at most a tenth of an absolute tolerance, and the errors of a hundred
-# steps may add up. A peak of 1e-3 of a tolerance's scale then leaves a margin of 10. In F, the error of a step counts a
-# hundred times, for the steps in which a stiff deflection keeps it. The last term of the dense output counts ten times, for
-# the terms that follow it (benchmarks/promise.py).
+# The tolerance of a state follows its peak so far, but it is at least this share of the largest state's, both in their natural
+# scales (runtime/method.c, follow): below, it is too loose.
 _LEAST_PEAK = 1e-3
+# Shares of the promised accuracy. In F, the error of a step counts a hundred times, for the steps in which a stiff deflection
+# keeps it, and the last term of the dense output ten times, for the terms that follow it (benchmarks/promise.py).
 _STEP_IN_FORCE, _DENSE_IN_FORCE = 1e2, 1e3  # times solve.rtol
-_DENSE = 0.4 * MOTION  # of the last term: the sum of the following terms may be larger
 _ROUNDING = 1e3  # times solve.rtol: a tenth of the promised accuracy of F, as rounding of some steps adds up
 # Passes with tighter tolerances: the first may measure a wrong peak of F, and the next one then starts from the right one.
 MOST_PASSES = 3
@@ -57,23 +57,15 @@ class MeasuredMotion:
     largest: Array
     states: int
 
-    def _of_states(self, i: int) -> Array:
-        return self.largest[:, i * self.states : (i + 1) * self.states]
-
     def _of_forces(self, i: int) -> Array:
-        behind = self.largest[:, 2 * self.states :]
+        behind = self.largest[:, self.states :]
         forces = behind.shape[1] // 4
         return behind[:, i * forces : (i + 1) * forces]
 
     @property
     def peaks(self) -> Array:
         """The peaks of the states."""
-        return self._of_states(0)
-
-    @property
-    def dense(self) -> Array:
-        """The largest last term of the dense output within a step, in the states."""
-        return self._of_states(1)
+        return self.largest[:, : self.states]
 
     @property
     def force(self) -> Array:
@@ -98,7 +90,12 @@ class MeasuredMotion:
 
 def measures(scenario: Scenario) -> int:
     """The count of numbers that the compiled solver measures."""
-    return 2 * len(scenario.system.states) + 4 * len(scenario.system.contacts)
+    return len(scenario.system.states) + 4 * len(scenario.system.contacts)
+
+
+def given(scenario: Scenario) -> NDArray[np.bool_]:
+    """Whether the absolute tolerance of each state is the file's: it is never changed."""
+    return np.array([state.name in scenario.solve.atol for state in scenario.system.states])
 
 
 @lru_cache(maxsize=64)
@@ -121,8 +118,8 @@ class Promise:
     @cached_property
     def _promised(self) -> NDArray[np.bool_]:
         """The states with a promised accuracy: positions and velocities whose tolerance is not in the file."""
-        moving, given = _moving(self.scenario.system), self.scenario.solve.atol
-        return moving & [s.name not in given for s in self.scenario.system.states] if given else moving
+        moving = _moving(self.scenario.system)
+        return moving & ~given(self.scenario) if self.scenario.solve.atol else moving
 
     def _at_rest(self, tolerances: Tolerances, measured: MeasuredMotion) -> NDArray[np.bool_]:
         """The states that move by no more than rounding."""
@@ -133,12 +130,12 @@ class Promise:
     def broken(self, tolerances: Tolerances, measured: MeasuredMotion) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """The states, and the friction forces, whose error may exceed the promise, in each lane."""
         rtol, peaks, force = self._rtol, measured.peaks, measured.force
-        loose = self._promised & (0.1 * rtol / _LEAST_PEAK * peaks < tolerances.atol)
+        sizes = rtol * peaks / tolerances.atol  # at the largest state's, and up to 1, tolerances follow the motion
+        loose = self._promised & (sizes < _LEAST_PEAK * np.minimum(np.max(sizes, axis=1, keepdims=True), 1.0))
         if loose.any():  # seldom: rest is only looked for then
             loose &= ~self._at_rest(tolerances, measured)
         wrong = measured.step_in_force > _STEP_IN_FORCE * rtol * force
         if not tolerances.rows_are_steps:
-            loose |= self._promised & (measured.dense > _DENSE * rtol * peaks)
             wrong |= measured.dense_in_force > _DENSE_IN_FORCE * rtol * force
         return loose, wrong
 
@@ -148,10 +145,8 @@ class Promise:
 
     def tightened(self, tolerances: Tolerances, measured: MeasuredMotion) -> Tolerances:
         """The tolerances for the measured motion."""
-        given = np.array([state.name in self.scenario.solve.atol for state in self.scenario.system.states])
-        wanted = np.where(
-            given | self._at_rest(tolerances, measured), tolerances.atol, 0.1 * self._rtol * measured.peaks
-        )
+        kept = given(self.scenario) | self._at_rest(tolerances, measured)
+        wanted = np.where(kept, tolerances.atol, 0.1 * self._rtol * measured.peaks)
         force = np.where(measured.force > 0, 0.5 * _STEP_IN_FORCE * self._rtol * measured.force, np.inf)
         return Tolerances(np.minimum(tolerances.atol, wanted), force, rows_are_steps=True)
 

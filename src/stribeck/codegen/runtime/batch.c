@@ -4,7 +4,7 @@
 static void restart(const Batch *b, Lanes *l)
 {
     prepare(&l->p, &l->c);
-    const real h = first_step(l->atol, b->rtol, &l->p, &l->c, &l->piece, l->t, l->x, l->t_stop - l->t);
+    const real h = first_step(l->atol_now, b->rtol, &l->p, &l->c, &l->piece, l->t, l->x, l->t_stop - l->t);
     for (int lane = 0; lane < LANES; lane++)
         if (l->restart[lane]) {
             const int output = l->restart[lane] == OUTPUT;
@@ -25,23 +25,18 @@ static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, 
     real d[N][3];
     if (rows)
         for (int n = 0; n < N; n++) dense(k, n, d[n]);
+#if FORCES > 0
     if (rows) {
         const mask within = l->row_t < t_new;
-        real last_term[N];
-        for (int n = 0; n < N; n++) {
-            real *largest = l->largest + N + n;
-            last_term[n] = 27.0 / 256 * d[n][2]; /* s^3 (1 - s) is at most 27/256 */
-            *largest = choose(within, larger(abs_of(last_term[n]), *largest), *largest);
-        }
-#if FORCES > 0
-        real F[FORCES], F_last[FORCES], size[FORCES];
-        observe(&l->p, &l->c, &l->now.jac, last_term, F, F_last, size);
+        real last[N], F[FORCES], F_last[FORCES], size[FORCES];
+        for (int n = 0; n < N; n++) last[n] = 27.0 / 256 * d[n][2]; /* s^3 (1 - s) is at most 27/256 */
+        observe(&l->p, &l->c, &l->now.jac, last, F, F_last, size);
         for (int q = 0; q < FORCES; q++) {
-            real *largest = l->largest + 2 * N + 2 * FORCES + q;
+            real *largest = l->largest + N + 2 * FORCES + q;
             *largest = choose(within, larger(abs_of(F_last[q]), *largest), *largest);
         }
-#endif
     }
+#endif
     for (; attention; attention &= attention - 1) {
         const int lane = first_lane(attention);
         const unsigned bit = 1u << lane;
@@ -160,6 +155,7 @@ static mask stuck(const Batch *b, Lanes *l, mask looks)
 /* Begin an attempt at a step of each lane. */
 static inline void begin(const Batch *b, Lanes *l)
 {
+    follow(l->atol, l->fixed_atol, b->rtol, l->x, &l->size, l->atol_now);
     if (l->anew) restart(b, l);
     l->anew = 0;
     rates(&l->p, &l->c, &l->piece, l->t, l->x, l->now.f0);
@@ -177,7 +173,7 @@ static inline void end(const Batch *b, Lanes *l)
     real(*k)[N] = l->k;
     const real *x_new = l->x_new, h = l->now.h, t_new = l->t_new;
     const mask last = l->last;
-    real error = end_attempt(l->atol, b->rtol, l->x, l->k, l->x_new);
+    real error = end_attempt(l->atol_now, b->rtol, l->x, l->k, l->x_new);
 #if FORCES > 0
     real F[FORCES], F_error[FORCES], F_terms[FORCES];
     observe(&l->p, &l->c, &l->now.jac, k[STAGES - 1], F, F_error, F_terms);
@@ -205,13 +201,13 @@ static inline void end(const Batch *b, Lanes *l)
     for (int n = 0; n < N; n++) l->largest[n] = choose(good, larger(abs_of(x_new[n]), l->largest[n]), l->largest[n]);
 #if FORCES > 0
     for (int q = 0; q < FORCES; q++) {
-        real *peak = l->largest + 2 * N + q, *err = peak + FORCES;
+        real *peak = l->largest + N + q, *err = peak + FORCES;
         *peak = choose(good, larger(abs_of(F[q]), *peak), *peak);
         *err = choose(good, larger(abs_of(F_error[q]), *err), *err);
     }
     if (b->force_tolerance) observe(&l->p, &l->c, &l->now.jac, l->x, F, F_error, F_terms);
     for (int q = 0; b->force_tolerance && q < FORCES; q++) {
-        real *terms = l->largest + 2 * N + 3 * FORCES + q;
+        real *terms = l->largest + N + 3 * FORCES + q;
         *terms = choose(good, larger(F_terms[q], *terms), *terms);
     }
 #endif

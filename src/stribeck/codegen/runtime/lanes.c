@@ -4,7 +4,7 @@
    them one trajectory after the other. */
 typedef struct {
     const double *parameters;     /* the fields of Parameters */
-    const double *atol;           /* absolute tolerance of each state */
+    const double *atol, *fixed_atol; /* absolute tolerances of the states: see run.c */
     const double *x0;             /* the state at t = 0 */
     const double *thresholds;     /* of the watched quantities, 0 for none */
     const double *h_limit;
@@ -28,7 +28,7 @@ typedef struct {
 
 enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2, STALLED = -4 };
 
-enum { MEASURES = 2 * N + 4 * FORCES }; /* as in run.c */
+enum { MEASURES = N + 4 * FORCES }; /* as in run.c */
 
 EXPORT int64_t stribeck_batch_size(void) { return (int64_t)sizeof(Batch); }
 EXPORT int64_t stribeck_lanes(void) { return LANES; }
@@ -58,7 +58,8 @@ typedef struct {
     real threshold[WATCHES];               /* nan where nothing is looked out for */
 #endif
     real largest[MEASURES], force_tolerance[FORCES + 1];
-    real atol[N], x[N], t, h, h_limit, t_stop, last_h, last_root;
+    real atol[N], fixed_atol[N], atol_now[N], size; /* see follow() */
+    real x[N], t, h, h_limit, t_stop, last_h, last_root;
     real row_t;                        /* the time of the next row */
     real output_h;                     /* the step to begin with after an output; 0: not known yet */
     mask accepted, rejected, held;     /* counts; held: the last attempt was rejected */
@@ -230,6 +231,9 @@ static void refill(const Batch *b, Lanes *l, int lane)
     l->index[lane] = none ? -1 : i;
     put_lane(&l->p, lane, b->parameters + i * width, width);
     put_lane(l->atol, lane, b->atol + i * N, N);
+    put_lane(l->fixed_atol, lane, b->fixed_atol + i * N, N);
+    for (int n = 0; n < N; n++) l->atol_now[n][lane] = 0;
+    l->size[lane] = LEAST_SIZE;
     if (b->force_tolerance) put_lane(l->force_tolerance, lane, b->force_tolerance + i * FORCES, FORCES);
     for (int m = 0; m < MEASURES; m++) l->largest[m][lane] = 0;
     put_lane(l->x, lane, b->x0 + i * N, N);

@@ -51,6 +51,9 @@ static const double DENSE[3][STAGES] = {
     {11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643, -52.072871366152654,
      -59.78993625266729, -0.15582684282751913, 4.883087185713722}};
 
+static const double LEAST_SHARE = 1e-3; /* as _LEAST_PEAK in simulation/promise.py: a motion of less is solved again */
+static const double LEAST_SIZE = 1e-9;  /* with the share above, 1e-12 of the natural scales: less is rounding */
+
 /* Mean square of values, each in units of its tolerance for magnitudes between |x0| and |x1|. */
 static inline real scaled_square(const real *atol, double rtol, const real *x0, const real *x1, const real *values)
 {
@@ -61,6 +64,18 @@ static inline real scaled_square(const real *atol, double rtol, const real *x0, 
         sum += ratio * ratio;
     }
     return sum * (1.0 / N);
+}
+
+/* The absolute tolerances for the motion so far, which has come to x: an error grows as the motion does. Of each state they
+   follow the peak, up to its tolerance in a motion of the machine's natural scales (full), and at least a thousandth of what
+   the largest state has. A fixed one is the user's. size: the largest state's share of its natural scale. */
+static inline void follow(const real *full, const real *fixed, double rtol, const real *x, real *size, real *atol)
+{
+    for (int i = 0; i < N; i++) *size = larger(*size, smaller(rtol * abs_of(x[i]) / full[i], splat(1)));
+    for (int i = 0; i < N; i++) {
+        const real moving = larger(rtol * abs_of(x[i]), LEAST_SHARE * *size * full[i]);
+        atol[i] = larger(larger(atol[i], fixed[i]), smaller(full[i], moving));
+    }
 }
 
 /* A first step after a start or a jump (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4). */

@@ -3,7 +3,9 @@
 /* What Python and C share: simulation/layout.py reads the fields from here. */
 typedef struct {
     const double *parameters;   /* the fields of Parameters */
-    const double *atol;         /* absolute tolerance of each state */
+    const double *atol;         /* absolute tolerance of each state in a motion of the machine's natural scales */
+    const double *fixed_atol;   /* the same of states whose tolerance does not follow the motion; 0 for the others */
+    double *atol_now;           /* the absolute tolerances for the motion so far: see follow(); 0 at first */
     double *x;                  /* the state at t, advanced in place */
     const double *piece_start;  /* when each row of signal pieces begins */
     const double *piece_rows;   /* the rows: the first PIECE fields of Segment */
@@ -20,6 +22,7 @@ typedef struct {
     int32_t *event_what;        /* which quantity (times 4), and what happened to it */
     int64_t *sampled, *acted;   /* of each sampled controller: how many samples it took, how many outputs acted */
     double rtol, t, t_end, h, h_limit, step;
+    double size;                /* of the motion so far: see follow() */
     double h_smallest, h_largest;
     double last_h, last_root;   /* of the last accepted step; last_h 0: none yet */
     double output_h;            /* the step to begin with after an output; 0: not known yet */
@@ -155,9 +158,9 @@ static int act(Run *run, const double *timing, double t)
 }
 #endif
 
-/* What the run's largest numbers are so far: of the states, of the last term of their dense output within a step, of the
-   friction forces, of what a step's error, and that last term, amount to in them, and of the terms that they are sums of. */
-#define MEASURES (2 * N + 4 * FORCES)
+/* What the run's largest numbers are so far: of the states, of the friction forces, of what a step's error, and the last term of
+   the dense output within a step, amount to in them, and of the terms that they are sums of. */
+#define MEASURES (N + 4 * FORCES)
 static inline void keep_larger(double *largest, double x)
 {
     if (fabs(x) > *largest) *largest = fabs(x);
@@ -170,15 +173,11 @@ static void write_rows(Run *run, const Parameters *p, const Coefficients *c, con
     double d[N][3], x[N];
     all_dense(k, d);
     if (run->largest && (double)run->row * run->step < t_new) {
-        double last[N];
-        for (int i = 0; i < N; i++) {
-            last[i] = 27.0 / 256 * d[i][2]; /* s^3 (1 - s) is at most 27/256 */
-            keep_larger(run->largest + N + i, last[i]);
-        }
 #if MAY_OBSERVE
-        double F[FORCES + 1], F_last[FORCES + 1], size[FORCES + 1];
+        double last[N], F[FORCES + 1], F_last[FORCES + 1], size[FORCES + 1];
+        for (int i = 0; i < N; i++) last[i] = 27.0 / 256 * d[i][2]; /* s^3 (1 - s) is at most 27/256 */
         observed(p, c, work, last, F, F_last, size);
-        for (int q = 0; q < FORCES; q++) keep_larger(run->largest + 2 * N + 2 * FORCES + q, F_last[q]);
+        for (int q = 0; q < FORCES; q++) keep_larger(run->largest + N + 2 * FORCES + q, F_last[q]);
 #endif
     }
     (void)work;
@@ -243,7 +242,7 @@ static inline void restart_step(Run *run, const Parameters *p, const Coefficient
         run->h = smaller(run->h, run->output_h);
     else {
         const double ease = run->restart == CORNER ? CORNER_EASE : 1;
-        run->h = smaller(run->h, ease * first_step(run->atol, run->rtol, p, c, piece, run->t, run->x, room));
+        run->h = smaller(run->h, ease * first_step(run->atol_now, run->rtol, p, c, piece, run->t, run->x, room));
         run->rates += 2;
     }
     run->held_back = 0;
@@ -262,6 +261,7 @@ static NOINLINE int advance(Run *run)
     double x_new[N];
     int fresh = 0;        /* f0 and the Jacobian belong to the present state */
     int after_output = 0; /* the present step is the first after an output */
+    run->size = larger(run->size, LEAST_SIZE);
     if (run->row == 0 && run->rows > 0) { /* the first call: the first row is kept whatever comes after */
         pass(run, p, c, 1);
         put_row(run, run->x);
@@ -278,6 +278,7 @@ static NOINLINE int advance(Run *run)
 #endif
         if (run->rows_are_steps && run->row < run->rows && (double)run->row * run->step > run->t)
             t_stop = smaller(t_stop, (double)run->row * run->step);
+        if (!fresh) follow(run->atol, run->fixed_atol, run->rtol, run->x, &run->size, run->atol_now);
         if (run->restart) {
             after_output = run->restart == OUTPUT;
             restart_step(run, p, c, piece, t_stop - run->t);
@@ -292,7 +293,7 @@ static NOINLINE int advance(Run *run)
         double h = smaller(run->h, run->h_limit);
         const int last = run->t + h * 1.000001 >= t_stop;
         if (last) h = t_stop - run->t;
-        double error = attempt(p, c, piece, run->t, run->x, h, work, k, x_new, run->atol, run->rtol);
+        double error = attempt(p, c, piece, run->t, run->x, h, work, k, x_new, run->atol_now, run->rtol);
 #if MAY_OBSERVE
         double F[FORCES + 1], F_error[FORCES + 1], F_terms[FORCES + 1];
         observed(p, c, work, k[STAGES - 1], F, F_error, F_terms);
@@ -321,11 +322,11 @@ static NOINLINE int advance(Run *run)
             for (int i = 0; i < N; i++) keep_larger(run->largest + i, x_new[i]);
 #if MAY_OBSERVE
             for (int q = 0; q < FORCES; q++) {
-                keep_larger(run->largest + 2 * N + q, F[q]);
-                keep_larger(run->largest + 2 * N + FORCES + q, F_error[q]);
+                keep_larger(run->largest + N + q, F[q]);
+                keep_larger(run->largest + N + FORCES + q, F_error[q]);
             }
             if (run->force_tolerance) observed(p, c, work, run->x, F, F_error, F_terms);
-            for (int q = 0; run->force_tolerance && q < FORCES; q++) keep_larger(run->largest + 2 * N + 3 * FORCES + q, F_terms[q]);
+            for (int q = 0; run->force_tolerance && q < FORCES; q++) keep_larger(run->largest + N + 3 * FORCES + q, F_terms[q]);
 #endif
         }
         run->accepted++;

@@ -87,7 +87,8 @@ function ofLaw(memory, law, setting) {
   return {
     ...found, restart: pieces.restart, width: law.states.length,
     place: {
-      parameters: p, atol: memory.doubles(found.atol), x: memory.doubles(setting.x), piece_start: memory.doubles(pieces.start),
+      parameters: p, atol: memory.doubles(found.atol), atol_now: memory.doubles(found.atol.map(() => 0)),
+      fixed_atol: memory.doubles(found.atol.map((x, i) => (law.states[i] in setting.atol ? x : 0))), x: memory.doubles(setting.x), piece_start: memory.doubles(pieces.start),
       piece_rows: memory.doubles(pieces.rows), thresholds: memory.doubles([setting.level, 0]), held: memory.empty(1),
       memory: memory.empty(1), queue: memory.empty(1), noise: memory.empty(1), sampled: memory.empty(1), acted: memory.empty(1),
       rtol: found.share * setting.rtol, h_limit: found.longest, queue_room: 1,

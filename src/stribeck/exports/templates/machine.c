@@ -12,6 +12,7 @@ static const double STARTS[] = {
     {{ starts }}};
 static const double TOLERANCES[] = { /* absolute, of each state */
     {{ atol }}};
+static const double FIXED[] = {{ "{" }}{{ fixed }}}; /* 1 for those that do not follow the motion */
 static const double PIECE_START[] = { /* when the signals' pieces begin */
     {{ piece_start }}};
 static const double PIECE_ROWS[] = { /* their numbers */
@@ -30,7 +31,8 @@ static const double NOISE[] = { /* standard normal numbers, one a sample */
 struct {{ P }} {
     Run run;
     double constants[PARAMETERS], acting[PARAMETERS];
-    double x[N], atol[N], row[N + HELD + SHOWN], held[HELD + 1], memory[MEMORY + 1], queue[(HELD + 1) * ROOM];
+    double x[N], atol[N], fixed_atol[N], atol_now[N], row[N + HELD + SHOWN];
+    double held[HELD + 1], memory[MEMORY + 1], queue[(HELD + 1) * ROOM];
     double none[WATCHES + 1];
     int64_t sampled[HELD + 1], acted[HELD + 1];
     int begun;
@@ -68,7 +70,10 @@ void {{ P }}_tolerance({{ P }} *m, double rtol)
     const double share = {{ rtol }} / {{ wanted }}; /* that one step may err by */
 {% endif %}
     m->run.rtol = fmax(share * rtol, 1e-13);
-    for (int i = 0; i < N; i++) m->atol[i] = TOLERANCES[i] / {{ rtol }} * m->run.rtol;
+    for (int i = 0; i < N; i++) {
+        m->atol[i] = TOLERANCES[i] / {{ rtol }} * m->run.rtol;
+        m->fixed_atol[i] = FIXED[i] * m->atol[i];
+    }
 }
 
 /* The pointers of a machine that may have been copied. */
@@ -76,6 +81,8 @@ static void bind({{ P }} *m)
 {
     m->run.parameters = m->acting;
     m->run.atol = m->atol;
+    m->run.fixed_atol = m->fixed_atol;
+    m->run.atol_now = m->atol_now;
     m->run.x = m->x;
     m->run.piece_start = PIECE_START;
     m->run.piece_rows = PIECE_ROWS;
