@@ -102,7 +102,9 @@ def _constants(name: str) -> set[str]:
     return set(builtin()[name].constants())
 
 
-def reference(library: ctypes.CDLL, p: Case, tolerance: float) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]] | None:
+def reference(
+    library: ctypes.CDLL, p: Case, tolerance: float
+) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]] | None:
     """Rows of t, y, v, z, F and the peaks of these over the motion, also between rows; None where it was not solved."""
     places = {"law": LAWS, "drive": DRIVES, "signal": SIGNALS}
     given = {**p, "tolerance": tolerance, "most": MOST_STEPS}
@@ -139,8 +141,8 @@ def outcome(library: ctypes.CDLL, p: Case) -> tuple[str, dict[str, float]]:
 
 
 def cost(repetitions: int) -> dict[str, float]:
-    """Processor time of each example with the promise kept, as a ratio to one pass without it: tolerances of the machine's natural
-    scales throughout, half as large for the growth of errors before break-away, and nothing measured."""
+    """Processor time of each example with the promise kept, as a ratio to one pass without it: tolerances of the machine's
+    natural scales throughout, half as large for the growth of errors before break-away, and nothing measured."""
     begun, whole, share = native.Solving.__init__, of_promise.solve_to_promise, native._STEP_SHARE
     given = of_promise.given
 

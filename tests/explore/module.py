@@ -67,7 +67,8 @@ class Module:
         one = self.put([0.0])
         start_values = [scenario.initial.get(s, 0.0) for s in self.law["states"]]
         fields = {
-            "parameters": p, "atol": self.put(found[:n]), "fixed_atol": self.put(np.zeros(n)), "atol_now": self.put(np.zeros(n)), "x": self.put(start_values),
+            "parameters": p, "x": self.put(start_values), "atol": self.put(found[:n]),
+            "fixed_atol": self.put(np.zeros(n)), "atol_now": self.put(np.zeros(n)),
             "piece_start": start, "piece_rows": rows, "out": out, "event_time": self.put(np.zeros(room)),
             "thresholds": self.put([*scenario.elements.thresholds(), 0.0]),
             "held": one, "memory": one, "queue": one, "noise": one,

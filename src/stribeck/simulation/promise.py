@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.machine.equations import Equations
+from stribeck.machine.system import MachineSystem
 from stribeck.machine.table import joined
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
@@ -99,7 +99,7 @@ def given(scenario: Scenario) -> NDArray[np.bool_]:
 
 
 @lru_cache(maxsize=64)
-def _moving(system: Equations) -> NDArray[np.bool_]:
+def _moving(system: MachineSystem) -> NDArray[np.bool_]:
     """Whether each state is the position or the velocity of a body."""
     names = {joined(body.name, n) for body in system.bodies for n in "yv"}
     return np.array([state.name in names for state in system.states])
