@@ -25,16 +25,16 @@ _REPLAYED = 10.0
 def prove(model: Model, claims: ClaimProver) -> Certificate | None:
     """Z is never passed outward."""
     low, high = model.bound
-    found = claims.inward((low, None))
-    if found is not None:
-        return Certificate("bounded", "outside", found)
+    inward = claims.inward((low, None))
+    if inward is not None:
+        return Certificate("bounded", "outside", inward)
     if low != high:
         return None
-    found = claims.inward((high, high))
-    if found is None:
+    inward = claims.inward((high, high))
+    if inward is None:
         return None
     unique = prove_unique(model, claims, None, 2 * high)
-    return Certificate("bounded", "edge", found, {}, {"unique": unique}) if isinstance(unique, Certificate) else None
+    return Certificate("bounded", "edge", inward, {}, {"unique": unique}) if isinstance(unique, Certificate) else None
 
 
 def decide(model: Model, claims: ClaimProver) -> tuple[Verdict, Certificate | None]:

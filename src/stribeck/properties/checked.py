@@ -68,23 +68,23 @@ def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
 
 def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
     """The verdicts that hold for every history within the ranges."""
-    found = Verdicts(varied.law, {}, v_max, varied=varied)
-    return _verdicts(found, CheckedAlways(varied, v_max, work, found.proofs).decided)
+    verdicts = Verdicts(varied.law, {}, v_max, varied=varied)
+    return _verdicts(verdicts, CheckedAlways(varied, v_max, work, verdicts.proofs).decided)
 
 
-def _verdicts(found: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts:
+def _verdicts(verdicts: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts:
     """Each property; undecided where a law has no z, or its equations are such that the check itself fails."""
     started = process_time()
-    if not found.law.has_z:
-        reason = f"law '{found.law.name}' has no internal state z, which the properties are about"
-        found.properties = {name: undecided(reason) for name in NAMES}
-        return found
+    if not verdicts.law.has_z:
+        reason = f"law '{verdicts.law.name}' has no internal state z, which the properties are about"
+        verdicts.properties = {name: undecided(reason) for name in NAMES}
+        return verdicts
     with needed("a proof"):
         importlib.import_module("flint")
     with np.errstate(all="ignore"):  # samples may leave the range of floats; they prove nothing
-        found.properties = {name: _safely(decided, name) for name in NAMES}
-    found.seconds = process_time() - started
-    return found
+        verdicts.properties = {name: _safely(decided, name) for name in NAMES}
+    verdicts.seconds = process_time() - started
+    return verdicts
 
 
 def _safely(decided: Callable[[str], Verdict], name: str) -> Verdict:
@@ -109,10 +109,10 @@ class Checked:
     def decided(self, name: str) -> Verdict:
         """The verdict on one property."""
         try:
-            found: Verdict = getattr(self, name)()
+            verdict: Verdict = getattr(self, name)()
         except Unreadable as error:
             return undecided(str(error))
-        return found
+        return verdict
 
     @cached_property
     def model(self) -> Model:
@@ -192,9 +192,9 @@ class CheckedAlways:
 
     def decided(self, name: str) -> Verdict:
         """The verdict on one property."""
-        own = {"bounded": self.bounded, "passive": self.passive}
+        by_property = {"bounded": self.bounded, "passive": self.passive}
         try:
-            return own[name]() if name in own else self.same(name)
+            return by_property[name]() if name in by_property else self.same(name)
         except (InputError, Unreadable, ArithmeticError) as error:
             return undecided(f"the law cannot be treated at every level: {error}")
 
@@ -211,27 +211,27 @@ class CheckedAlways:
     def _with_level(self, name: str, verdict: Verdict, law: Law) -> Verdict:
         assert verdict.certificate is not None
         verdict.certificate = {**verdict.certificate, "level": self.varied.exactly()}
-        found = accepted(verdict, law, name, self.v_max)
-        if found.holds:
+        confirmed = accepted(verdict, law, name, self.v_max)
+        if confirmed.holds:
             self.proofs[name] = law
-        return found
+        return confirmed
 
     def same(self, name: str) -> Verdict:
         """Unique, smooth, drift_free: what holds at the lowest level holds at all, for the laws of this package."""
-        found = self.held(-1, name)
-        if found.holds:
+        verdict = self.held(-1, name)
+        if verdict.holds:
             if not self.known and self.varied.varies:
                 return undecided(f"it holds at the lowest level; {_UNKNOWN.partition(';')[0]}")
-            found.method = _SAME + found.method
-            return self._with_level(name, found, self._end(-1, name))
-        return self._at(-1, name, found)
+            verdict.method = _SAME + verdict.method
+            return self._with_level(name, verdict, self._end(-1, name))
+        return self._at(-1, name, verdict)
 
-    def _at(self, side: int, name: str, found: Verdict) -> Verdict:
+    def _at(self, side: int, name: str, verdict: Verdict) -> Verdict:
         """A counterexample at one end of the level, said to be so."""
-        if found.holds is False:
-            found.method = _HELD + found.method
+        if verdict.holds is False:
+            verdict.method = _HELD + verdict.method
             self.proofs[name] = self._end(side, name)
-        return found
+        return verdict
 
     def bounded(self) -> Verdict:
         """|z| <= the highest level over sigma_0."""
@@ -253,16 +253,16 @@ class CheckedAlways:
 
     def passive(self) -> Verdict:
         """No history of speed and level draws energy."""
-        found = self._passive()
+        verdict = self._passive()
         if self.known and "sigma_1" in self.varied.law.values:
-            found.evidence |= thresholds(self.varied)
-        found.evidence["v_max"] = self.v_max
-        return found
+            verdict.evidence |= thresholds(self.varied)
+        verdict.evidence["v_max"] = self.v_max
+        return verdict
 
     def _passive(self) -> Verdict:
         refused: Verdict | None = None
-        for law, found in self._shown():
-            verdict = self._with_level("passive", found, law)
+        for law, proof in self._shown():
+            verdict = self._with_level("passive", proof, law)
             if verdict.holds:
                 return verdict
             refused = refused or verdict
@@ -275,15 +275,15 @@ class CheckedAlways:
             law = self.varied.worst(any_z)
             if any_z and law is not None and law.values.get("sigma_1") and law.values.get("v_d") is None:
                 continue  # far out in z, at large v, D < 0
-            if law is not None and (found := self._proved(law, any_z)) is not None:
-                yield law, found
+            if law is not None and (proof := self._proved(law, any_z)) is not None:
+                yield law, proof
         law = self.varied.worst(True)
-        if self.known and law is not None and (found := self._damped(law)) is not None:
-            yield law, found
+        if self.known and law is not None and (proof := self._damped(law)) is not None:
+            yield law, proof
         for any_z in (False, True):
             law = self.varied.lowest(any_z)
-            if law is not None and (found := self._more_closely(law, any_z)) is not None:
-                yield law, found
+            if law is not None and (proof := self._more_closely(law, any_z)) is not None:
+                yield law, proof
         if not self.varied.varies and (held := self.held(-1, "passive")).holds:
             yield self._end(-1, "passive"), held
 
@@ -291,10 +291,10 @@ class CheckedAlways:
         """With the Stribeck curve of the lowest level, where the lowest F_c at every speed is too little."""
         if not _may_serve(law, self.v_max, any_z):
             return None
-        found = self._proved(law, any_z)
-        if found is not None:
-            found.evidence.pop("coq", None)  # whose theorem is about the lowest F_c
-        return found
+        proof = self._proved(law, any_z)
+        if proof is not None:
+            proof.evidence.pop("coq", None)  # whose theorem is about the lowest F_c
+        return proof
 
     def _proved(self, law: Law, any_z: bool) -> Verdict | None:
         model = Model(law, self.v_max)
@@ -337,8 +337,8 @@ class CheckedAlways:
 
     def _refuted(self) -> Verdict | None:
         low, high = self.varied.extreme(-1), self.varied.extreme(1, self._most())
-        if self.varied.varies and (found := self._by_swing(low, high)) is not None:
-            return found
+        if self.varied.varies and (refutation := self._by_swing(low, high)) is not None:
+            return refutation
         for side in (-1, 1):
             held = self.held(side, "passive")
             if held.holds is False:
@@ -347,13 +347,13 @@ class CheckedAlways:
 
     def _by_swing(self, low: Law, high: Law) -> Verdict | None:
         """A cycle that is certain to draw energy; one that a run confirms, where there is such a one among the best."""
-        found: list[Verdict] = []
+        refutations: list[Verdict] = []
         for swing in islice(cycles.find_swings(low, high, self.v_max), _TRIED):
             if (drawn := swing.drawn()) is not None:
-                found.append(_swung(self.varied.law, swing, drawn))
-                if found[-1].scenario is not None:
-                    return found[-1]
-        return found[0] if found else None
+                refutations.append(_swung(self.varied.law, swing, drawn))
+                if refutations[-1].scenario is not None:
+                    return refutations[-1]
+        return refutations[0] if refutations else None
 
     def _most(self) -> Fraction:
         """How high a level without end is swung: beyond what the constants bear."""
@@ -369,13 +369,13 @@ class CheckedAlways:
         model, top = Model(low), float(high.z_bound(high.p)) * (1 - 2**-52)
         claims = ClaimProver(model, Budget(0.2 * self.work))
         for share in _DROPS:
-            found = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
-            if found is not None:
-                found.method = _DROPPED
-                found.evidence["levels"] = [
+            refutation = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
+            if refutation is not None:
+                refutation.method = _DROPPED
+                refutation.evidence["levels"] = [
                     {n: x.p.numbers[n] for n in ("F_c", "F_s") if n in x.values} for x in (high, low)
                 ]
-                return found
+                return refutation
         return None
 
 
@@ -393,14 +393,14 @@ def _may_serve(law: Law, v_max: float | None, any_z: bool) -> bool:
 
 def _swung(nominal: Law, swing: cycles.Swing, drawn: tuple[float, float]) -> Verdict:
     evidence = {**swing.evidence(), "enclosed": {"energy_drawn_per_cycle": list(drawn)}}
-    found = Verdict(False, _SWING, evidence)
+    refutation = Verdict(False, _SWING, evidence)
     tables = swing.machine(nominal)
     solution = replay.run(tables)
     if solution is not None and solution.final["E_in"] < 0:
         stated = {"E_in": solution.final["E_in"], "contact.z": solution.final["contact.z"]}
         evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
-        found.scenario, found.stated = tables, stated
-    return found
+        refutation.scenario, refutation.stated = tables, stated
+    return refutation
 
 
 def thresholds(varied: Varied) -> dict[str, float | None]:
@@ -408,12 +408,12 @@ def thresholds(varied: Varied) -> dict[str, float | None]:
     far the level may rise above its lowest with the constants as they are."""
     low, high = varied.newtons
     sigma_1, sigma_2 = varied.range("sigma_1")[1], varied.range("sigma_2")[0]
-    found: dict[str, float | None] = {"largest_v_d": largest_v_d(varied)}
+    limits: dict[str, float | None] = {"largest_v_d": largest_v_d(varied)}
     if sigma_1 is None or not sigma_1:
-        return {**found, "sigma_2_needed": 0.0 if sigma_1 == 0 else None}
-    found["sigma_2_needed"] = None if high is None else float(sigma_1 * (high - low) / low)
-    found["largest_F_s"] = float(low * (1 + sigma_2 / sigma_1))
-    return found
+        return {**limits, "sigma_2_needed": 0.0 if sigma_1 == 0 else None}
+    limits["sigma_2_needed"] = None if high is None else float(sigma_1 * (high - low) / low)
+    limits["largest_F_s"] = float(low * (1 + sigma_2 / sigma_1))
+    return limits
 
 
 def largest_v_d(varied: Varied) -> float | None:
@@ -423,5 +423,5 @@ def largest_v_d(varied: Varied) -> float | None:
     if not sigma_1 or law.name not in BRISTLES or law.name.endswith("sobczyk"):
         return None
     excess = float(m_0(law.p)) if law.name in MAJORANT else 0.0
-    found = (2 * e) ** 0.5 * (4 * float(low) / float(sigma_1) - excess)
-    return found * (1 - 1e-15) if found > 0 else None
+    v_d = (2 * e) ** 0.5 * (4 * float(low) / float(sigma_1) - excess)
+    return v_d * (1 - 1e-15) if v_d > 0 else None

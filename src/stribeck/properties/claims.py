@@ -173,8 +173,3 @@ def every(claims: Iterable[Claim | None]) -> list[Claim] | None:
             return None
         found.append(claim)
     return found
-
-
-def at(expr: Expr, z: Expr) -> Expr:
-    """An expression of z at another z."""
-    return substitute([expr], {Z: z})[0]

@@ -72,10 +72,10 @@ def find(law: Law, storage: Storage) -> Cycle | None:
     """A short cycle that draws energy; None where none was found."""
     at = abs(storage.worst[1]) if law.symmetric else storage.worst[1]
     candidates = [best(storage, storage, *_candidates(storage, at), points) for points in _windows(storage, at)]
-    found = [c for c in candidates if c is not None]
-    if not found:
+    feasible = [c for c in candidates if c is not None]
+    if not feasible:
         return None
-    _, up, down, low, high = min(found)
+    _, up, down, low, high = min(feasible)
     if law.symmetric and low + high < 0:  # the same cycle for positive z is easier to read
         up, down, low, high = -down, -up, -high, -low
     return _closed(law, up, down, low, high)
@@ -87,17 +87,17 @@ def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | Non
     side = 1 if high > 0 else -1
     wanted = 1e6 * abs(float(law.force(0.0, high)) * high)
     speeds = abs(storage.v)
-    found: Cycle | None = None
+    cycle: Cycle | None = None
     for share in (1e-1, 1e-3, 1e-5, 1e-7):
         for speed in sign * np.geomspace(speeds[speeds > 0].min(), speeds.max(), 120):
             low = high * (1 - share)
             if side * law.rate(speed, low) < 0 and side * law.rate(speed, high) < 0:
                 time, energy = integrate(law, float(speed), high, low)
-                if np.isfinite(time) and np.isfinite(energy) and (found is None or energy < found.energies[0]):
-                    found = Cycle(high, (float(speed),), (low,), (time,), (energy,))
+                if np.isfinite(time) and np.isfinite(energy) and (cycle is None or energy < cycle.energies[0]):
+                    cycle = Cycle(high, (float(speed),), (low,), (time,), (energy,))
                 if energy < -wanted:
-                    return found
-    return found if found is not None and found.drawn > 0 else None
+                    return cycle
+    return cycle if cycle is not None and cycle.drawn > 0 else None
 
 
 def _windows(storage: Storage, at: float) -> list[Array]:

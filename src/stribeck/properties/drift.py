@@ -82,10 +82,10 @@ def _shown(law: Law, apart: dict[str, float]) -> Verdict:
     slow = own_speeds(law)[0]
     best: Verdict | None = None
     for speed in (_SLOW * getattr(law.p, "v_s", law.scales(law.p).speed), slow, slow / 10):
-        found = _moved_at(law, speed) if speed > 0 else None
-        if found is None:
+        moved = _moved_at(law, speed) if speed > 0 else None
+        if moved is None:
             break
-        evidence, tables = found
+        evidence, tables = moved
         best = Verdict(
             False, _MOVED, {"not_elastic": apart, **evidence}, tables, stated={"y": float(evidence["distance"])}
         )

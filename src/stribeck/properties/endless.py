@@ -59,10 +59,10 @@ def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestric
             for speed in (fast, fast / share):  # close to a threshold the elastic force matters for longer
                 for s in SIGNS:
                     for t in SIGNS:
-                        found = unwinding(model, claims, (s, t), speed, z_top, share)
-                        if found is not None:
-                            _with_a_run(model, storage, found, z_top)
-                            return found
+                        verdict = unwinding(model, claims, (s, t), speed, z_top, share)
+                        if verdict is not None:
+                            _with_a_run(model, storage, verdict, z_top)
+                            return verdict
     return None
 
 
@@ -98,17 +98,17 @@ def unwinding(
     return Verdict(False, _ENDLESS, evidence)
 
 
-def _with_a_run(model: Model, storage: Storage, found: Verdict, top: float) -> None:
+def _with_a_run(model: Model, storage: Storage, verdict: Verdict, top: float) -> None:
     """Add one run that draws much, for people to replay."""
     law = model.law
-    high = float(found.evidence["z_start"])
-    cycle = cycles.unwinding(law, storage, high, int(found.evidence["v_sign"]))
+    high = float(verdict.evidence["z_start"])
+    cycle = cycles.unwinding(law, storage, high, int(verdict.evidence["v_sign"]))
     if cycle is None:
         return
-    found.evidence |= cycle.evidence()
+    verdict.evidence |= cycle.evidence()
     tables = cycles.scenario(law, cycle)
     solution = replay.run(tables)
     if solution is not None and solution.final["E_in"] < 0:
         stated = {"E_in": solution.final["E_in"], "z": solution.final["z"]}
-        found.evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
-        found.scenario, found.stated = tables, stated
+        verdict.evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
+        verdict.scenario, verdict.stated = tables, stated

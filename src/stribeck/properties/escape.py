@@ -35,9 +35,9 @@ def escape(model: Model) -> Verdict | None:
             if not (np.all(outward > 0) and np.isfinite(growth) and growth > 1.9):
                 continue
             power = max(p for p in _POWERS if p <= growth + 0.1)
-            found = _shown(model, v, t, length, power, float(np.min(outward / abs(z) ** power)))
-            if found is not None:
-                return found
+            verdict = _shown(model, v, t, length, power, float(np.min(outward / abs(z) ** power)))
+            if verdict is not None:
+                return verdict
     return None
 
 

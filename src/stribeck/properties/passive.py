@@ -48,21 +48,21 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
     storage = Storage(model.law, v_max, reach)
     small = damped.prove(model, claims)
     if small is not None:
-        found: Verdict | None = proved(model, small, damped.method(small), {"storage": _STORED, "z_within": None})
+        verdict: Verdict | None = proved(model, small, damped.method(small), {"storage": _STORED, "z_within": None})
     else:
-        found = _proved(model, claims, storage, bounded) if storage.exists else None
-    if found is None or found.holds is None:
+        verdict = _proved(model, claims, storage, bounded) if storage.exists else None
+    if verdict is None or verdict.holds is None:
         within = Storage(model.law, v_max, None if refuted else float(model.bound[0]))
-        no = _refuted(model, claims, within, refuted) if found is None or not within.exists or refuted else None
-        found = (
+        no = _refuted(model, claims, within, refuted) if verdict is None or not within.exists or refuted else None
+        verdict = (
             no
-            or found
+            or verdict
             or undecided("no storage function exists as far as sampled, but no run that draws energy was confirmed")
         )
-    found.evidence["v_max"] = v_max
-    if v_max is None and found.holds is not True:
-        found.evidence["sampled_v_max"] = largest_speed(model.law, reach)
-    return found
+    verdict.evidence["v_max"] = v_max
+    if v_max is None and verdict.holds is not True:
+        verdict.evidence["sampled_v_max"] = largest_speed(model.law, reach)
+    return verdict
 
 
 def elastic_forces(model: Model) -> Iterator[Expr]:
@@ -133,10 +133,10 @@ def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certif
                 return proved(model, certificate, _OWN, evidence)
             reasons.append("with the elastic energy as storage no proof was found")
         elif reach is not None and served[0]:
-            found = _with_cells(model, claims, storage, slope, rising, hypotheses)
-            if found is not None:
-                found.evidence.update(bounds)
-                return found
+            verdict = _with_cells(model, claims, storage, slope, rising, hypotheses)
+            if verdict is not None:
+                verdict.evidence.update(bounds)
+                return verdict
             reasons.append("with a fitted storage function no proof was found")
         else:
             reasons.append("the elastic energy does not serve near z = 0")
@@ -156,8 +156,8 @@ def _with_cells(
     cells = fitted.fit(storage, _numeric(model, slope), float(reach))
     if cells is None:
         return None
-    u, own = (NULL, model.v_max), Fraction(cells.own)
-    shown = claims.power(slope, u, (NULL, own), (*SIGNS, 0))
+    u, elastic_reach = (NULL, model.v_max), Fraction(cells.own)
+    shown = claims.power(slope, u, (NULL, elastic_reach), (*SIGNS, 0))
     if shown is None:
         return None
     table = []
@@ -174,7 +174,7 @@ def _with_cells(
             return None
         shown += part
         table.append([side, ends[0], ends[1], Fraction(float(value))])
-    data = {"slope": slope, "own_up_to": own, "cells": table}
+    data = {"slope": slope, "own_up_to": elastic_reach, "cells": table}
     certificate = Certificate("passive", "storage", [*shown, *rising], data, hypotheses)
     evidence = {
         "storage": "the elastic energy near z = 0, beyond it fitted between L and U",
@@ -187,10 +187,10 @@ def _with_cells(
 def _refuted(model: Model, claims: ClaimProver, storage: Storage, unrestricted: bool) -> Verdict | None:
     law = model.law
     cycle = cycles.find(law, storage)
-    if cycle is not None and (found := _by_cycle(model, storage, cycle)) is not None:
-        return found
-    if (found := steady_gain(model, storage)) is not None:
-        return found
+    if cycle is not None and (verdict := _by_cycle(model, storage, cycle)) is not None:
+        return verdict
+    if (verdict := steady_gain(model, storage)) is not None:
+        return verdict
     if model.v_max is None:
         return without_limit(model, claims, storage, unrestricted)
     return None

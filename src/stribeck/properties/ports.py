@@ -91,8 +91,8 @@ class MachineVerdicts:
 
     def verify(self) -> bool:
         """Check every proof and replay every counterexample; True where all agree."""
-        found = [verdicts.verify() for verdicts in self.contacts.values()]  # every one, also after one that fails
-        return all(found)
+        agreed = [verdicts.verify() for verdicts in self.contacts.values()]  # every one, also after one that fails
+        return all(agreed)
 
     def certificates(self) -> dict[str, Json]:
         """The certificates of all contacts, as plain data."""
@@ -132,16 +132,16 @@ def check_machine(
     stated = dict(forces or {})
     _refuse(made, stated)
     if made.elements.unnamed:
-        found = _single(made, v_max, work)
+        verdicts = _single(made, v_max, work)
     else:
-        found = MachineVerdicts(made.name, {}, {})
+        verdicts = MachineVerdicts(made.name, {}, {})
         for contact in made.system.contacts:
             varied = of_contact(made.elements, contact, made.end, stated)
-            found.ranges[contact.name] = varied.to_dict()
-            found.contacts[contact.name] = _of_law(varied, v_max, work)
-        _whole(made, found)
-    found.seconds = process_time() - started
-    return found
+            verdicts.ranges[contact.name] = varied.to_dict()
+            verdicts.contacts[contact.name] = _of_law(varied, v_max, work)
+        _whole(made, verdicts)
+    verdicts.seconds = process_time() - started
+    return verdicts
 
 
 def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
@@ -161,9 +161,9 @@ def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
 def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
     law = varied.law
     if not law.has_z:
-        found = check_varied(varied, v_max, work)
-        found.properties["passive"] = static_passive(varied)
-        return found
+        verdicts = check_varied(varied, v_max, work)
+        verdicts.properties["passive"] = static_passive(varied)
+        return verdicts
     return check_varied(varied, v_max, work) if varied.ranges else check_law(law, v_max, work)
 
 
@@ -198,27 +198,27 @@ def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerd
     """A law on a single body, or on the piston of a servo."""
     law: Law = scenario.law
     kind = scenario.called.drive
-    found = MachineVerdicts(scenario.name, {ONLY: _of_law(Varied(law, {}), v_max, work)}, {ONLY: {}})
-    found.ports = {"drive": f"{kind}: the signal is the {SIGNALS[kind]}"}
-    _judge(found, alone=type(scenario.elements.bodies[""]) is Body)
-    return found
+    verdicts = MachineVerdicts(scenario.name, {ONLY: _of_law(Varied(law, {}), v_max, work)}, {ONLY: {}})
+    verdicts.ports = {"drive": f"{kind}: the signal is the {SIGNALS[kind]}"}
+    _judge(verdicts, alone=type(scenario.elements.bodies[""]) is Body)
+    return verdicts
 
 
-def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
+def _whole(scenario: Scenario, verdicts: MachineVerdicts) -> None:
     machine = scenario.system
-    found.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.velocity is not None}
-    found.ports |= {f"{b.path}.added": "its mass is varied" for b in machine.bodies if b.more is not None}
-    found.ports |= {x.path: "its far end is moved" for x in machine.links if x.far is not None}
-    found.ports |= {x.path: f"a force on {x.on} ({x.kind})" for x in machine.loads if type(x) is not Pendulum}
-    found.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
+    verdicts.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.velocity is not None}
+    verdicts.ports |= {f"{b.path}.added": "its mass is varied" for b in machine.bodies if b.more is not None}
+    verdicts.ports |= {x.path: "its far end is moved" for x in machine.links if x.far is not None}
+    verdicts.ports |= {x.path: f"a force on {x.on} ({x.kind})" for x in machine.loads if type(x) is not Pendulum}
+    verdicts.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
     gas = "a cylinder: its gas is an energy of its own"
-    found.ports |= {b.path: gas for b in machine.bodies if isinstance(b, Piston)}
-    found.ports |= {x.path: f"a controller on {x.on}: active" for x in machine.elements.controllers.values()}
-    found.undecided += [x.path for x in machine.links if type(x) is not Link]
-    found.undecided += [b.path for b in machine.bodies if type(b) not in (Body, Laden, Piston)]
+    verdicts.ports |= {b.path: gas for b in machine.bodies if isinstance(b, Piston)}
+    verdicts.ports |= {x.path: f"a controller on {x.on}: active" for x in machine.elements.controllers.values()}
+    verdicts.undecided += [x.path for x in machine.links if type(x) is not Link]
+    verdicts.undecided += [b.path for b in machine.bodies if type(b) not in (Body, Laden, Piston)]
     bodies = {c.ends for c in machine.contacts}
     alone = len(machine.bodies) == 1 and len(machine.contacts) == 1 == len(bodies) and not machine.links
-    _judge(found, alone and not found.ranges[machine.contacts[0].name])
+    _judge(verdicts, alone and not verdicts.ranges[machine.contacts[0].name])
 
 
 def _judge(found: MachineVerdicts, alone: bool) -> None:

@@ -55,74 +55,74 @@ _IN_STEPS = {
 _SENSE = "Yes is proved; for no there is a counterexample. The constants are taken as exact."
 
 
-def law(found: Verdicts) -> Document:
+def law(verdicts: Verdicts) -> Document:
     """The verdicts on a law: first the smallest k_v if tolerances were given."""
-    chapters = [_steepness(found.steepness)] if found.steepness else []
-    if found.properties:
-        chapters.append(_verdicts(found, "verdicts", "Verdicts"))
+    chapters = [_steepness(verdicts.steepness)] if verdicts.steepness else []
+    if verdicts.properties:
+        chapters.append(_verdicts(verdicts, "verdicts", "Verdicts"))
     chapters += [
-        Chapter("curve", "Friction at held speeds", figures=[_curve(found.law)], on=PAGE),
-        *_replays(found, "", "replays", "The counterexamples"),
-        of_law.chapter(found.law),
+        Chapter("curve", "Friction at held speeds", figures=[_curve(verdicts.law)], on=PAGE),
+        *_replays(verdicts, "", "replays", "The counterexamples"),
+        of_law.chapter(verdicts.law),
     ]
-    facts = [*found.headings(), *_hints(found)] if found.properties else []
-    return Document(found.law.name, _in_short(found), facts, chapters)
+    facts = [*verdicts.headings(), *_hints(verdicts)] if verdicts.properties else []
+    return Document(verdicts.law.name, _in_short(verdicts), facts, chapters)
 
 
-def machine(found: MachineVerdicts) -> Document:
+def machine(checked: MachineVerdicts) -> Document:
     """What the contacts guarantee, and what follows for the machine."""
     contacts: list[list[Cell]] = [
-        [name, v.law.name, ranges_in_words(found.ranges[name]) or "nothing", DECIDED[v["passive"].holds]]
-        for name, v in found.contacts.items()
+        [name, v.law.name, ranges_in_words(checked.ranges[name]) or "nothing", DECIDED[v["passive"].holds]]
+        for name, v in checked.contacts.items()
     ]
     tables = [Table(["contact", "law", "what varies", "passive"], contacts, prose=True, on=PAGE)]
-    if found.ports:
-        tables.append(Table(["port", "what acts there"], [list(row) for row in found.ports.items()], prose=True))
+    if checked.ports:
+        tables.append(Table(["port", "what acts there"], [list(row) for row in checked.ports.items()], prose=True))
     text = [
         "A machine of passive contacts, links and pendulums is passive from its ports to the velocities there: no motion "
         "draws more energy from it than was put in. What varies is bounded by the file: signals over the whole run, positions "
         "and speeds without limit."
     ]
     chapters = [Chapter("machine", "The machine", text, tables)]
-    for name, verdicts in found.contacts.items():
+    for name, verdicts in checked.contacts.items():
         chapters.append(_verdicts(verdicts, f"contact-{name}", f"Contact {name}", headed=True))
         chapters += _replays(verdicts, name, f"replays-{name}", f"Counterexamples of {name}")
-    laws = [of_law.chapter(v.law, f"law-{i}", f" of {name}") for i, (name, v) in enumerate(found.contacts.items())]
-    facts = [f"{found.why[:1].upper()}{found.why[1:]}."] if found.passive else []
-    return Document(found.name, found.answer, facts, [*chapters, *laws])
+    laws = [of_law.chapter(v.law, f"law-{i}", f" of {name}") for i, (name, v) in enumerate(checked.contacts.items())]
+    facts = [f"{checked.why[:1].upper()}{checked.why[1:]}."] if checked.passive else []
+    return Document(checked.name, checked.answer, facts, [*chapters, *laws])
 
 
-def _in_short(found: Verdicts) -> str:
+def _in_short(verdicts: Verdicts) -> str:
     """Which properties are proved, refuted and undecided."""
-    if not found.properties:
+    if not verdicts.properties:
         return "no k_v meets the tolerances"
-    needed = found.steepness.get(found.law.name)
+    needed = verdicts.steepness.get(verdicts.law.name)
     smallest = "" if needed is None else f"smallest k_v {_k_v(needed.k_v, needed.rotary)}; "
-    limit = f" for |v| up to {found.v_max:g} {'rad/s' if found.law.rotary else 'm/s'}" if found.v_max else ""
+    limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if verdicts.law.rotary else 'm/s'}" if verdicts.v_max else ""
     named = {
-        word: ", ".join(name.replace("_", "-") for name, v in found.properties.items() if v.holds is holds)
+        word: ", ".join(name.replace("_", "-") for name, v in verdicts.properties.items() if v.holds is holds)
         for word, holds in ((f"proved{limit}", True), ("refuted", False), ("undecided", None))
     }
     return smallest + "; ".join(f"{word}: {names}" for word, names in named.items() if names)
 
 
-def _verdicts(found: Verdicts, key: str, title: str, headed: bool = False) -> Chapter:
+def _verdicts(verdicts: Verdicts, key: str, title: str, headed: bool = False) -> Chapter:
     """The properties, how each was decided with its evidence, and for which histories it holds."""
     rows: list[list[Cell]] = [
         [name.replace("_", "-"), _MEANING[name], DECIDED[v.holds], v.reason + _AGAIN[v.verified]]
-        for name, v in found.properties.items()
+        for name, v in verdicts.properties.items()
     ]
     tables = [Table(["property", Head("meaning", on=PAGE), "holds", "how it was decided"], rows, prose=True)]
-    if evidence := [row for name, v in found.properties.items() for row in _evidence(name, v, found.law.rotary)]:
+    if evidence := [row for name, v in verdicts.properties.items() for row in _evidence(name, v, verdicts.law.rotary)]:
         tables.append(Table(["property", "evidence", "value"], evidence, prose=True))
-    tables += [table for name, v in found.properties.items() for table in _steps(name, v, found.law.rotary)]
-    facts = [*found.headings(), *_hints(found)] if headed else []
+    tables += [table for name, v in verdicts.properties.items() for table in _steps(name, v, verdicts.law.rotary)]
+    facts = [*verdicts.headings(), *_hints(verdicts)] if headed else []
     return Chapter(key, title, [_SENSE], tables, facts=facts, headed=headed)
 
 
-def _hints(found: Verdicts) -> list[str]:
+def _hints(verdicts: Verdicts) -> list[str]:
     """A bound of the speed, if sampling leaves room for passivity below one."""
-    passive = found.properties.get("passive")
+    passive = verdicts.properties.get("passive")
     worth_a_try = passive is not None and passive.holds is not True and passive.evidence.get("sampled_v_max")
     return [f"It may be passive at low speeds: {arg('v_max')} bounds the speed."] if worth_a_try else []
 
@@ -160,7 +160,7 @@ def _curve(law: Law) -> Figure:
         slow = float(law.scales(law.p).speed)
         wide, near = 20 * slow * np.linspace(-1, 1, 801), 10.0 ** np.linspace(-6, 3, 400) * slow
         units = ("rad/s", "N m") if law.rotary else ("m/s", "N")
-        made, axes = plots.figure([["wide", "near"]], 2.8)
+        figure, axes = plots.figure([["wide", "near"]], 2.8)
         for name, v in (("wide", wide), ("near", near)):
             force = np.asarray(law.steady_force(v))
             of_v = scale([Quantity("v", units[0], "", v)], plain=name == "near")
@@ -170,21 +170,23 @@ def _curve(law: Law) -> Figure:
         plots.logarithmic(axes["near"], y=False)
         axes["wide"].set_title("held speeds")
         axes["near"].set_title("near rest, and far")
-        return made
+        return figure
 
     return Figure("curve", "The friction force when a speed is held.", draw)
 
 
-def _replays(found: Verdicts, of: str, key: str, title: str) -> list[Chapter]:
+def _replays(verdicts: Verdicts, contact: str, key: str, title: str) -> list[Chapter]:
     """A chapter of counterexamples as motions, where there are any."""
     figures = [
-        _replay(name, v, of) for name, v in found.properties.items() if v.holds is False and v.scenario is not None
+        _replay(name, v, contact)
+        for name, v in verdicts.properties.items()
+        if v.holds is False and v.scenario is not None
     ]
     text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
     return [Chapter(key, title, text, figures=figures, on=PAGE)] if figures else []
 
 
-def _replay(name: str, verdict: Verdict, of: str) -> Figure:
+def _replay(name: str, verdict: Verdict, contact: str) -> Figure:
     """The motion of a counterexample; none where it cannot be simulated."""
     words = name.replace("_", "-")
 
@@ -200,21 +202,21 @@ def _replay(name: str, verdict: Verdict, of: str) -> Figure:
 
     stated = ", ".join(f"{n} = {x:.6g}" for n, x in verdict.evidence.get("replay", {}).items())
     caption = f"Not {words}: {verdict.method}. At the end: {stated}."
-    return Figure(f"{of}_not_{name}" if of else f"not_{name}", caption, draw)
+    return Figure(f"{contact}_not_{name}" if contact else f"not_{name}", caption, draw)
 
 
 # -- the smallest k_v ------------------------------------------------------------------------------------------------
 
 
-def _steepness(found: Mapping[str, Steepness]) -> Chapter:
+def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
     """The smallest k_v, what each tolerance needs, and what it costs."""
     rows: list[list[Cell]] = [
         [law, f"{r.name}, {_tolerance(r.tolerance, r.unit)}", _k_v(r.k_v, each.rotary), f"{r.method}: {r.detail}"]
-        for law, each in found.items() for r in each.requirements
+        for law, each in by_law.items() for r in each.requirements
     ]  # fmt: skip
     tables = [Table(["law", "tolerance", "smallest k_v", "how it was found"], rows, prose=True)]
-    if costs := {law: each.cost for law, each in found.items() if each.cost is not None}:
-        unit = rotary_unit if any(each.rotary for each in found.values()) else str
+    if costs := {law: each.cost for law, each in by_law.items() if each.cost is not None}:
+        unit = rotary_unit if any(each.rotary for each in by_law.values()) else str
         amounts: list[tuple[str, str, Callable[[Cost], float | None]]] = [
             ("steps of explicit Euler below", "s", lambda c: c.largest_step),
             ("stiffness", "1/s", lambda c: c.stiffness),
@@ -224,12 +226,12 @@ def _steepness(found: Mapping[str, Steepness]) -> Chapter:
             ("dF/dv changes there by up to", f"{unit('N s/m')} per {unit('m/s')}", lambda c: c.force_bend),
         ]
         price: list[list[Cell]] = [
-            [words, *(Amount(of(cost), unit_of) for cost in costs.values())]
-            for words, unit_of, of in amounts
-            if any(of(cost) is not None for cost in costs.values())
+            [words, *(Amount(quantity(cost), unit_of) for cost in costs.values())]
+            for words, unit_of, quantity in amounts
+            if any(quantity(cost) is not None for cost in costs.values())
         ]
         tables.append(Table(["cost", *costs], price))
-    figure = Figure("steepness", "Each error against k_v; grey: tolerated.", lambda: errors_against_k_v(found))
+    figure = Figure("steepness", "Each error against k_v; grey: tolerated.", lambda: errors_against_k_v(by_law))
     return Chapter("steepness", "The smallest k_v", tables=tables, figures=[figure])
 
 
@@ -244,29 +246,29 @@ def _k_v(k_v: float | None, rotary: bool) -> str:
     )
 
 
-def errors_against_k_v(found: Mapping[str, Steepness]) -> Drawn:
+def errors_against_k_v(by_law: Mapping[str, Steepness]) -> Drawn:
     """What is tolerated against k_v, a panel for each tolerance, the chosen k_v marked. Call within the plots' style."""
-    first = next(iter(found.values()))
-    shown = [i for i in range(len(first.requirements)) if any(each.requirements[i].points for each in found.values())]
+    first = next(iter(by_law.values()))
+    shown = [i for i in range(len(first.requirements)) if any(each.requirements[i].points for each in by_law.values())]
     panels = [str(i) for i in shown] or ["none"]
     rows = [panels[i : i + 2] for i in range(0, len(panels), 2)]
     if len(rows[-1]) < len(rows[0]):
         rows[-1] = rows[-1] * 2
-    made, axes = plots.figure(rows, 0.6 + 2.5 * len(rows))
+    figure, axes = plots.figure(rows, 0.6 + 2.5 * len(rows))
     for i in shown:
         axis, wanted = axes[str(i)], first.requirements[i]
-        for n, (law, each) in enumerate(found.items(), start=1):
-            one = each.requirements[i]
-            points = [(k, x) for k, x in one.points if x > 0]
+        for n, (law, each) in enumerate(by_law.items(), start=1):
+            requirement = each.requirements[i]
+            points = [(k, x) for k, x in requirement.points if x > 0]
             if points:
                 k_v, measure = zip(*points, strict=True)
                 plots.line(axis, n, k_v, measure, law)
-            if one.k_v and one.achieved:
-                axis.plot([one.k_v], [one.achieved], "o", color=plots.COLOURS[n], markersize=5)
+            if requirement.k_v and requirement.achieved:
+                axis.plot([requirement.k_v], [requirement.achieved], "o", color=plots.COLOURS[n], markersize=5)
         axis.axhline(wanted.tolerance, color=plots.GREY, linewidth=0.8)
         plots.logarithmic(axis)
         axis.set(xlabel=f"k_v ({'s/rad' if first.rotary else 's/m'})", title=wanted.name)
         axis.set_ylabel((wanted.unit and f"({wanted.unit})") or "share")
     if shown:
-        plots.legend(made, axes[str(shown[0])])
-    return made
+        plots.legend(figure, axes[str(shown[0])])
+    return figure

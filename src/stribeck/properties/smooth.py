@@ -31,7 +31,7 @@ _NAMES = ("dz/dt", "F")
 
 def decide(model: Model, claims: ClaimProver) -> Verdict:
     """C1: every surface joins values and derivatives; or not: a point where the one-sided derivatives differ."""
-    found: list[Claim] = []
+    proofs: list[Claim] = []
     reason = ""
     for name, expr in zip(_NAMES, (model.rate, model.power_force), strict=True):
         shown = _smooth(model, claims, expr)
@@ -40,11 +40,11 @@ def decide(model: Model, claims: ClaimProver) -> Verdict:
             if (verdict := _kink(model, name, expr)) is not None:
                 return verdict
         else:
-            found += shown
+            proofs += shown
     if reason:
         return undecided(reason)
-    certificate = Certificate("smooth", "switching", found, {"of": ["dz_dt", "force"]})
-    return proved(model, certificate, _METHOD, {"cases_that_meet": sum(c.about == "switching" for c in found)})
+    certificate = Certificate("smooth", "switching", proofs, {"of": ["dz_dt", "force"]})
+    return proved(model, certificate, _METHOD, {"cases_that_meet": sum(c.about == "switching" for c in proofs)})
 
 
 def _smooth(model: Model, claims: ClaimProver, expr: Expr) -> list[Claim] | str:

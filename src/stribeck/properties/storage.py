@@ -28,13 +28,13 @@ _FAR = 1e4  # where z has no bound: how many natural lengths to look
 
 def own_speeds(law: Law) -> list[float]:
     """The speeds that a law's constants define, m/s: where its equations change character."""
-    scales, found = law.scales(law.p), [law.scales(law.p).speed]
+    scales, speeds = law.scales(law.p), [law.scales(law.p).speed]
     for name, constant in law.constants().items():
         value = law.values.get(name)
         if value and value > 0:
             by_unit = {"m/s": value, "s/m": 1 / value, "N s/m": scales.force / value}
-            found += [by_unit[constant.unit]] if constant.unit in by_unit else []
-    return sorted(x for x in found if 1e-150 < x < 1e150)
+            speeds += [by_unit[constant.unit]] if constant.unit in by_unit else []
+    return sorted(x for x in speeds if 1e-150 < x < 1e150)
 
 
 @dataclass(frozen=True)
@@ -228,8 +228,8 @@ def largest_speed(law: Law, reach: float | None) -> float | None:
 
     if room(None) >= 0:
         return None
-    own = own_speeds(law)
-    low, high = own[0] * _SLOWEST, own[-1] * _FASTEST
+    speeds = own_speeds(law)
+    low, high = speeds[0] * _SLOWEST, speeds[-1] * _FASTEST
     if room(low) < 0:
         return 0.0
     lacking: list[tuple[float, float]] = []
@@ -243,9 +243,9 @@ def largest_speed(law: Law, reach: float | None) -> float | None:
             beside = root * (1 + _APART / 2 if high > root * (1 + _APART) else 1 - _APART / 4)
             middle = beside if low < beside < high else middle
         steps += 1
-        if (found := room(middle)) >= 0:
+        if (left := room(middle)) >= 0:
             low = middle
         else:
             high = middle
-            lacking.append((middle, found))
+            lacking.append((middle, left))
     return low

@@ -32,9 +32,9 @@ def prove(
     model: Model, claims: ClaimProver, bounded: Certificate | None, within: Fraction | None = None
 ) -> Certificate | str:
     """The certificate, for all z or for |z| <= within; or why there is none."""
-    found = _continuous(model, claims)
-    if isinstance(found, str):
-        return found
+    proof = _continuous(model, claims)
+    if isinstance(proof, str):
+        return proof
     w: tuple[Fraction, Fraction | None] = (NULL, within)
     for growth in _growths(model, within):
         with claims.at_most(claims.work.left / 2):  # one that does not hold leaves room for the next
@@ -57,7 +57,7 @@ def prove(
         if within is not None and bounded is not None:
             hypotheses["bounded"] = bounded
         data = {"within": within} if within is not None else {}
-        return Certificate("unique", "lipschitz", [*found, *more, *rest], data, hypotheses)
+        return Certificate("unique", "lipschitz", [*proof, *more, *rest], data, hypotheses)
     return "no bound on the derivative of dz/dt by z was found"
 
 

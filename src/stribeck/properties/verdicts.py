@@ -107,8 +107,8 @@ def undecided(reason: str, **evidence: Json) -> Verdict:
 
 def proved(model: Model, certificate: Certificate, method: str, evidence: Mapping[str, Json]) -> Verdict:
     """A proof."""
-    found = {**evidence, "regions": certificate.leaves}
-    return Verdict(True, method, found, certificate=certificate.to_json(model))
+    with_regions = {**evidence, "regions": certificate.leaves}
+    return Verdict(True, method, with_regions, certificate=certificate.to_json(model))
 
 
 @dataclass(repr=False)
@@ -144,8 +144,8 @@ class Verdicts:
         declared = self.law.constants()
         units = {n: declared[n].unit_for(self.law.rotary) for n in self.law.p.numbers}
         values = {n: f"{x:g} {units[n]}".rstrip() for n, x in self.law.p.numbers.items()} | self.law.choices
-        found = [f"{self.law.name} with " + ", ".join(f"{n} = {x}" for n, x in values.items())]
-        return [*found, f"for every history of {ranges_in_words(self.level)}"] if self.level else found
+        lines = [f"{self.law.name} with " + ", ".join(f"{n} = {x}" for n, x in values.items())]
+        return [*lines, f"for every history of {ranges_in_words(self.level)}"] if self.level else lines
 
     def document(self) -> Document:
         """What the verdicts say to people, for the terminal and for a page."""

@@ -129,7 +129,7 @@ class Varied:
         lows, highs = zip(*(self.range(n) for n in names), strict=True)
         return min(lows), None if None in highs else max(highs)
 
-    def at(self, ends: Mapping[str, int], most: Fraction | None = None) -> Law:
+    def with_ends(self, ends: Mapping[str, int], most: Fraction | None = None) -> Law:
         """The law with some constants at the low (-1) or the high (1) end of their ranges; an end that is open is
         ``most`` times the nominal value, or the lower end where that is more.
 
@@ -149,7 +149,7 @@ class Varied:
         """The law at the low (-1) or high (1) end of its level, with the other constants as energy is drawn most easily;
         those in ``least`` as small as they may be."""
         small = (*_SMALLEST, *least)
-        return self.at({n: side if n in ("F_c", "F_s") else -1 if n in small else 1 for n in self.ranges}, most)
+        return self.with_ends({n: side if n in ("F_c", "F_s") else -1 if n in small else 1 for n in self.ranges}, most)
 
     def worst(self, any_z: bool = False) -> Law | None:
         """The law that stands for the worst of all levels, its constants rounded to the safe side; with ``any_z`` z is

@@ -18,7 +18,7 @@ _OLDER = {"*.toml": r"# \S+ is not \w+: ", "*not_*.svg": ""}
 
 
 def write_check(
-    found: Verdicts | MachineVerdicts, folder: Path, command: str = ""
+    verdicts: Verdicts | MachineVerdicts, folder: Path, command: str = ""
 ) -> tuple[list[str], list[str] | None]:
     """Write them, all together, the page last.
 
@@ -27,12 +27,12 @@ def write_check(
     """
     pages: list[Path] | None = None
     with together(folder, last="report.html", older=_OLDER) as place:
-        if isinstance(found, Verdicts):
-            files = _scenarios(found, place)
+        if isinstance(verdicts, Verdicts):
+            files = _scenarios(verdicts, place)
         else:
-            files = [path for name, v in found.contacts.items() for path in _scenarios(v, place, f"{name}_")]
+            files = [path for name, v in verdicts.contacts.items() for path in _scenarios(v, place, f"{name}_")]
         with left_out("the page"):
-            pages = page.write(found.document(), place, command)
+            pages = page.write(verdicts.document(), place, command)
     in_pages = None if pages is None else [str(folder / each.name) for each in pages]
     return [str(folder / file.name) for file in files], in_pages
 

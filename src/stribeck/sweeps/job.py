@@ -78,7 +78,8 @@ class Sweep:
     def document(self, seconds: float) -> Document:
         """The sweep as a document, with its duration in seconds."""
         existing = f", {self.found} of them there already" if self.found else ""
-        lead = f"{len(self.lanes)} lanes in {self.parts} parts{existing}, {seconds:.1f} s"
+        parts = f"{self.parts} part{'s' if self.parts != 1 else ''}"
+        lead = f"{len(self.lanes)} lanes in {parts}{existing}, {seconds:.1f} s"
         return Document(self.lanes.scenario.name, lead)
 
     @staticmethod
