@@ -103,9 +103,14 @@ def test_without_parameters_the_usual_set_is_taken_and_named(stribeck):
 
 
 def test_a_law_without_z_is_null_with_the_reason(stribeck):
-    data = json.loads(stribeck("check", "coulomb_viscous", "--set", "F_c=1", "--set", "sigma_2=0.1", "--json").out)
+    law = ("check", "coulomb_viscous", "--set", "F_c=1", "--set", "sigma_2=0.1")
+    data = json.loads(stribeck(*law, "--json").out)
     assert {v["holds"] for v in data["properties"].values()} == {None}
     assert all("no internal state" in v["evidence"]["reason"] for v in data["properties"].values())
+    assert stribeck(*law).out.splitlines() == [
+        "coulomb_viscous: has no internal state z, and the five properties are about laws with one",
+        "  coulomb_viscous with F_c = 1 N, sigma_2 = 0.1 N s/m, k_v = 1e+06 s/m",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -70,12 +70,19 @@ def test_a_browser_makes_one_column(page, tmp_path):
         "onload = () => { const d = document.querySelector('iframe').contentDocument;"
         "const left = [...d.querySelectorAll('section')].map(e => Math.round(e.getBoundingClientRect().left));"
         "const wide = [...d.querySelectorAll('figure svg')].filter(e => e.clientWidth > e.closest('.scroll').clientWidth);"
-        "document.title = [d.documentElement.scrollWidth, left.length, new Set(left).size, wide.length].join(' '); };</script>"
+        "const e = d.querySelector('figure svg[data-axes]'), r = e.getBoundingClientRect();"
+        "const at = { clientX: r.left + 0.6 * r.width, clientY: r.top + 0.9 * r.height };"
+        "e.dispatchEvent(new PointerEvent('pointermove', at));"
+        "const read = [...d.querySelectorAll('.tip div')].map(e => e.textContent).join(', ');"
+        "const sizes = [d.documentElement.scrollWidth, left.length, new Set(left).size, wide.length];"
+        "document.title = `${sizes.join(' ')} | ${read}`; };</script>"
     )
     words = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--dump-dom"]
     shown = subprocess.run([*words, told.as_uri()], capture_output=True, text=True, timeout=120, check=True).stdout
-    width, sections, columns, scrolled = map(int, re.search(r"<title>([\d ]+)</title>", shown)[1].split())
+    sizes, read = re.search(r"<title>([\d ]+) \| (.*?)</title>", shown).groups()
+    width, sections, columns, scrolled = map(int, sizes.split())
     assert width <= PHONE
     assert sections > 2
     assert columns == 1
     assert scrolled == 0  # a figure of two columns has one here
+    assert re.search(r"^time = [\d.]+ s, error = ", read), read  # of the lowest panel, which stood on the right

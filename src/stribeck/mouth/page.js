@@ -5,33 +5,39 @@ if (copy) {
     try { await navigator.clipboard.writeText(copy.dataset.command); copy.textContent = "copied"; } catch { copy.textContent = copy.dataset.command; }
   };
 }
-// On a narrow screen a figure of two columns becomes one: the right column moves below the left one, the legend shrinks.
-const moved = new Map(); // by picture: the group of the right column, and how far it moved
+// On a narrow screen a figure of two columns becomes one: below each other stand the left panels, the right ones, and, made
+// smaller, those across both. The legend shrinks too.
+const moved = new Map(); // by picture: its panels from above, each with its factor, its way and where it ends
 const NS = "http://www.w3.org/2000/svg";
 function fold(svg) {
-  const [left, top, wide, high] = svg.getAttribute("viewBox").split(/[ ,]+/).map(Number), room = 8;
-  const frame = svg.getBoundingClientRect(), place = (x) => left + (x - frame.left) / frame.width * wide;
+  const [left, top, wide] = svg.getAttribute("viewBox").split(/[ ,]+/).map(Number), gap = 8;
+  const frame = svg.getBoundingClientRect(), unit = wide / frame.width;
   const panels = [...svg.querySelectorAll('g[id*="-axes_"]')].map((group) => { // with its labels, and without what is clipped
     const parts = [group.querySelector("path"), ...group.querySelectorAll("text")].map((each) => each.getBoundingClientRect());
-    return { group, from: place(Math.min(...parts.map((each) => each.left))), to: place(Math.max(...parts.map((each) => each.right))) };
+    const least = (side, edge, from) => from + (Math.min(...parts.map((each) => each[side])) - edge) * unit;
+    const most = (side, edge, from) => from + (Math.max(...parts.map((each) => each[side])) - edge) * unit;
+    return { group, from: least("left", frame.left, left), to: most("right", frame.left, left), above: least("top", frame.top, top), below: most("bottom", frame.top, top) };
   });
-  const right = panels.filter(({ from }) => from > left + wide * 0.4), others = panels.filter((each) => !right.includes(each));
-  if (!right.length || !others.length || others.some(({ to }) => to > left + wide * 0.6)) return;
-  const legends = [...svg.querySelectorAll('g[id*="-legend_"]')].filter((each) => !each.closest('g[id*="-axes_"]'));
-  const above = Math.max(top, ...legends.map((each) => { const box = each.getBBox(); return box.y + box.height; }));
+  const right = panels.filter(({ from }) => from > left + wide * 0.4), first = panels.filter(({ to }) => to < left + wide * 0.6);
+  const across = panels.filter((each) => !right.includes(each) && !first.includes(each));
+  if (!right.length || !first.length || across.some(({ from, to }) => to - from < wide * 0.6)) return;
   const start = (some) => Math.min(...some.map(({ from }) => from)), end = (some) => Math.max(...some.map(({ to }) => to));
-  const [dx, dy] = [start(others) - start(right), top + high - above], group = document.createElementNS(NS, "g");
-  const width = Math.max(end(others), end(right) + dx) + room - left;
-  right[0].group.before(group);
-  group.append(...right.map((each) => each.group));
-  group.setAttribute("transform", `translate(${dx} ${dy})`);
-  for (const legend of legends) {
-    const box = legend.getBBox(), share = Math.min(1, (width - room) / box.width);
-    legend.setAttribute("transform", `translate(${left + room / 2 - share * box.x} ${(1 - share) * box.y}) scale(${share})`);
+  const width = Math.max(...[first, right].map((some) => end(some) - start(some))) + gap, head = Math.min(...first.map(({ above }) => above));
+  const order = [...across.filter(({ above }) => above < head), ...first, ...right, ...across.filter(({ above }) => above >= head)];
+  let place = Math.min(...panels.map(({ above }) => above));
+  moved.set(svg, order.map(({ group, from, to, above, below }, k) => {
+    const column = [first, right].find((some) => some.includes(order[k])), share = column ? 1 : (width - gap) / (to - from);
+    const [dx, dy] = [left + gap / 2 - share * (column ? start(column) : from), place - share * above];
+    group.setAttribute("transform", `translate(${dx} ${dy}) scale(${share})`);
+    place += share * (below - above) + gap;
+    return { group, share, dx, dy, until: place };
+  }));
+  for (const legend of [...svg.querySelectorAll('g[id*="-legend_"]')].filter((each) => !each.closest('g[id*="-axes_"]'))) {
+    const box = legend.getBBox(), share = Math.min(1, (width - gap) / box.width);
+    legend.setAttribute("transform", `translate(${left + gap / 2 - share * box.x} ${(1 - share) * box.y}) scale(${share})`);
   }
-  svg.setAttribute("viewBox", [left, top, width, high + dy].join(" "));
+  svg.setAttribute("viewBox", [left, top, width, place - top].join(" "));
   svg.style.minWidth = 0;
-  moved.set(svg, { group, dx, dy, from: top + high });
 }
 if (matchMedia("(max-width: 40rem)").matches) document.querySelectorAll("figure svg[viewBox]").forEach(fold);
 // Pictures: + and - or Ctrl and the wheel zoom where the pointer is, dragging moves, Escape or a double click shows all.
@@ -109,7 +115,7 @@ function read(svg) {
     panel.x.label ||= panels.find((p) => p.x.label && p.box[0] === panel.box[0] && String(p.x.ends) === String(panel.x.ends))?.x.label ?? "";
     panel.y.label ||= panels.find((p) => p.y.label && p.box[1] === panel.box[1] && String(p.y.ends) === String(panel.y.ends))?.y.label ?? panel.title;
   }
-  let at = null, below = false; // a place in the drawing as it was drawn, and whether it was moved since
+  let at = null, home = svg; // a place in the drawing as it was drawn, and the group that holds it
   const mark = document.createElementNS(NS, "circle");
   mark.setAttribute("class", "reading");
   const curves = (panel) => {
@@ -158,7 +164,7 @@ function read(svg) {
     if (found.mark) {
       mark.setAttribute("cx", found.mark.p[0]); mark.setAttribute("cy", found.mark.p[1]); mark.setAttribute("r", 3);
       mark.style.stroke = found.mark.curve.colour;
-      (below ? moved.get(svg).group : svg).append(mark);
+      home.append(mark);
     }
     tip.replaceChildren(...found.words.map(([text, colour]) => {
       const row = Object.assign(document.createElement("div"), { textContent: text });
@@ -170,9 +176,11 @@ function read(svg) {
     tip.style.top = `${y + tip.offsetHeight + 24 > innerHeight ? y - tip.offsetHeight - 10 : y + 14}px`;
   };
   const hide = () => { tip.hidden = true; mark.remove(); };
-  const over = (e) => { const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(svg.getScreenCTM().inverse()), { dx, dy, from } = moved.get(svg) ?? {};
-    below = p.y > from;
-    at = below ? [p.x - dx, p.y - dy] : [p.x, p.y];
+  const over = (e) => {
+    const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    const { group, share, dx, dy } = moved.get(svg)?.find(({ until }) => p.y < until) ?? { group: svg, share: 1, dx: 0, dy: 0 };
+    home = group;
+    at = [(p.x - dx) / share, (p.y - dy) / share];
     show(e.clientX, e.clientY);
   };
   svg.addEventListener("pointermove", over);

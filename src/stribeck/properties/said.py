@@ -52,13 +52,14 @@ _IN_STEPS = {
     **_QUANTITIES, "F_c": ("F_c", "N"), "F_s": ("F_s", "N"), "z_end": ("z at the end", "m"), "duration": ("duration", "s"),
     "z_over_Z": ("over the bound", ""), "energy_in": ("energy put in", "J"),
 }  # fmt: skip
+_AT_THE_END = {"E_in": "J", "y": "m", "z": "m", "v": "m/s", "time": "s"}  # of a replayed counterexample
 _SENSE = "Yes is proved; for no there is a counterexample. The constants are taken as exact."
 
 
 def law(verdicts: Verdicts) -> Document:
     """The verdicts on a law: first the smallest k_v if tolerances were given."""
     chapters = [_steepness(verdicts.steepness)] if verdicts.steepness else []
-    if verdicts.properties:
+    if verdicts.properties and verdicts.law.has_z:
         chapters.append(_verdicts(verdicts, "verdicts", "Verdicts"))
     chapters += [
         Chapter("curve", "Friction at held speeds", figures=[_curve(verdicts.law)], on=PAGE),
@@ -96,6 +97,8 @@ def _in_short(verdicts: Verdicts) -> str:
     """Which properties are proved, refuted and undecided."""
     if not verdicts.properties:
         return "no k_v meets the tolerances"
+    if not verdicts.law.has_z:
+        return "has no internal state z, and the five properties are about laws with one"
     needed = verdicts.steepness.get(verdicts.law.name)
     smallest = "" if needed is None else f"smallest k_v {_k_v(needed.k_v, needed.rotary)}; "
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if verdicts.law.rotary else 'm/s'}" if verdicts.v_max else ""
@@ -178,7 +181,7 @@ def _curve(law: Law) -> Figure:
 def _replays(verdicts: Verdicts, contact: str, key: str, title: str) -> list[Chapter]:
     """A chapter of counterexamples as motions, where there are any."""
     figures = [
-        _replay(name, v, contact)
+        _replay(name, v, contact, verdicts.law.rotary)
         for name, v in verdicts.properties.items()
         if v.holds is False and v.scenario is not None
     ]
@@ -186,7 +189,7 @@ def _replays(verdicts: Verdicts, contact: str, key: str, title: str) -> list[Cha
     return [Chapter(key, title, text, figures=figures, on=PAGE)] if figures else []
 
 
-def _replay(name: str, verdict: Verdict, contact: str) -> Figure:
+def _replay(name: str, verdict: Verdict, contact: str, rotary: bool) -> Figure:
     """The motion of a counterexample; none where it cannot be simulated."""
     words = name.replace("_", "-")
 
@@ -200,7 +203,9 @@ def _replay(name: str, verdict: Verdict, contact: str) -> Figure:
         except StribeckError:
             return None
 
-    stated = ", ".join(f"{n} = {x:.6g}" for n, x in verdict.evidence.get("replay", {}).items())
+    unit = rotary_unit if rotary else str
+    replayed = verdict.evidence.get("replay", {}).items()
+    stated = ", ".join(f"{n} = {human(x, unit(_AT_THE_END[n.removeprefix('contact.')]), 4)}" for n, x in replayed)
     caption = f"Not {words}: {verdict.method}. At the end: {stated}."
     return Figure(f"{contact}_not_{name}" if contact else f"not_{name}", caption, draw)
 
