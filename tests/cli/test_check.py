@@ -63,11 +63,11 @@ def test_evidence_has_words_and_units(stribeck):
 def test_a_machine_s_answer_is_one_sentence(stribeck, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     stribeck("new", "gear")
-    lines = stribeck("check", "gear.toml", "--force", "gear=40").out.splitlines()
-    assert lines[0] == (
-        "gear: passivity not shown: energy can be drawn from bearing, and other elements may dissipate less than that"
+    printed = " ".join(stribeck("check", "gear.toml", "--force", "gear=40").out.split())
+    assert printed.startswith(
+        "gear: passivity not shown: energy can be drawn from bearing, and other elements may dissipate less than that "
     )
-    assert any("bound of |z|" in line and line.endswith("2.5 mrad") for line in lines)
+    assert " bound of |z| 2.5 mrad " in printed
 
 
 def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
@@ -107,10 +107,10 @@ def test_a_law_without_z_is_null_with_the_reason(stribeck):
     data = json.loads(stribeck(*law, "--json").out)
     assert {v["holds"] for v in data["properties"].values()} == {None}
     assert all("no internal state" in v["evidence"]["reason"] for v in data["properties"].values())
-    assert stribeck(*law).out.splitlines() == [
-        "coulomb_viscous: has no internal state z, and the five properties are about laws with one",
-        "  coulomb_viscous with F_c = 1 N, sigma_2 = 0.1 N s/m, k_v = 1e+06 s/m",
-    ]
+    assert " ".join(stribeck(*law).out.split()) == (
+        "coulomb_viscous: has no internal state z, and the five properties are about laws with one "
+        "coulomb_viscous with F_c = 1 N, sigma_2 = 0.1 N s/m, k_v = 1e+06 s/m"
+    )
 
 
 @pytest.mark.parametrize(

@@ -292,7 +292,7 @@ def test_the_json_is_that_of_the_contract():
 def test_verdicts_are_printed_as_a_table():
     found = check(law_with("lugre"))
     lines = repr(found).splitlines()
-    assert lines[0].startswith("lugre with sigma_0 = 100000, ")
+    assert lines[0].startswith("lugre with sigma_0 = 100000 N/m, ")
     assert [line.split()[:2] for line in lines if line[2] != " " and line[:2] == "  "] == [
         [name, {True: "yes", False: "no"}[found[name].holds]] for name in NAMES
     ]
