@@ -172,6 +172,10 @@ int reference(const Problem *p, int rows, double row_step, double *out, double *
                 }
                 error = fmaxl(error, fabsl(F_two - F_whole) / (fmaxl(peak_F, fabsl(F_two)) + 1e-60L) / (100 * p->tolerance));
                 good = error <= 1;
+                if (x[1] * two[1] < 0 && fabsl(x[1]) > p->v_s && fabsl(two[1]) > p->v_s && length > 1e-15L * t) {
+                    h = length * x[1] / (x[1] - two[1]); /* a narrow Stribeck peak lies within */
+                    continue;
+                }
             } else
                 error = 1e5L;
             if (good) {

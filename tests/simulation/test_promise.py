@@ -132,3 +132,11 @@ def test_readings_that_no_tolerance_settles_are_said(monkeypatch):
     with pytest.warns(StribeckNote, match="less differ by more than 1e-06 of the peak; counts of an encoder"):
         found = stribeck.simulate(stribeck.load(EDGE))
     assert "counts of an encoder" in found.message
+
+
+def test_lanes_go_over_no_narrow_peak():
+    """As a single run: a step that takes the speed past v_s on both sides ends at rest instead."""
+    path = Path(__file__).parent / "accuracy" / "narrow_peak.toml"
+    data = stribeck.load(path)
+    many, one = stribeck.simulate(data, {"plant.mass": [5890.0, 5890.0]}), stribeck.simulate(data)
+    assert np.max(abs(many["y"][1] - one["y"])) <= 1e-8 * np.max(abs(one["y"]))

@@ -182,11 +182,19 @@ static inline void end(const Batch *b, Lanes *l)
         error = choose((square > error) | (square != square), square, error);
     }
 #endif
-    const mask good = error <= 1, finite = error < 1e30;
+    real share = splat(1);
+#if WATCHES > 0
+    real w0[WATCHES], w1[WATCHES];
+    watch(&l->p, &l->c, &l->piece, l->t, l->x, w0);
+    watch(&l->p, &l->c, &l->piece, t_new, x_new, w1);
+    share = share_to_zero(l->threshold, w0, w1);
+    share = choose(l->t + share * h * 0.25 > l->t, share, splat(1));
+#endif
+    const mask over = (error <= 1) & (share < 1), good = (error <= 1) & ~over, finite = error < 1e30;
     const real root = steering(error), plain = growth(root);
     real factor = choose(l->last_h > 0, predictive_growth(root, h, l->last_root, l->last_h), plain);
     factor = choose(l->held & (factor > 1), splat(1), factor);
-    const real grown = h * choose(good, factor, choose(finite, plain, splat(0.1)));
+    const real grown = h * choose(good, factor, choose(over, share, choose(finite, plain, splat(0.1))));
     const real next_h = choose(good & last, larger(l->h, grown), grown);
     const mask rows = good & (t_new >= l->row_t), ends = good & last;
     const mask tried = l->accepted + l->rejected;

@@ -126,6 +126,21 @@ UNUSED static const double LEAST_WAY = 1e-6;
 enum { SMOOTH = 0, JUMP = 1, CORNER = 2, OUTPUT = 3 };
 static const double CORNER_EASE = 16; /* a corner allows a longer first step than a jump */
 
+#if MAY_WATCH
+/* A step that takes a watched quantity past both its thresholds would go over what lies between, such as a narrow Stribeck
+   peak, unseen. The share of it after which the first such quantity is 0; 1 if there is none. */
+UNUSED static inline real share_to_zero(const real *thresholds, const real *w0, const real *w1)
+{
+    real share = splat(1);
+    for (int j = 0; j < WATCHES; j++) {
+        const real limit = thresholds[j];
+        const mask over = ((w0[j] > limit) & (w1[j] < -limit)) | ((w0[j] < -limit) & (w1[j] > limit));
+        share = choose(over & (limit > 0), smaller(share, w0[j] / (w0[j] - w1[j])), share);
+    }
+    return share;
+}
+#endif
+
 /* What the step length is steered by: the squared error of a step to the power -1/10, the error to the power -1/5. */
 static inline real steering(real square) { return inverse_tenth_root(larger(square, splat(1e-20))); }
 

@@ -303,6 +303,20 @@ static NOINLINE int advance(Run *run)
         }
 #endif
         run->rates += STAGES - 1;
+#if MAY_WATCH
+        if (error <= 1 && MAY_CROSS(p, c, piece, run->t, run->x, h, x_new, k, run->thresholds)) {
+            double w0[WATCHES], w1[WATCHES];
+            watch(p, c, piece, run->t, run->x, w0);
+            watch(p, c, piece, run->t + h, x_new, w1);
+            const double share = share_to_zero(run->thresholds, w0, w1);
+            if (share < 1 && run->t + share * h * 0.25 > run->t) {
+                run->rejected++;
+                run->held_back = 1;
+                run->h = share * h;
+                continue;
+            }
+        }
+#endif
         if (!(error <= 1)) {
             run->rejected++;
             run->wild += !(error < 1e30);
