@@ -76,7 +76,11 @@ def test_a_mark_at_the_beginning_is_no_mistake(tmp_path):
 def test_deep_nesting(text, tmp_path):
     path = tmp_path / "scenario.toml"
     path.write_text(text)
-    with pytest.raises(InputError, match=r"^(a|law): nested too deeply: must be at most 8 tables or lists deep$"):
+    ours, toml = (
+        r"^(a|law): nested too deeply: must be at most 8 tables or lists deep$",
+        r"lists are nested too deeply$",
+    )
+    with pytest.raises(InputError, match=f"{ours}|{toml}"):  # Python 3.14's tomllib refuses the three last itself
         Scenario.load(path)
 
 

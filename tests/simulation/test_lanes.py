@@ -172,3 +172,16 @@ def test_ctrl_c_ends_a_large_ensemble(wait):
     assert time.monotonic() - begun < 30
     assert run.returncode != -signal.SIGSEGV
     assert b"KeyboardInterrupt" in errors
+
+
+def test_a_lane_is_the_same_beside_any_others():
+    """Also what decides whether a lane is solved again: a neighbour that wrote a row counted once for all."""
+    slips = {**rig("lugre_majorant", spring("canudas1995"), {"kind": "ramp", "rate": 0.1}, 20.0, rows=200)}
+    stiffness = np.linspace(1.0, 3.0, 16)
+    together = simulate(slips, {"drive.stiffness": stiffness}, threads=1)
+    order = np.random.default_rng(0).permutation(len(stiffness))
+    permuted = simulate(slips, {"drive.stiffness": stiffness[order]}, threads=1)
+    np.testing.assert_array_equal(permuted["y"], together["y"][order])
+    for lane in range(0, len(stiffness), 3):
+        alone = simulate(slips, {"drive.stiffness": stiffness[lane : lane + 1]}, threads=1)
+        np.testing.assert_array_equal(alone["y"][0], together["y"][lane])

@@ -19,7 +19,7 @@ static void restart(const Batch *b, Lanes *l)
 }
 
 /* What happened to single lanes in a step: rows to write, samples, breakpoints, failures. Sets of lanes are bits. */
-static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, unsigned last, unsigned failed, unsigned good,
+static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, unsigned last, unsigned failed, mask good,
                    real h, real t_new, real error, real k[STAGES][N], const real *x_new)
 {
     real d[N][3];
@@ -27,7 +27,7 @@ static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, 
         for (int n = 0; n < N; n++) dense(k, n, d[n]);
 #if FORCES > 0
     if (rows) {
-        const mask within = l->row_t < t_new;
+        const mask within = good & (l->row_t < t_new); /* no lane's numbers depend on its neighbours' rows */
         real last[N], F[FORCES], F_last[FORCES], size[FORCES];
         for (int n = 0; n < N; n++) last[n] = 27.0 / 256 * d[n][2]; /* s^3 (1 - s) is at most 27/256 */
         observe(&l->p, &l->c, &l->now.jac, last, F, F_last, size);
@@ -51,7 +51,7 @@ static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, 
         const double t_before = last & bit ? l->t_stop[lane] * (1 - SAME_TIME) : INFINITY;
         if (rows & bit) write_rows(b, l, lane, h[lane], t_new[lane], t_before, d, x_new);
 #if HELD > 0
-        if (good & bit)
+        if (good[lane])
             take_samples(b, l, lane, h[lane], last & bit ? t_before : t_new[lane] * (1 - SAME_TIME), k, x_new);
 #else
         (void)good;
@@ -226,7 +226,7 @@ static inline void end(const Batch *b, Lanes *l)
     l->held = ~good;
     l->last_h = choose(good, h, l->last_h);
     l->last_root = choose(good, remembered(root), l->last_root);
-    const unsigned row_bits = lanes_in(rows), end_bits = lanes_in(ends), failed_bits = lanes_in(failed), good_bits = lanes_in(good);
+    const unsigned row_bits = lanes_in(rows), end_bits = lanes_in(ends), failed_bits = lanes_in(failed);
     unsigned attention = row_bits | end_bits | failed_bits;
 #if HELD > 0
     for (int lane = 0; lane < LANES; lane++) {
@@ -240,7 +240,7 @@ static inline void end(const Batch *b, Lanes *l)
                 attention |= 1u << lane;
     }
 #endif
-    if (attention) attend(b, l, attention, row_bits, end_bits, failed_bits, good_bits, h, t_new, error, k, x_new);
+    if (attention) attend(b, l, attention, row_bits, end_bits, failed_bits, good, h, t_new, error, k, x_new);
     const mask moves = good & ~ends & ~failed; /* the others were moved, or given another trajectory, above */
     for (int n = 0; n < N; n++) l->x[n] = choose(moves, x_new[n], l->x[n]);
     l->t = choose(moves, t_new, l->t);
