@@ -261,3 +261,16 @@ def test_plain_decimals_are_not_asked_about(tmp_path, cells):
     path = tmp_path / "a.csv"
     path.write_text("time;force\n" + "".join(f"{i};{x}\n" for i, x in enumerate(cells)))
     assert len(read_columns(path, {"time": "time", "force": "force"})["force"]) == 4
+
+
+def test_an_npz_with_a_column_twice(tmp_path):
+    """NumPy itself takes the last one."""
+    path = tmp_path / "twice.npz"
+    np.savez(path, t=T, u=T)
+    duplicate = pytest.warns(UserWarning, match="Duplicate name")
+    with zipfile.ZipFile(path, "a") as archive, duplicate, archive.open("u.npy", "w") as file:
+        np.lib.format.write_array(file, 2 * T)
+    source = opened(path)
+    assert source.columns({"time": "t"})["time"].tolist() == T.tolist()
+    with pytest.raises(InputError, match=r"'u'.*is there twice"):
+        source.columns({"time": "t", "force": "u"})

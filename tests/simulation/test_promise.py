@@ -31,7 +31,7 @@ def stepped(size, **solve):
     return scenario({"name": "lugre", "parameters": NEARLY}, drive, t_end=0.05, **solve)
 
 
-@pytest.mark.parametrize("size", [1e-11, 1e-13, 1e-18])
+@pytest.mark.parametrize("size", [1e-11, 1e-13, 1e-18, 1e-30])
 @pytest.mark.parametrize("lanes", [False, True])
 def test_a_motion_far_below_the_laws_scales(size, lanes):
     """Elastic: m y'' + (sigma_1 + sigma_2) y' + (sigma_0 + k) y = k s, solved in closed form."""

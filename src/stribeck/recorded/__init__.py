@@ -74,7 +74,7 @@ class Later:
     Attributes:
         shape, kind: as in NumPy's arrays and dtypes.
         read: reads its numbers.
-        refused: the reason if its numbers are not in the file itself; empty otherwise.
+        refused: the reason if its numbers are not in the file itself, or twice; empty otherwise.
     """
 
     shape: tuple[int, ...]
@@ -114,7 +114,7 @@ class Source:
         """The columns by role, as separate arrays."""
         holders = {name: self._parts.get(name, (name, None))[0] for name in wanted.values()}
         if problems := [
-            f"{arg(role)}: {name!r}: this column of {self.path} {x.refused}; must be in the file"
+            f"{arg(role)}: {name!r}: this column of {self.path} {x.refused}; must be in the file itself, once"
             for role, name in wanted.items()
             if isinstance(x := self.variables[holders[name]], Later) and x.refused
         ]:
@@ -434,7 +434,8 @@ def _npz(path: Path) -> Source:
                 if version not in headers:  # 3.0 is for tables with named fields, which are no columns
                     continue
                 shape, _, dtype = headers[version](file)
-            variables[name] = Later(shape, "O" if dtype.hasobject else dtype.kind, partial(read, name))
+            twice = "is there twice" if name in variables else ""
+            variables[name] = Later(shape, "O" if dtype.hasobject else dtype.kind, partial(read, name), twice)
     return Source(path, variables)
 
 

@@ -115,7 +115,9 @@ class Ensemble:
     def __getitem__(self, name: str) -> Array:
         if name not in self._columns:
             known = list(self._columns)
-            raise KeyError(f"{name!r}: no such column{nearest(name, known) or ' (known: ' + ', '.join(known) + ')'}")
+            raise KeyError(
+                f"{name!r}: no such column{nearest(str(name), known) or ' (known: ' + ', '.join(known) + ')'}"
+            )
         return self._columns[name]
 
 

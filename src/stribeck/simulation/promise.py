@@ -24,8 +24,8 @@ from stribeck.simulation.result import Result
 
 MOTION, FORCE = 1e2, 1e4  # times solve.rtol, of the peaks: the promised accuracy of y and v, and of F
 # The tolerance of a state follows its peak so far, but it is at least this share of the largest state's, both in their natural
-# scales (runtime/method.c, follow): below, it is too loose.
-_LEAST_PEAK = 1e-3
+# scales (runtime/method.c, follow): below, it is too loose. A motion smaller than the second number is not followed.
+_LEAST_PEAK, _LEAST_SIZE = 1e-3, 1e-9
 # Shares of the promised accuracy. In F, the error of a step counts a hundred times, for the steps in which a stiff deflection
 # keeps it, and the last term of the dense output ten times, for the terms that follow it (benchmarks/promise.py).
 _STEP_IN_FORCE, _DENSE_IN_FORCE = 1e2, 1e3  # times solve.rtol
@@ -130,8 +130,9 @@ class Promise:
     def broken(self, tolerances: Tolerances, measured: MeasuredMotion) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """The states, and the friction forces, whose error may exceed the promise, in each lane."""
         rtol, peaks, force = self._rtol, measured.peaks, measured.force
-        sizes = rtol * peaks / tolerances.atol  # at the largest state's, and up to 1, tolerances follow the motion
-        loose = self._promised & (sizes < _LEAST_PEAK * np.minimum(np.max(sizes, axis=1, keepdims=True), 1.0))
+        sizes = rtol * peaks / tolerances.atol
+        followed = np.max(sizes, axis=1, keepdims=True).clip(_LEAST_SIZE, 1.0)
+        loose = self._promised & (sizes < _LEAST_PEAK * followed)
         if loose.any():  # seldom: rest is only looked for then
             loose &= ~self._at_rest(tolerances, measured)
         wrong = measured.step_in_force > _STEP_IN_FORCE * rtol * force

@@ -80,7 +80,9 @@ class Solution:
             return self.t
         if name not in self._columns:
             known = ["t", *self._columns]
-            raise KeyError(f"{name!r}: no such column{nearest(name, known) or ' (known: ' + ', '.join(known) + ')'}")
+            raise KeyError(
+                f"{name!r}: no such column{nearest(str(name), known) or ' (known: ' + ', '.join(known) + ')'}"
+            )
         return self._columns[name]
 
     def __contains__(self, name: object) -> bool:
