@@ -310,8 +310,7 @@ def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, s
     values = {n: found.parameters[path].value for path, n in names.items()}
     constants = model.law.constants()
     used = {**model.fixed, **model.held, **values}
-    estimates = _estimates(log, model, found, names)
-    estimates = _without_curve(estimates, log, used)
+    estimates = _without_sliding(_estimates(log, model, found, names), log, used)
     bent = [found.nuisance.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
     friction, beside = parts(model.name, used, log, bent)
     left = log.force - friction - beside
@@ -366,20 +365,16 @@ def _estimates(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, 
     return out
 
 
-def _without_curve(estimates: dict[str, Estimate], log: Log, used: Values) -> dict[str, Estimate]:
-    """Withhold F_s if v_s is not identifiable; also F_c if no stroke reaches gross sliding."""
-    if "v_s" not in estimates or estimates["v_s"].identifiable:
+def _without_sliding(estimates: dict[str, Estimate], log: Log, used: Values) -> dict[str, Estimate]:
+    """Withhold F_c if v_s is open and no stroke reaches gross sliding."""
+    way, longest = used.get("F_c", 0.0) / used.get("sigma_0", np.inf), max(np.ptp(log.position[r]) for r in _runs(log))
+    if "F_c" not in estimates or "v_s" not in estimates or estimates["v_s"].identifiable or longest >= _STROKE * way:
         return estimates
-    found, way = dict(estimates), used["F_c"] / used.get("sigma_0", np.inf)
-    open_ = {"F_s": "v_s is open, so that no speed tells where the curve ends"}
-    if max(float(np.ptp(log.position[rows])) for rows in _runs(log)) < _STROKE * way:
-        open_["F_c"] = "no stroke is much longer than the way to break-away: the level of slow motion may be F_s"
     sizes, values = sizes_of(log), {n: e.value for n, e in estimates.items()}
-    for n, why in open_.items():
-        if n in found:
-            experiment = experiment_for(n, values, sizes, ["v_s", *open_], rotary=log.rotary)
-            found[n] = replace(found[n], state=EstimateState.NOT_IDENTIFIABLE, why=why, experiment=experiment)
-    return found
+    why = "no stroke is much longer than the way to break-away: the level of slow motion may be F_s"
+    text = experiment_for("F_c", values, sizes, ["v_s", "F_s", "F_c"], rotary=log.rotary)
+    F_c = replace(estimates["F_c"], state=EstimateState.NOT_IDENTIFIABLE, why=why, experiment=text)
+    return estimates | {"F_c": F_c}
 
 
 def _doubted_recordings(log: Log, model: OneBody) -> Iterator[Recording]:

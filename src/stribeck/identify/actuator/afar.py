@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,13 +12,14 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.guided import Guides
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.residuals import beyond_noise, leftovers
-from stribeck.identify.actuator.solve import Found, agreeing, search
+from stribeck.identify.actuator.residuals import beyond_noise, floor_of, leftovers, noise_of
+from stribeck.identify.actuator.solve import Found, agreeing, half_squares, search
 from stribeck.identify.actuator.starts import prepared
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 
 _FOLLOWED = 0.1  # of a column's changes: with a larger residual, the simulation does not follow the recording
+_VISIBLE = 10.0  # times the noise: errors of first values, a third of the friction; 3 % of it then equal the noise
 _LOOSE = 1e-6  # rtol far from the optimum
 _STEP = 1e-3  # of a coordinate: step of the differences far from the optimum
 _SMALL = 1e-4  # relative reduction of the cost below which a search far from the optimum ends
@@ -43,10 +44,10 @@ class Reached:
 
 @dataclass
 class GuidedSearch:
-    """Starts are compared under the loosest guide with which the simulation follows the recordings.
+    """Starts are compared under the stiffest guide that lets errors of the friction stand out of the noise.
 
-    From the best, the guide is loosened as far as the simulation follows. If the residual of the freely simulated recordings
-    exceeds the noise, the search is repeated under stiffer guides, until several ends agree.
+    A stiff guide leaves the fewest minima. From the best start, the guide is loosened step by step. The next starts
+    follow until an end leaves no more than noise, or two come to the same end.
     """
 
     scenario: Scenario
@@ -66,57 +67,53 @@ class GuidedSearch:
         """The best end from ``first``, where given, and from other starts; Ctrl-C returns the best so far."""
         ends, agreed = [Reached(first, first)], 1
         try:
-            for level, found in self._places(starts, seed, first):
-                end = self._freed(level, found)
-                ends.append(end)
-                agreed = max(
-                    agreed, found.agreeing, agreeing(np.array([x.cost for x in ends]), min(x.cost for x in ends))
-                )
+            level, found = self._compared(starts, seed, first)
+            for u in (found.u, *found.others):
+                ends.append(self._freed(level, u))
+                agreed = max(found.agreeing, agreeing(np.array([x.cost for x in ends]), min(x.cost for x in ends)))
                 whole = self._problem(0)
-                if end.stopped or not beyond_noise(whole, whole.point(end.values), agreed):
+                if self.work.stopped or not beyond_noise(whole, whole.point(ends[-1].values), agreed):
                     break
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
         best = min(ends, key=lambda each: each.cost)
         return replace(best, agreeing=agreed, stopped=self.work.stopped)
 
-    def _places(self, starts: int, seed: int, first: dict[str, float]) -> Iterator[tuple[int, Found]]:
-        """The best starts under each guide, from the loosest that suffices; then the others under the stiffest."""
-        top = len(self.guides.bandwidths) - 1
-        begin = self._loosest(top, first)
-        for level in range(begin, (top if starts > 1 else begin) + 1):
-            problem = self._problem(level)
-            found = Found(problem.point(first), np.inf)
-            if starts > 1:
-                found = search(
-                    problem,
-                    starts,
-                    seed + level,
-                    found.u,
-                    kept(self._problem(level), self.keep),
-                    wide=True,
-                    steps=_ROUGH,
-                    small=_SMALL,
-                )
-            yield level, found
-        for u in found.others:
-            yield top, replace(found, u=u)
+    def _compared(self, starts: int, seed: int, first: dict[str, float]) -> tuple[int, Found]:
+        """The best starts, and the guide under which they were compared."""
+        level = self._stiffest(first)
+        problem = self._problem(level)
+        u = problem.point(first)
+        if starts == 1:
+            return level, Found(u, np.inf)
+        keep = kept(problem, self.keep)
+        return level, search(problem, starts, seed, u, keep, wide=True, steps=_ROUGH, small=_SMALL)
 
-    def _freed(self, level: int, found: Found) -> Reached:
-        """The end of a search that loosens the guide from a level on."""
-        values = guided = self._problem(level).values(found.u)
-        while not found.stopped:
-            problem = self._problem(level)
-            found = search(problem, 1, 0, problem.point(values), kept(self._problem(level), self.keep), small=_SMALL)
-            values = values | problem.values(found.u)
-            if not level:
-                break
-            guided, level = values, self._loosest(level - 1, values)
-        return Reached(values, guided, found.cost, found.agreeing, found.stopped)
+    def _freed(self, level: int, u: Array) -> Reached:
+        """The end of searches under looser and looser guides, the last one without."""
+        values = guided = self._problem(level).values(u)
+        for at in range(level, -1, -1):
+            problem = self._problem(at)
+            u = problem.point(values)
+            problem.noise = {
+                c: max(left, floor_of(problem, c)) or 1.0 for c, (left, _) in leftovers(problem, u).items()
+            }
+            u = search(problem, 1, 0, u, kept(problem, self.keep), small=_SMALL).u
+            if at and not self._follows(at, problem.values(u)):
+                continue
+            values = values | problem.values(u)
+            guided = values if at else guided
+        problem.noise = dict(self.noise)
+        return Reached(values, guided, float(half_squares(problem.residuals(u[None]))[0]))
 
-    def _loosest(self, most: int, values: dict[str, float]) -> int:
-        """The loosest guide with which the simulation follows the recordings, or the one at ``most``."""
-        return next((level for level in range(most) if self._follows(level, values)), most)
+    def _stiffest(self, values: dict[str, float]) -> int:
+        """The stiffest guide under which the errors of first values stand out of the noise."""
+        for level in range(len(self.guides.bandwidths) - 1, 0, -1):
+            problem = self._problem(level)
+            left = leftovers(problem, problem.point(values))
+            if any(_VISIBLE * noise_of(problem, c) < x < np.inf for c, (x, _) in left.items()):
+                return level
+        return min(1, len(self.guides.bandwidths) - 1)
 
     def _follows(self, level: int, values: dict[str, float]) -> bool:
         problem = self._problem(level)

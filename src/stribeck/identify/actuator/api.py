@@ -21,7 +21,6 @@ from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
 from stribeck.identify.actuator.residuals import beyond_noise
 from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
 from stribeck.identify.actuator.runs import recorded_run
-from stribeck.identify.actuator.solve import settled
 from stribeck.identify.actuator.starts import prepared
 from stribeck.identify.actuator.traces import traces
 from stribeck.identify.work import Stopped, Work
@@ -154,10 +153,6 @@ class Fitting:
                 self.work, first, keep,
             )  # fmt: skip
         notes = [*checks.before(self.logs, self.scenario), *before]
-        left_out = None if best.stopped else choice.earned(self, best, notes)
-        if left_out is not None:
-            self.scenario, self.sought, best = left_out.scenario, left_out.sought, left_out.estimate
-        assert isinstance(best, BestPoint)
         result = self.told(best, notes)
         result.laws = picked
         self.work.section(0.95)
@@ -178,8 +173,6 @@ class Fitting:
     def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The result: the estimate with both uncertainties, states and errors."""
         self.work.section(0.8)
-        if not best.stopped and np.isfinite(best.problem.residuals(best.u[None])).all():
-            best.u, best.ended = settled(best.problem, best.u)
         values = best.values()
         missed = [] if best.stopped else best.missed()
         status, reason = ("stopped", STOPPED) if best.stopped else ("done", "")
@@ -211,11 +204,6 @@ class Fitting:
     def doubts(self, best: BestPoint) -> list[str]:
         """Reasons to withhold all parameters although the machine describes the recordings, in words."""
         grown = beyond_solver(best.problem, best.u)
-        if not best.ended:
-            grown.append(
-                "The search crept along a narrow valley and did not come to its end, so that nothing is identified (other first "
-                "values, or a motion that tells these numbers apart, help)."
-            )
         if coarse := beyond_noise(best.problem, best.u, best.found.agreeing):
             few = "few starts came to this minimum, so that nothing is identified (more starts may find a better one)"
             return [f"{'; '.join(coarse)}: {few}.", *grown]

@@ -15,7 +15,6 @@ from stribeck.errors import InputError, StribeckError, arg, first_line, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.residuals import leftovers
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
 from stribeck.identify.actuator.traces import traces
 from stribeck.laws.base import PARAMETERS, Law
@@ -205,41 +204,6 @@ def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, R
             f"{fit.fitted[-1][1].file} was held out to compare laws, and fitted afterwards",
         )
     return fit.fitted, fit.fitted, "one recording only: laws are compared by the error of the fit itself"
-
-
-def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> Chosen | None:
-    """Leave out fitted terms that may be 0 and do not lower the held-out error."""
-    scenario, sought = fit.scenario, fit.sought
-    zero = [c for c in sought if c.low == 0.0 and c.log is None and c.targets]
-    if not fit.held or not zero or best.missed():
-        return None
-    error = held_out_error(fit, scenario, best, fit.held)
-    result: Chosen | None = None
-    for c in zero:
-        if best.values().get(c.name, 0.0) > 0.5 * (c.low + c.high):
-            continue
-        try:
-            fixed = scenario.with_changes(dict.fromkeys(c.targets, 0.0))
-        except InputError:
-            continue
-        fewer = [x for x in sought if x is not c]
-        if not fewer:
-            continue
-        other = estimate(fixed, fit.fitted, fewer, 1, fit.seed, fit.work, best.values())
-        without = held_out_error(fit, fixed, other, fit.held)
-        if without < (1 + _EARNS) * error and _no_worse(best, other):
-            notes.append(
-                f"{c.name}: left out (0): without it the held-out error is {100 * without:.3g} %, with it {100 * error:.3g} %"
-            )
-            scenario, sought, best, error = fixed, fewer, other, min(error, without)
-            result = Chosen(scenario, sought, best)
-    return result
-
-
-def _no_worse(best: BestPoint, other: BestPoint) -> bool:
-    """Whether ``other`` describes the fitted recordings as well as ``best``."""
-    with_, without = leftovers(best.problem, best.u), leftovers(other.problem, other.u)
-    return all(without[c][0] < (1 + _EARNS) * with_[c][0] for c in with_ if c in without)
 
 
 def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:

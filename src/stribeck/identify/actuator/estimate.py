@@ -15,9 +15,9 @@ from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.residuals import first_noise, floor_of, leftovers
 from stribeck.identify.actuator.runs import unshifted
 from stribeck.identify.actuator.shooting import joined_stretches, relayed
-from stribeck.identify.actuator.solve import Found, half_squares, search
+from stribeck.identify.actuator.solve import Found, half_squares, moved_over, search, settled
 from stribeck.identify.actuator.starts import prepared
-from stribeck.identify.work import Work
+from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 
 POOR = 0.25  # of a column's changes: with a larger residual, the model does not describe the data
@@ -34,14 +34,13 @@ _MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above wh
 
 @dataclass
 class BestPoint:
-    """The best point of a problem and its search; ``ended``: whether no further step reduces the cost."""
+    """The best point of a problem and its search."""
 
     problem: MachineProblem
     u: Array
     found: Found
     notes: list[str]
     windowed: bool
-    ended: bool = True
 
     @property
     def stopped(self) -> bool:
@@ -123,14 +122,15 @@ def estimate(
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
     found = Found(problem.point(near.values), near.cost, near.agreeing, near.stopped)
     if not found.stopped:
+        _weigh(problem, found.u, given)
         found = replace(search(problem, 1, seed, found.u, kept(problem, keep)), agreeing=near.agreeing)
     whole = BestPoint(problem, found.u, found, notes, asked)
     if found.stopped or remembers(scenario, recordings):
-        return _weighted(whole, given, keep)
+        return _weighted(whole, given)
     grows = not asked and any(x.free for x in scenario.system.bodies) and unstable(problem, found.u)
     if grows or (not asked and whole.missed()):
         whole = _in_stretches(scenario, recordings, sought, named, whole, near.guided, work, keep, grows)
-    whole = _weighted(whole, given, keep)
+    whole = _weighted(whole, given)
     return _joined(whole, given, keep) if whole.windowed and not whole.stopped else whole
 
 
@@ -142,7 +142,7 @@ def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
         return parts
     tied = BestPoint(found[0], found[1].u, replace(found[1], agreeing=parts.found.agreeing), [*parts.notes], True)
     if not tied.stopped:
-        tied = _weighted(tied, given, keep)
+        tied = _weighted(tied, given)
         tied.problem = replace(tied.problem, runs=relayed(tied.problem, tied.u), noise=dict(tied.problem.noise))
     left, right = leftovers(parts.problem, parts.u), leftovers(tied.problem, tied.u)
     if not all(right[c][0] <= _AS_WELL * left[c][0] for c in left):
@@ -177,20 +177,22 @@ def _in_stretches(
     return parts
 
 
-def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
-    """The fit with each column weighted by its estimated noise."""
+def _weighted(estimate: BestPoint, given: set[str]) -> BestPoint:
+    """The fit at its optimum, with each column weighted by its estimated noise."""
     problem = estimate.problem
     for _ in range(_WEIGHTINGS):
         if estimate.stopped or half_squares(problem.residuals(estimate.u[None]))[0] > 1e200:
-            return estimate
+            break
+        try:
+            estimate.u = settled(problem, moved_over(problem, estimate.u))
+        except (KeyboardInterrupt, Stopped):
+            problem.work.stop()
+            estimate.found = replace(estimate.found, stopped=True)
+            break
         old = dict(problem.noise)
         _weigh(problem, estimate.u, given)
         if all(abs(np.log(problem.noise[c] / old[c])) < _SETTLED for c in old):
             break
-        found = search(problem, 1, 0, estimate.u, kept(problem, keep))
-        estimate.u, estimate.found = found.u, replace(found, agreeing=estimate.found.agreeing)
-    else:
-        _weigh(problem, estimate.u, given)  # the last search may have reduced the residual
     return estimate
 
 

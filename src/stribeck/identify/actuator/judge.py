@@ -49,7 +49,10 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         return JudgedParameters({})
     choice = regressed(problem, u)
     lib = choice.library
-    found = by_core(choice, trusted=trusted)
+    found = by_core(choice, trusted=trusted, lower=lib.parameters(choice.model, lib.left))
+    for name, e in found.items():
+        if e.parts["M"] > e.parts["C"]:
+            found[name] = replace(e, state=EstimateState.NOT_IDENTIFIABLE)
     for c in lib.sought:
         found[c.name] = replace(found[c.name], unit=unit(scenario, c))
     for name in lib.speeds:
@@ -111,6 +114,10 @@ def _groups(names: list[str], relation: Array) -> list[Group]:
 
 def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
     """The reason why a parameter is not identifiable, in words."""
+    if e.parts["M"] > e.parts["C"]:
+        return (
+            "the search crept along a valley and did not come to its end (other first values, or another motion, help)"
+        )
     low, high = e.interval
     wide = f"its interval spans a factor of {high / low:.2g}" if low > 0 else f"its interval is {low:.3g} to {high:.3g}"
     row = relation[names.index(name)]

@@ -13,7 +13,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.drawn import input_errors
 from stribeck.identify.actuator.lacks import MissingForm, RunMotion, missing_forms
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.solve import fine_slopes
+from stribeck.identify.actuator.solve import fine_slopes, left_step
 from stribeck.identify.core import search as beam
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, STEEP, Model, ModelLibrary
@@ -32,7 +32,7 @@ class MachineLibrary(ModelLibrary):
 
     Attributes:
         sought: the reported coordinates; ``u``: their point.
-        J: derivatives of all residuals by all coordinates.
+        J: derivatives of all residuals by all coordinates; ``left``: the step to the linearized problem's optimum.
         speeds: of the levels; ``levels``: values there, with ``slopes`` by the coordinates and ``of_forms`` by column.
         size: the standard deviation of the measured columns; ``top``: their largest change.
         slow: by contact, the slowest recorded speed.
@@ -52,6 +52,7 @@ class MachineLibrary(ModelLibrary):
     hidden: dict[str, float]
     scale: dict[int, float]
     J: Array
+    left: Array
 
     @property
     def k(self) -> int:
@@ -123,7 +124,10 @@ class MachineLibrary(ModelLibrary):
         for contact, slowest in self.slow.items():
             law = f"contacts.{contact}.law.parameters."
             F_s, v_s = found.get(f"{law}F_s"), found.get(f"{law}v_s")
-            if F_s is None or v_s is None or v_s.identifiable or slowest <= REACHED * v_s.value:
+            if F_s is None or v_s is None or v_s.identifiable:
+                continue
+            if slowest <= REACHED * v_s.value:  # no speed tells where the curve ends
+                found[f"{law}F_s"] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE)
                 continue
             lows = [found[n] for n in (f"{contact} {LEVELS[0]}", f"{law}F_c") if n in found]
             interval, wide = ((max(getattr(e, n)[0] for e in lows), np.inf) for n in ("interval", "range"))
@@ -165,6 +169,7 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
         columns=columns, gram=gram, groups=groups, targets=[0], starts=[1], natural=[1.0] * columns.shape[1],
         sought=[problem.sought[i] for i in asked], u=u[asked], forms=[every[i] for i in moved], speeds=speeds, levels=levels,
         slopes=slopes, of_forms=of_forms, size=size, top=top, slow=slow, hidden=hidden, scale=scale, J=J, drawn=drawn,
+        left=left_step(problem, u, r, J)[asked],
     )  # fmt: skip
     beam.search(lib)
     solved, sse = lib.solve(gram.sum(0))

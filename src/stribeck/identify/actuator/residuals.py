@@ -15,7 +15,7 @@ from stribeck.identify.actuator.runs import roughness
 _FIRST = 0.05  # of a column's changes: initial value of the noise
 # Residual in units of the noise: 1.0 for white noise, to some hundredths. A larger one may be a local minimum, unless
 # this many starts agree.
-_DOUBTED, _AGREEING = 1.2, 3
+_DOUBTED, _AGREEING = 1.2, 2
 
 
 def first_noise(recordings: Sequence[Recording]) -> tuple[dict[str, float], set[str]]:
@@ -49,17 +49,23 @@ def floor_of(problem: MachineProblem, column: str) -> float:
     return float(least / np.sqrt(12)) if np.isfinite(least) else 0.0
 
 
-def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
-    """By column: the rms residual, and the rms of the column's changes within a recording."""
-    r = problem.residuals(u[None])[0]
-    left: dict[str, list[Array]] = {}
-    size: dict[str, list[Array]] = {}
+def by_column(problem: MachineProblem, r: Array) -> dict[str, list[Array]]:
+    """Residuals in the columns' units, by column and run."""
+    found: dict[str, list[Array]] = {}
     for k, run in enumerate(problem.runs):
         at = int(problem.first[k])
         for target in run.targets:
-            left.setdefault(target.column, []).append(r[at : at + len(target.t)] * problem.noise[target.column])
-            size.setdefault(target.column, []).append(target.x - target.x.mean())
+            found.setdefault(target.column, []).append(r[at : at + len(target.t)] * problem.noise[target.column])
             at += len(target.t)
+    return found
+
+
+def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
+    """By column: the rms residual, and the rms of the column's changes within a recording."""
+    left = by_column(problem, problem.residuals(u[None])[0])
+    size: dict[str, list[Array]] = {}
+    for target in (target for run in problem.runs for target in run.targets):
+        size.setdefault(target.column, []).append(target.x - target.x.mean())
     rms: Callable[[list[Array]], float] = lambda parts: float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))  # noqa: E731
     return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
 
@@ -71,7 +77,8 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
     """
     if agreeing >= _AGREEING:
         return []
-    least = {column: noise_of(problem, column) for column in problem.noise}
+    left = by_column(problem, problem.residuals(u[None])[0])
+    least = {n: max(roughness(parts), floor_of(problem, n)) for n, parts in left.items()}  # without the motion
     more = {
         n: left for n, (left, _) in leftovers(problem, u).items() if least[n] > 0 and not left <= _DOUBTED * least[n]
     }

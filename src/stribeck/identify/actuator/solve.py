@@ -6,7 +6,7 @@ each step, are simulated together. The worst starts are given up after each step
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,15 +22,14 @@ _WIDE = 4
 _STEPS = 40
 SMALL = 1e-7  # relative reduction of the cost below which the search ends
 _HUGE = 1e300
-_OF_DEVIATION, _BETWEEN = 0.3, (1e-5, 2e-2)  # steps of central differences: of a standard deviation, within limits
-_SETTLING, _PARTS = 20, (1.0, 0.5, 0.25)  # final steps; tried parts of each
-_FAINT = (
-    1e-9,
-    1e-6,
-    1e-4,
-    1e-2,
-)  # dampings: parameters correlated to within 1e-6 form a valley, along which only small dampings step
-_TENTH = 0.5 * 0.1**2  # reduction of half the sum of squares by a move of a tenth of a standard deviation
+_CHANGE = 3.0  # change of the residuals by a step of differences, their deviation being 1
+_SHORTEST, _LONGEST = 1e-5, 2e-2  # steps of a coordinate: above the solver's noise, below the next minimum
+_SETTLING, _PARTS = 20, (1.0, 0.25, 0.06)  # final steps; tried parts of each
+# Dampings: parameters correlated to within 1e-6 form a valley, along which only small dampings step.
+_FAINT = (1e-9, 1e-6, 1e-4, 1e-2)
+_CLOSE = 0.25  # standard deviations from the optimum: they cost less than one percent of an interval's coverage
+_AT_BOUND = 1e-6  # of a coordinate's bounds
+_PLACES = 8  # along a coordinate: over its bounds of four decades a factor of 3 apart
 
 
 @dataclass(frozen=True)
@@ -53,13 +52,12 @@ def half_squares(r: Array) -> Array:
 
 def search(
     problem: MachineProblem, starts: int, seed: int, first: Array | None = None,
-    keep: Callable[[Array, float], None] | None = None, more: Sequence[Array] = (), wide: bool = False, steps: int = _STEPS,
-    small: float = SMALL,
+    keep: Callable[[Array, float], None] | None = None, wide: bool = False, steps: int = _STEPS, small: float = SMALL,
 ) -> Found:  # fmt: skip
-    """The best point from several starts: ``first`` (or the machine's), ``more``, and others spread over the bounds.
+    """The best point from several starts: ``first`` (or the machine's), and others spread over the bounds.
 
     Args:
-        starts: number of starts without ``more``.
+        starts: number of starts.
         wide: converge several starts.
         small: relative reduction of the cost below which the search ends.
 
@@ -78,13 +76,14 @@ def search(
             U = np.concatenate([np.array(begin), U])
         else:
             U = np.array(begin)
-        U = problem.repaired(np.concatenate([U, *(x[None] for x in more)]))
+        U = problem.repaired(U)
         costs = half_squares(problem.residuals(U))
         order = np.argsort(costs)[: _KEEP[0]]
         if 0 not in order:
             order = np.append(order[:-1], 0)
         U, costs = U[order], costs[order]
         damping, quiet = np.full(len(U), 1e-2), np.zeros(len(U), int)
+        apart = np.full(U.shape[1], problem.step)
         for step in range(steps):
             i = int(np.argmin(costs))
             best = Found(U[i].copy(), float(costs[i]), agreeing(costs, costs[i]), True)
@@ -92,7 +91,7 @@ def search(
                 keep(best.u, best.cost)
             if costs[i] >= _HUGE and step:
                 break
-            U, new, damping = _step(problem, U, costs, damping)
+            U, new, damping, apart = _step(problem, U, costs, damping, apart)
             fall = costs - new
             quiet = np.where(fall > small * new, 0, quiet + np.where(fall > 0, 2, 1))
             costs = new
@@ -114,16 +113,12 @@ def agreeing(costs: Array, least: float) -> int:
     return int(np.sum(costs < 1.01 * least + 1e-12))
 
 
-def _step(problem: MachineProblem, U: Array, costs: Array, damping: Array) -> tuple[Array, Array, Array]:
-    """One step of each start: the best of several dampings."""
-    n = U.shape[1]
-    r, J = problem.slopes(U, np.full(n, problem.step))
-    trials = [
-        U[p] + direction(r[p], J[p], U[p], problem, damping[p] * share) for p in range(len(U)) for share in _DAMPINGS
-    ]
-    tried = problem.repaired(np.array(trials))
-    found = half_squares(problem.residuals(tried)).reshape(len(U), -1)
-    tried = tried.reshape(len(U), -1, n)
+def _step(
+    problem: MachineProblem, U: Array, costs: Array, damping: Array, apart: Array
+) -> tuple[Array, Array, Array, Array]:
+    """One step of each start: the best of several dampings. ``apart``: steps of the differences, now and next."""
+    r, J = problem.slopes(U, apart)
+    tried, found = _tried(problem, U, r, J, damping[:, None] * _DAMPINGS, 1.0)
     new, out, after = costs.copy(), U.copy(), damping.copy()
     for p in range(len(U)):
         i = int(np.argmin(found[p]))
@@ -132,34 +127,102 @@ def _step(problem: MachineProblem, U: Array, costs: Array, damping: Array) -> tu
             after[p] = float(np.clip(damping[p] * _DAMPINGS[i], 1e-9, 1e6))
         else:
             after[p] = min(damping[p] * 1e3, 1e9)
-    return out, new, after
+    return out, new, after, steps_of(J[int(np.argmin(costs))], problem.step)
+
+
+def _tried(problem: MachineProblem, U: Array, r: Array, J: Array, dampings: Array, part: float) -> tuple[Array, Array]:
+    """Trial points of each start by damping, and their costs.
+
+    Narrow valleys are bent. So each trial is corrected once, with the same Jacobian, by what its residuals differ from their
+    linear prediction: a chord step, which is geodesic acceleration at full length.
+    """
+    count, n = dampings.shape[1], U.shape[1]
+    base = [(p, d) for p in range(len(U)) for d in dampings[p]]
+    points = problem.repaired(np.array([U[p] + part * direction(r[p], J[p], U[p], problem, d) for p, d in base]))
+    found = problem.residuals(points)
+    again = [
+        x + direction(y - r[p] - J[p] @ (x - U[p]), J[p], x, problem, d)
+        for (p, d), x, y in zip(base, points, found, strict=True)
+    ]
+    corrected = problem.repaired(np.array(again))
+    costs = np.stack([half_squares(found), half_squares(problem.residuals(corrected))])
+    better = costs[1] < costs[0]
+    points[better] = corrected[better]
+    return points.reshape(len(U), count, n), costs.min(axis=0).reshape(len(U), count)
+
+
+def steps_of(J: Array, most: float) -> Array:
+    """Steps of differences that change the residuals by some deviations, with the other coordinates fixed.
+
+    A longer step errs by the curvature: parameters that compensate each other by a factor of 1000 need columns accurate to
+    less than its inverse.
+    """
+    size = np.sqrt(np.sum(J**2, axis=-2))
+    return np.asarray(np.clip(_CHANGE / np.maximum(size, 1e-300), _SHORTEST, most))
 
 
 def fine_slopes(problem: MachineProblem, u: Array) -> Array:
-    """The Jacobian at one point by central differences, with steps below each coordinate's standard deviation."""
+    """The Jacobian at one point by central differences."""
     J = problem.slopes(u[None], np.full(len(u), problem.step))[1][0]
-    size = np.sqrt(np.maximum(np.sum(J**2, axis=0), 1e-300))
-    variance = np.diag(np.linalg.pinv((J / size).T @ (J / size), rcond=1e-12, hermitian=True)) / size**2
-    return problem.central(u, np.clip(_OF_DEVIATION * np.sqrt(np.maximum(variance, 0.0)), *_BETWEEN))
+    return problem.central(u, steps_of(J, _LONGEST))
 
 
-def settled(problem: MachineProblem, u: Array) -> tuple[Array, bool]:
-    """The point from which no further step gains a tenth of a standard deviation, and whether it was reached.
+def spread(J: Array, width: Array) -> Array:
+    """The standard deviation of each coordinate, which is known to within its ``width`` without the residuals."""
+    scale = 1 / np.sqrt(np.sum(J**2, axis=0) + width**-2.0)
+    inverse = np.linalg.inv((J.T @ J + np.diag(width**-2.0)) * np.outer(scale, scale))
+    return np.asarray(np.sqrt(np.maximum(np.diag(inverse), 0.0)) * scale)
 
-    The steps use central differences. Errors of one-sided differences end a search beside the optimum, if a valley is
-    many standard deviations long. In a narrow, bent valley each step is short, and the last one may still gain.
+
+def left_step(problem: MachineProblem, u: Array, r: Array, J: Array) -> Array:
+    """The step to the optimum of the linearized problem."""
+    return direction(r, J, u, problem, _FAINT[0])
+
+
+def settled(problem: MachineProblem, u: Array) -> Array:
+    """The optimum near a point: from there, a step would move every fitted number by little of its deviation.
+
+    The steps use central differences: errors of one-sided ones end a search beside the optimum, if a valley is many
+    standard deviations long. Initial states may still creep along a valley that moves no fitted number.
     """
-    cost = float(half_squares(problem.residuals(u[None]))[0])
+    if not problem.sought:
+        return u
+    asked = np.array([not c.nuisance for c in problem.sought])
+    cost, part = float(half_squares(problem.residuals(u[None]))[0]), _PARTS[1]
     for _ in range(_SETTLING):
         r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
-        trials = np.array([u + part * direction(r, J, u, problem, d) for d in _FAINT for part in _PARTS])
-        trials = problem.repaired(trials)
-        costs = half_squares(problem.residuals(trials))
+        if np.all(abs(left_step(problem, u, r, J)) <= _CLOSE * spread(J, problem.high - problem.low), where=asked):
+            break
+        parts = sorted({min(part / _PARTS[1] * x, 1.0) for x in _PARTS})
+        every = [_tried(problem, u[None], r[None], J[None], np.array([_FAINT]), x) for x in parts]
+        trials, costs = (np.concatenate([x[i][0] for x in every]) for i in (0, 1))
         best = int(np.argmin(costs))
-        if not costs[best] < cost - _TENTH:
-            return u, True
-        u, cost = trials[best], float(costs[best])
-    return u, False
+        if not costs[best] < cost:
+            break
+        u, cost, part = trials[best], float(costs[best]), parts[best // len(_FAINT)]
+    return u
+
+
+def moved_over(problem: MachineProblem, u: Array) -> Array:
+    """A point at least as good: coordinates that lie at a bound, and v_s, are put at other places between their bounds.
+
+    From there, all coordinates make a step. The bend of a Stribeck curve has minima at several places, and a coordinate at
+    its bound may belong to another minimum.
+    """
+    width = problem.high - problem.low
+    for i, c in enumerate(problem.sought):
+        inside = _AT_BOUND * width[i] < u[i] - problem.low[i] < (1 - _AT_BOUND) * width[i]
+        if c.nuisance or (inside and not c.name.endswith(".v_s")):
+            continue
+        starts = np.repeat(u[None], _PLACES, axis=0)
+        starts[:, i] = problem.low[i] + width[i] * (np.arange(_PLACES) + 0.5) / _PLACES
+        starts = problem.repaired(starts)
+        r, J = problem.slopes(starts, np.full(len(u), problem.step))
+        tried, costs = _tried(problem, starts, r, J, np.tile(_FAINT, (_PLACES, 1)), 1.0)
+        best = np.unravel_index(int(np.argmin(costs)), costs.shape)
+        if costs[best] < half_squares(problem.residuals(u[None]))[0]:
+            u = tried[best]
+    return u
 
 
 def direction(r: Array, J: Array, u: Array, problem: MachineProblem, damping: float) -> Array:

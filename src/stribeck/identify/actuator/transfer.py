@@ -11,7 +11,6 @@ from stribeck.identify.actuator.recordings import Logs
 from stribeck.identify.actuator.residuals import beyond_noise
 from stribeck.identify.actuator.result import LogResult, MachineFit, Moved, Transfer
 from stribeck.identify.actuator.runs import recorded_run
-from stribeck.identify.actuator.solve import settled
 from stribeck.identify.actuator.traces import traces
 
 if TYPE_CHECKING:
@@ -33,9 +32,7 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> Transfer:
     numbered = list(enumerate(other.recordings))
     logs = [LogResult(r.file, True, traces(fit.scenario, r, i, sought, values)) for i, r in numbered]
     own = estimate(fit.scenario, numbered, sought, 1, 0, fit.work, values)
-    if not (own.stopped or own.missed()):
-        own.u, own.ended = settled(own.problem, own.u)
-    doubted = own.stopped or own.missed() or not own.ended or beyond_noise(own.problem, own.u, own.found.agreeing)
+    doubted = own.stopped or own.missed() or beyond_noise(own.problem, own.u, own.found.agreeing)
     found = judge.judged(own, fit.scenario, not doubted)
     moved, same, open_ = list[Moved](), list[str](), list[str]()
     for name, there in found.estimates.items():
