@@ -34,16 +34,15 @@ def test_a_body_that_rests_throughout_has_no_friction_to_fit(stribeck, tmp_path)
     assert not (tmp_path / "out").exists()
 
 
-def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path, monkeypatch):
+def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path):
     """A sensor of the wrong sign: F_c is not identifiable, and the advice names motion in both directions."""
-    monkeypatch.setenv("COLUMNS", "120")  # on a narrow terminal the names stand above their rows
     t = 0.01 * np.arange(600)
     one_way = written(
         tmp_path / "one_way.csv", t, 0.1 * t - 0.02 * np.cos(3 * t), -1 - 3 * (0.1 + 0.06 * np.sin(3 * t))
     )
     found = stribeck("fit", one_way, *COLUMNS, "--law", "coulomb_viscous", "--law", "stribeck")
     assert found.status == 0, found.err
-    assert re.search(r"F_c .* not identifiable", found.out)
+    assert re.search(r"F_c\s+\S.* not identifiable", found.out)  # a wide table has the names above their rows
     assert "in both directions" in found.out
 
 

@@ -78,7 +78,7 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
     if agreeing >= _AGREEING:
         return []
     left = by_column(problem, problem.residuals(u[None])[0])
-    least = {n: max(roughness(parts), floor_of(problem, n)) for n, parts in left.items()}  # without the motion
+    least = {n: max(floor_of(problem, n), roughness(parts)) for n, parts in left.items()}  # without the motion
     more = {
         n: left for n, (left, _) in leftovers(problem, u).items() if least[n] > 0 and not left <= _DOUBTED * least[n]
     }
