@@ -23,7 +23,7 @@ from stribeck.simulation.result import Result, ended, failure, held_back
 _SLICE = 100_000  # attempted steps between two checks of Ctrl-C and updates of the progress bar: some 30 ms
 EVENT_ROOM = 4096  # events between two calls of the solver: 48 kB
 # The error of one step, as a share of the tolerances: the errors of many steps add up, and the solution must still meet the
-# tolerances. The worst of 1 100 extreme sets is then a fifth of the promise (benchmarks/promise.py).
+# tolerances. benchmarks/promise.py counts by how much.
 _STEP_SHARE = 0.02
 # The same under a sampled controller: each output restarts the motion, with many short steps that are mostly better than
 # required. The effect of an encoder's counts does not shrink with the tolerances, so loose ones need a smaller share.

@@ -68,9 +68,9 @@ static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, 
 }
 
 #if WATCHES > 0
-/* Where a watched quantity may pass its threshold in a step; w holds its ends and, between them, the coefficients of its
-   dense output, or its values at equal distances where it is no linear function of the states. */
-static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], const real *x_new, real w[5][WATCHES])
+/* Where a watched quantity may pass its threshold in a step; w holds its given ends and gets, between them, the coefficients
+   of its dense output, or its values at equal distances where it is no linear function of the states. */
+static mask look_out(const Lanes *l, real h, real k[STAGES][N], const real *x_new, real w[5][WATCHES])
 {
     real d[3][N];
     mask events = l->accepted & 0;
@@ -79,8 +79,6 @@ static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], cons
         dense(k, WATCHED_STATES[i], of_state);
         for (int m = 0; m < 3; m++) d[m][WATCHED_STATES[i]] = of_state[m];
     }
-    watch(&l->p, &l->c, &l->piece, l->t, l->x, w[0]);
-    watch(&l->p, &l->c, &l->piece, t_new, x_new, w[4]);
     for (int m = 0; m < 3; m++) watch_dense(&l->p, &l->c, d[m], w[m + 1]);
 #if CURVED > 0
     for (int q = 1; q < 4; q++) {
@@ -96,7 +94,7 @@ static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], cons
             if (IS_CURVED[j]) w[q][j] = inside[j];
     }
 #else
-    (void)h;
+    (void)h, (void)x_new;
 #endif
     for (int j = 0; j < WATCHES; j++) {
         real low = smaller(w[0][j], w[4][j]), high = larger(w[0][j], w[4][j]);
@@ -184,10 +182,10 @@ static inline void end(const Batch *b, Lanes *l)
 #endif
     real share = splat(1);
 #if WATCHES > 0
-    real w0[WATCHES], w1[WATCHES];
-    watch(&l->p, &l->c, &l->piece, l->t, l->x, w0);
-    watch(&l->p, &l->c, &l->piece, t_new, x_new, w1);
-    share = share_to_zero(l->threshold, w0, w1);
+    real w[5][WATCHES];
+    watch(&l->p, &l->c, &l->piece, l->t, l->x, w[0]);
+    watch(&l->p, &l->c, &l->piece, t_new, x_new, w[4]);
+    share = share_to_zero(l->threshold, w[0], w[4]);
     share = choose(l->t + share * h * 0.25 > l->t, share, splat(1));
 #endif
     const mask over = (error <= 1) & (share < 1), good = (error <= 1) & ~over, finite = error < 1e30;
@@ -202,8 +200,7 @@ static inline void end(const Batch *b, Lanes *l)
     const mask looks = tried >= l->look_at;
     if (lanes_in(looks)) failed |= stuck(b, l, looks);
 #if WATCHES > 0 /* apart from the rest, which comes often: this branch hardly ever does, and the other need not wait for it */
-    real w[5][WATCHES];
-    const mask events = good & ~failed & look_out(l, h, t_new, k, x_new, w);
+    const mask events = good & ~failed & look_out(l, h, k, x_new, w);
     if (lanes_in(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
 #endif
     for (int n = 0; n < N; n++) l->largest[n] = choose(good, larger(abs_of(x_new[n]), l->largest[n]), l->largest[n]);

@@ -52,7 +52,7 @@ static const double DENSE[3][STAGES] = {
      -59.78993625266729, -0.15582684282751913, 4.883087185713722}};
 
 static const double LEAST_SHARE = 1e-3; /* as _LEAST_PEAK in simulation/promise.py: a motion of less is solved again */
-static const double LEAST_SIZE = 1e-9;  /* with the share above, 1e-12 of the natural scales: less is rounding */
+static const double LEAST_SIZE = 1e-9;  /* as _LEAST_SIZE there; with the share, 1e-12 of the natural scales: rounding */
 
 /* Mean square of values, each in units of its tolerance for magnitudes between |x0| and |x1|. */
 static inline real scaled_square(const real *atol, double rtol, const real *x0, const real *x1, const real *values)
