@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 _LONGEST_LINE, _HEAD = 300, 180
+_BLANKS = re.compile(r"[ \t\r\n\f\v]+")  # not all that Unicode has: the others are shown as escapes
 
 
 class StribeckError(Exception):
@@ -77,8 +79,8 @@ def first_line(error: StribeckError) -> str:
 
 
 def one_line(text: str) -> str:
-    """The text as one line that a terminal can show: no control characters, and no middle where it is too long."""
-    text = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    """The text on one line, see :func:`unbroken`; without its middle where it is too long."""
+    text = unbroken(text)
     return text if len(text) <= _LONGEST_LINE else f"{text[:_HEAD]}...{text[_HEAD + 3 - _LONGEST_LINE :]}"
 
 
@@ -90,9 +92,19 @@ def error_text(error: BaseException) -> str:
         return type(error).__name__
 
 
-def printable(text: str) -> str:
-    """The text with what is no printable character as an escape (``\\x1b``): a terminal shows it and obeys nothing."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+def printable(text: str, but: str = "") -> str:
+    """The text with what is no printable character as an escape (``\\x1b``), except for the characters in ``but``.
+
+    A terminal shows such text and obeys nothing in it; on a page nothing in it is hidden or turns the order of letters.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in but else c.encode("unicode_escape").decode() for c in text)
+
+
+def unbroken(text: str) -> str:
+    """Words on one line, as people read them: each white space is one blank; for the rest see :func:`printable`."""
+    return printable(_BLANKS.sub(" ", text).strip(" "))
 
 
 def note(text: str) -> None:

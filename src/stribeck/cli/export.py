@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stribeck.cli.options import ADVANCED, ControllerName, Json, Trust, Undetermined, command, load_scenario, place
-from stribeck.cli.output import check_file, print_json
+from stribeck.cli.output import check_file, print_json, wrote
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, note
 
@@ -125,7 +125,7 @@ def export(
         names = [str(file) for file in files]
         print_json(_summary(chosen.law, chosen.scenario) | {"target": target, "part": chosen.part, "files": names})
     else:
-        print("\n".join(f"wrote {file}" for file in files))
+        wrote(files)
     return 0
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from stribeck.cli.options import command, place
-from stribeck.cli.output import check_file
+from stribeck.cli.output import check_file, wrote
 from stribeck.constants import show
 from stribeck.errors import InputError
 
@@ -45,5 +45,5 @@ def import_(
         print(text, end="")
     else:
         write_text(out, text)
-        print(f"wrote {out}")
+        wrote([out])
     return 0

@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from stribeck.cli.options import command, place
-from stribeck.cli.output import check_file
-from stribeck.errors import InputError
+from stribeck.cli.output import check_file, wrote
+from stribeck.errors import InputError, printable
 
 # What to do with an example, where that is not to run it.
 _NEXT = {
@@ -76,10 +76,11 @@ def new(
         _check(path)
     for path, data in copies.items():
         write_text(path, data.read_text(encoding="utf-8"))
-        print(f"wrote {path}")
+        wrote([path])
     write_text(target, text)
     following = _NEXT.get(example, "stribeck run {target} --out {stem}").format(target=target, stem=target.stem)
-    print(f"wrote {target}\nnext: {following}")
+    wrote([target])
+    print(printable(f"next: {following}"))
     return 0
 
 
@@ -90,7 +91,7 @@ def _schema(out: Path | None) -> int:
     target = out or Path(schema.FILE)
     _check(target)
     write_text(target, schema.text())
-    print(f"wrote {target}; many editors use it where a scenario begins with the line: #:schema {target}")
+    wrote([target], f"; many editors use it where a scenario begins with the line: #:schema {target}")
     return 0
 
 

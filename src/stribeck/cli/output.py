@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
 from stribeck.constants import show as shown
-from stribeck.errors import InputError, printable
+from stribeck.errors import InputError, one_line, printable
 from stribeck.files import trouble
 
 if TYPE_CHECKING:
@@ -106,4 +106,10 @@ def command_line() -> str:
 
 def failed(what: str, reason: str | None) -> None:
     """Say on standard error that a computation failed, and why."""
-    print(f"stribeck: {what} failed: {reason}; the part that was reached is kept", file=sys.stderr)
+    print(one_line(f"stribeck: {what} failed: {reason}; the part that was reached is kept"), file=sys.stderr)
+
+
+def wrote(files: Iterable[object], more: str = "") -> None:
+    """Print a line for each file that was written, and more about it."""
+    for file in files:
+        print(printable(f"wrote {file}{more}"))

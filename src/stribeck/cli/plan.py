@@ -10,7 +10,7 @@ import typer
 
 from stribeck.cli.options import given_options
 from stribeck.cli.output import OutputFolder, print_json
-from stribeck.errors import InputError
+from stribeck.errors import InputError, printable
 from stribeck.files import together
 from stribeck.identify import plan_files
 from stribeck.identify.plan import Limits, programme
@@ -50,7 +50,7 @@ def plan(
     else:
         print(plan_files.csv(plan_files.HEAD, plan_files.table(tests)), end="")
     for file in files:
-        print(f"wrote {file}", file=sys.stderr)
+        print(printable(f"wrote {file}"), file=sys.stderr)
     return 0
 
 

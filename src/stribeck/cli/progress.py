@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
+from stribeck.errors import printable
+
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
@@ -45,7 +47,7 @@ def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None]]:
 @contextmanager
 def _shown(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
     """What shows the share done, what is being done, and how fast: a bar on a terminal, elsewhere lines."""
-    with (_bar if sys.stderr.isatty() else _lines)(what) as tell:
+    with (_bar if sys.stderr.isatty() else _lines)(printable(what)) as tell:
         yield tell
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stribeck.cli.options import Json, Out, ScenarioOptions, command, place
-from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell
+from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell, wrote
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, StribeckNote, refuse_twice
 
@@ -166,6 +166,5 @@ def _draw(scenario: Scenario, out: Path | None, json: bool) -> int:
         print_json({"scenario": machine.name, **schematic.describe(machine.elements), "files": files})
         return 0
     print(schematic.text(machine.elements, machine.name))
-    for file in files:
-        print(f"wrote {file}")
+    wrote(files)
     return 0

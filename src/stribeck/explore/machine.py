@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 
 from stribeck.constants import Column
+from stribeck.errors import printable, unbroken
 from stribeck.explore.appendix import machine_relations
 from stribeck.explore.figures import Chart, Series
 from stribeck.explore.measured import Arrays, Measured
@@ -85,7 +86,9 @@ def machine_law(scenario: Scenario) -> dict[str, object]:
     return {
         "name": "machine", "about": f"{scenario.subject}.", "table": None, "numbers": [],
         "parameters": [".".join(each) for each in machine.parameters], "states": [s.name for s in machine.states],
-        "columns": [{"name": c.name, "unit": c.unit, "meaning": c.meaning} for c in machine.columns],
+        "columns": [
+            {"name": c.name, "unit": printable(c.unit), "meaning": unbroken(c.meaning)} for c in machine.columns
+        ],
         "relations": conditions, "conditions": {}, "equations": [],
     }  # fmt: skip
 

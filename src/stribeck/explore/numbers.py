@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 
 from stribeck.constants import Constant
+from stribeck.errors import printable, unbroken
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
 from stribeck.scenario.tables import Output, Solve
@@ -43,7 +44,7 @@ class Number:
 
     def as_data(self) -> dict[str, object]:
         """The number's data for the page."""
-        return asdict(self)
+        return asdict(self) | {"unit": printable(self.unit), "meaning": unbroken(self.meaning)}
 
 
 def numbers(scenario: Scenario) -> list[Number]:

@@ -10,7 +10,7 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 
-from stribeck.errors import InputError, arg, needed
+from stribeck.errors import InputError, arg, needed, printable, unbroken
 from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
 from stribeck.explore.figures import figures, panels
@@ -128,7 +128,7 @@ def _fill(data: Mapping[str, object], sections: Iterable[tuple[str, str]], libra
     ]
     parts = {
         "sections": "\n".join(charts),
-        "title": escape(name),
+        "title": escape(printable(name)),
         "style": _asset("page.css"),
         "data": in_script(data),
         "solver": _asset("solver.js"),
@@ -153,15 +153,17 @@ def _law(scenario: Scenario, module: System) -> dict[str, object]:
     needs = [{"key": each.key, "allowed": each.allowed, "path": _path(scenario, each.key)} for each in relations(kind)]
     return {
         "name": law.name,
-        "about": f"{' '.join((kind.__doc__ or '').split())} {kind.source}",
+        "about": unbroken(f"{kind.__doc__ or ''} {kind.source}"),
         "table": _plain(law.to_dict()),
         "numbers": [{**n.as_data(), "symbol": symbol_name(n.name, latex=False)} for n in of_law(scenario)],
         "parameters": [".".join(each) for each in system.parameters],
         "states": [state.name for state in system.states],
-        "columns": [{"name": c.name, "unit": c.unit, "meaning": c.meaning} for c in columns(system)],
+        "columns": [
+            {"name": c.name, "unit": printable(c.unit), "meaning": unbroken(c.meaning)} for c in columns(system)
+        ],
         "relations": needs,
         "conditions": conditions,
-        "equations": [each.text for each in equations(kind, form)],
+        "equations": [printable(each.text) for each in equations(kind, form)],
         "speed": float(law.scales(law.p).speed),
         "wasm": _compressed(module.module),
         "shape": wasm.shape(module),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from stribeck.errors import unbroken
 from stribeck.mouth.document import Amount, Cell, Ends, Head, Share, Table, Uncertain
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
@@ -76,7 +77,11 @@ def _interval(cell: Ends) -> str:
 
 
 def text(cell: Cell, count: int = 6) -> str:
-    """The text of a cell; a plain number has so many digits."""
+    """The text of a cell, on one line; a plain number has so many digits."""
+    return unbroken(_raw(cell, count))
+
+
+def _raw(cell: Cell, count: int) -> str:
     if isinstance(cell, Amount):
         return "-" if cell.value is None or math.isnan(cell.value) else human(cell.value, cell.unit, cell.digits)
     if isinstance(cell, Share):
@@ -96,7 +101,7 @@ def texts(table: Table, where: str) -> tuple[list[str], list[list[str]], list[bo
     shown = [i for i, column in enumerate(given) if where in column.on]
     rows = [[text(row[i], given[i].digits) for i in shown if i < len(row)] for row in table.rows]
     words = [any(not _is_number(row[i]) for row in table.rows if i < len(row)) for i in shown]
-    return [given[i].title for i in shown], rows, words
+    return [unbroken(given[i].title) for i in shown], rows, words
 
 
 def _is_number(cell: Cell) -> bool:

@@ -10,7 +10,7 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 
-from stribeck.errors import needed
+from stribeck.errors import needed, printable, unbroken
 from stribeck.files import write_text
 from stribeck.mouth import plots
 from stribeck.mouth.cells import texts
@@ -28,9 +28,14 @@ def _whole(text: str) -> str:
     from markupsafe import Markup
     from markupsafe import escape as safe
 
-    shown = str(safe(text)).replace("\n", "<br>")
+    shown = str(safe(unbroken(text)))
     shown = re.sub(r"\b[A-Za-z]\w*(?:\.\w+){2,}", lambda path: path[0].replace(".", ".<wbr>"), shown)
     return Markup(re.sub(r"--[\w-]+", r'<span class="whole">\g<0></span>', shown))
+
+
+def _visible(value: object) -> object:
+    """A text that the template shows: lines of code stay lines. What is HTML has been made visible where it was made."""
+    return printable(value, but="\n") if type(value) is str else value
 
 
 def write(
@@ -66,15 +71,19 @@ def _sentence(text: str) -> str:
 
 def fragment(document: Document) -> str:
     """What a terminal shows of a document as HTML without a style, for notebooks."""
-    parts = [f"<p><b>{escape(document.title)}</b>: {escape(document.lead)}</p>"]
-    parts += [f"<p>{escape(text)}</p>" for text in document.facts]
+    parts = [f"<p><b>{_shown(document.title)}</b>: {_shown(document.lead)}</p>"]
+    parts += [f"<p>{_shown(text)}</p>" for text in document.facts]
     for chapter in (each for each in document.chapters if "terminal" in each.on):
-        parts += [f"<p>{escape(text)}</p>" for text in chapter.facts]
+        parts += [f"<p>{_shown(text)}</p>" for text in chapter.facts]
         for table in (each for each in chapter.tables if "terminal" in each.on):
             head, rows, _ = texts(table, "terminal")
             lines = [_row("th", head), *(_row("td", row) for row in rows)]
             parts.append(f"<table>{''.join(lines)}</table>")
     return "\n".join(parts)
+
+
+def _shown(text: str) -> str:
+    return escape(unbroken(text))
 
 
 def _row(kind: str, cells: Sequence[str]) -> str:
@@ -108,7 +117,9 @@ def html(
     template, script = (
         files("stribeck.mouth").joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "page.js")
     )
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined, finalize=_visible
+    )
     environment.filters["whole"] = _whole
     environment.filters["sentence"] = lambda text: _whole(_sentence(text))
     return environment.from_string(template).render(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.errors import needed
+from stribeck.errors import needed, printable
 from stribeck.mouth.document import Figure as Picture
 from stribeck.mouth.document import FigureSvg
 from stribeck.mouth.readout import marked
@@ -58,6 +58,7 @@ _STYLE: dict[str, Any] = {
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LARGEST = 1e300  # of what is drawn: its axis ends beyond, and is a number too
 _LONGEST = 60  # characters of a label
+_SHOWN = "\u200b"  # before a label that begins with an underscore, which matplotlib would hide
 _IN_AN_INCH = 19  # characters of a label, on average
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
 _GAP = 1.5  # usual steps: a longer one is a gap
@@ -92,13 +93,25 @@ def svg(figure: Figure) -> str:
 
     buffer = io.StringIO()
     FigureCanvasSVG(figure)
+    _show_as_written(figure)
     _fit_labels(figure)
     if (layout := figure.get_layout_engine()) is not None:
         layout.execute(figure)  # once, and not for every format
         figure.set_layout_engine("none")
     attribute = marked(figure)
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    return buffer.getvalue().replace("<svg ", f"<svg {attribute} ", 1) if attribute else buffer.getvalue()
+    text = printable(buffer.getvalue().replace(_SHOWN, ""), but="\n")
+    return text.replace("<svg ", f"<svg {attribute} ", 1) if attribute else text
+
+
+def _show_as_written(figure: Figure) -> None:
+    """Let every text stand as it was written: no formulae between dollars, and what is not printable as an escape."""
+    from matplotlib.text import Text
+
+    for each in figure.findobj(Text):
+        assert isinstance(each, Text)
+        each.set_parse_math(False)
+        each.set_text(printable(each.get_text().removeprefix(_SHOWN).replace(r"\$", "$"), but="\n"))
 
 
 def _fit_labels(figure: Figure) -> None:
@@ -154,9 +167,10 @@ def _kept(x: Array, y: Array) -> NDArray[np.intp]:
 
 def plain(text: str, longest: int = _LONGEST) -> str:
     """A user's text as a label: no formulae between dollars, no more than fits, never hidden by a leading underscore."""
+    text = printable(text)
     text = text if len(text) <= longest else f"{text[: longest - 3]}..."
     text = text.replace("$", r"\$")
-    return f"\u200b{text}" if text.startswith("_") else text
+    return f"{_SHOWN}{text}" if text.startswith("_") else text
 
 
 def line(axis: Axes, i: int, x: ArrayLike, y: ArrayLike, label: str, **options: Any) -> None:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stribeck.errors import printable
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
@@ -91,4 +93,4 @@ def _cells(axis: Axes) -> dict[str, object] | None:
 
 
 def _plain(text: str) -> str:
-    return text.replace("\\$", "$").lstrip("\u200b")
+    return printable(text.replace("\\$", "$").lstrip("\u200b"))

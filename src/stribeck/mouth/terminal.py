@@ -6,7 +6,7 @@ import shutil
 import textwrap
 from collections.abc import Iterator, Sequence
 
-from stribeck.errors import printable
+from stribeck.errors import printable, unbroken
 from stribeck.mouth.cells import texts
 from stribeck.mouth.document import Chapter, Document, Table
 
@@ -53,7 +53,7 @@ def lines(document: Document, files: Sequence[str] = (), verbose: bool = False) 
     if document.next is not None:
         command, why = document.next
         yield ""
-        yield f"  next: {command}    {why}".rstrip()
+        yield f"  next: {printable(command)}    {unbroken(why)}".rstrip()
 
 
 def _chapter(chapter: Chapter, verbose: bool) -> Iterator[str]:
@@ -73,13 +73,13 @@ def _chapter(chapter: Chapter, verbose: bool) -> Iterator[str]:
         if i or facts:
             yield ""
         yield from _table(table)
-    for line in chapter.code.splitlines():
+    for line in chapter.code.split("\n") if chapter.code else ():
         yield from _said(line, 4, "  ")
 
 
 def _said(text: str, indent: int = 0, first: str = "", wide: int | None = None) -> list[str]:
     """Text on lines that end between words."""
-    folded = _folded(printable(" ".join(text.split())), wide or width(), first, " " * indent)
+    folded = _folded(unbroken(text), wide or width(), first, " " * indent)
     return folded or [first.rstrip()]
 
 
@@ -95,8 +95,8 @@ def _table(table: Table) -> Iterator[str]:
     if not rows:
         return
     columns = len(titles)
-    rows = [titles, *([printable(cell) if "\n" not in cell else cell for cell in row] for row in rows)]
-    widths = [max(max(map(len, row[i].split("\n")), default=0) for row in rows) for i in range(columns)]
+    rows = [titles, *rows]
+    widths = [max(len(row[i]) for row in rows) for i in range(columns)]
     whole = width(_WIDEST) - 2  # what goes to a file may be wide
     apart = _APART if sum(widths) + _APART * (columns - 1) <= whole else _NEAR
     room = whole - sum(widths[:-1]) - apart * (columns - 1)
@@ -110,14 +110,7 @@ def _table(table: Table) -> Iterator[str]:
         if above and row[0]:
             yield f"  {row[0]}"
         cells = ["", *row[1:]] if above else row
-        folded = [
-            [
-                line
-                for part in cell.split("\n")
-                for line in (_folded(part, wide, "", "  ") if i == columns - 1 else [part])
-            ]
-            for i, (cell, wide) in enumerate(zip(cells, widths, strict=True))
-        ]
+        folded = [*([cell] for cell in cells[:-1]), _folded(cells[-1], widths[-1], "", "  ")]
         for k in range(max(map(len, folded), default=0)):
             line = [lines[k] if k < len(lines) else "" for lines in folded]
             shown = [x.ljust(w) if left else x.rjust(w) for x, w, left in zip(line, widths, words, strict=True)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stribeck.errors import left_out
+from stribeck.errors import left_out, unbroken
 from stribeck.files import together, write_text
 from stribeck.mouth import page
 from stribeck.properties.verdicts import Verdict, Verdicts
@@ -45,7 +45,7 @@ def _scenarios(verdicts: Verdicts, place: Path, prefix: str = "") -> list[Path]:
     for name, verdict in verdicts.properties.items():
         if verdict.holds is False and verdict.scenario is not None:
             files.append(place / f"{prefix}{name}.toml")
-            head = f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}"
+            head = unbroken(f"# {verdicts.law.name} is not {name}: {verdict.method}") + "\n" + _stated(verdict)
             write_text(files[-1], head + dumps(verdict.scenario))
     return files
 

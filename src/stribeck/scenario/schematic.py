@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from markupsafe import escape
+from markupsafe import Markup, escape
 
+from stribeck.errors import printable
 from stribeck.machine.element import BetweenBodies
 from stribeck.machine.elements.pressure_cascade import PressureCascade
 from stribeck.machine.machine import Elements
@@ -122,7 +123,7 @@ def text(machine: Elements, name: str) -> str:
     lines += _section("loads", [(f"--> {x.start}", x) for x in every if x.kind == "load"])
     lines += _section("motors", [(f"(M) {x.start}", x) for x in every if x.kind == "motor"])
     rows = [(f"{x.end} ..> [{x.name}] --> {x.start}", x) for x in every if x.kind == "controller"]
-    return "\n".join([*lines, *_section("controllers", rows)])
+    return "\n".join(map(printable, [*lines, *_section("controllers", rows)]))
 
 
 def _section(title: str, rows: list[tuple[str, Entry]]) -> list[str]:
@@ -133,6 +134,10 @@ def _section(title: str, rows: list[tuple[str, Entry]]) -> list[str]:
 
 
 # -- as a picture ----------------------------------------------------------------------------------------------------
+
+
+def _shown(text: str) -> Markup:
+    return escape(printable(text))
 
 
 @dataclass
@@ -147,10 +152,10 @@ class _Page:
         self.line(points, kind, ' marker-end="url(#tip)"')
 
     def words(self, x: float, y: float, name: str, numbers: Iterable[str], anchor: str = "start") -> None:
-        self.parts.append(f'<text class="n" x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(name)}</text>')
+        self.parts.append(f'<text class="n" x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{_shown(name)}</text>')
         for i, row in enumerate(_wrapped(numbers)):
             place = f'x="{x:.1f}" y="{y + 13 * (i + 1):.1f}" text-anchor="{anchor}"'
-            self.parts.append(f'<text class="s" {place}>{escape(row)}</text>')
+            self.parts.append(f'<text class="s" {place}>{_shown(row)}</text>')
 
     def spring(self, x: float, y: float, vertical: bool) -> None:
         """A zigzag of 40 px about a point, over a white ground."""
@@ -242,7 +247,7 @@ def svg(machine: Elements, name: str) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{layout.width:.0f}" height="{height:.0f}" '
         f'viewBox="0 0 {layout.width:.0f} {height:.0f}" role="img"><style>{_STYLE}</style><defs>{tip}</defs>'
-        f'<rect width="100%" height="100%" fill="#fff"/><text class="n" x="12" y="20">{escape(name)}</text>'
+        f'<rect width="100%" height="100%" fill="#fff"/><text class="n" x="12" y="20">{_shown(name)}</text>'
         f"{''.join(page.parts)}</svg>\n"
     )
 
@@ -277,7 +282,7 @@ def _lanes(page: _Page, layout: _Layout, every: list[Entry], y: float, y_box: fl
         page.words(middle, lane - 14, entry.name, (), "middle")
         for row, words in enumerate(_wrapped(entry.numbers)[:4]):
             place = f'x="{middle:.1f}" y="{lane + 22 + 12 * row:.1f}" text-anchor="middle"'
-            page.parts.append(f'<text class="s" {place}>{escape(words)}</text>')
+            page.parts.append(f'<text class="s" {place}>{_shown(words)}</text>')
 
 
 def _ground(page: _Page, layout: _Layout, body: str, y: float, y_ground: float) -> None:
@@ -306,10 +311,10 @@ def _top(page: _Page, layout: _Layout, body: str, y_control: float, y_above: flo
     for x, entry in zip(layout.slots(body, max(1, len(layout.control[body]))), layout.control[body], strict=False):
         page.parts.append(f'<rect class="m" x="{x - 40}" y="{y_control}" width="80" height="28" rx="4"/>')
         page.parts.append(
-            f'<text class="n" x="{x}" y="{y_control + 19}" text-anchor="middle">{escape(entry.name)}</text>'
+            f'<text class="n" x="{x}" y="{y_control + 19}" text-anchor="middle">{_shown(entry.name)}</text>'
         )
         for row, words in enumerate(_wrapped(entry.numbers)):
-            page.parts.append(f'<text class="s" x="{x + 46}" y="{y_control + 8 + 12 * row}">{escape(words)}</text>')
+            page.parts.append(f'<text class="s" x="{x + 46}" y="{y_control + 8 + 12 * row}">{_shown(words)}</text>')
         target = (places[entry.start], y_above) if entry.start in places else (layout.x[body], y_box)
         page.arrow([(x, y_control + 28), (x, y_above - 14), (target[0], y_above - 14), target])
         measured = layout.x[str(entry.end)] - _BOX / 2 + 10

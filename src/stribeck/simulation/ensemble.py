@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck import platforms
 from stribeck.arrays import Array
 from stribeck.constants import Column
-from stribeck.errors import BuildError, InputError, nearest
+from stribeck.errors import BuildError, InputError, nearest, printable
 from stribeck.machine.equations import SLIP_AND_STICK
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
@@ -89,7 +89,7 @@ class Ensemble:
         return f"<Ensemble of '{self.scenario.name}': {len(self)} lanes over {varied}, {len(self.t)} rows, columns {columns}>"
 
     def _repr_html_(self) -> str:
-        return f"<p>{escape(repr(self))}<br>{escape(self.message)}</p>"
+        return f"<p>{escape(printable(repr(self)))}<br>{escape(printable(self.message))}</p>"
 
     @cached_property
     def t(self) -> Array:

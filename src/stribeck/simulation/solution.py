@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import Column
-from stribeck.errors import nearest, needed
+from stribeck.errors import nearest, needed, printable
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
@@ -138,7 +138,7 @@ class Solution:
 
     def _repr_html_(self) -> str:
         svg = self._repr_svg_()
-        return f"<p>{escape(repr(self))}<br>{escape(self.message)}</p>{svg[svg.index('<svg') :]}"
+        return f"<p>{escape(printable(repr(self)))}<br>{escape(printable(self.message))}</p>{svg[svg.index('<svg') :]}"
 
     def document(self) -> Document:
         """The run as a document, for the terminal and for a page."""

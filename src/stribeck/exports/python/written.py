@@ -108,7 +108,7 @@ class Written:
         """The class ``law`` that :mod:`stribeck.exports.python.stepping` takes, as text; gradients: by the constants."""
         parts = [
             "class law:",
-            f'    """The equations of {self.law.name}: dz/dt, F and their derivatives."""',
+            '    """The law: dz/dt, F and their derivatives."""',
             "",
             f"    has_z, linear = {self.law.has_z}, {self.linear}",
         ]

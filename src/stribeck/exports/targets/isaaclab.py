@@ -15,8 +15,9 @@ def files(request: Request) -> Content:
     parts = (stepping.loop, stepping.settled, stepping.balance, stepping.solved)
     text = "\n\n".join(inspect.getsource(part) for part in parts).rstrip()
     content = render(
-        "isaaclab.txt", about=request.in_docstring(), eq=Written(request.law), stepping=text, inputs=request.law.inputs
-    )
+        "isaaclab.txt", about=request.in_docstring(), name=request.name, eq=Written(request.law), stepping=text,
+        inputs=request.law.inputs,
+    )  # fmt: skip
     return {f"{request.name}_isaaclab.py": content}
 
 
