@@ -65,18 +65,23 @@ def test_columns_of_matrices_and_constants_of_a_mat_file(tmp_path):
         source.columns({"position": "note"})
 
 
-@pytest.mark.parametrize("kind", ["npz", "mat"])
-def test_a_column_that_nobody_names_takes_no_memory(tmp_path, kind):
-    count = 1 << 24  # 134 MB
+def zeros_in(kind, folder, count):
+    """A file with two short columns and one of zeros, of which nothing is in memory."""
     if kind == "npz":
-        path = zeros_in_npz(tmp_path / "big.npz", count)
-    else:
+        return zeros_in_npz(folder / "big.npz", count)
+    if kind == "mat 5":
+        return mat5(folder / "big.mat", count)
 
-        def fill(h5py, file):
-            file["position"] = T**2
-            file.create_dataset("other", shape=(count,), dtype="f8", chunks=(1 << 20,), compression="gzip")
+    def fill(h5py, file):
+        file["position"] = T**2
+        file.create_dataset("other", shape=(count,), dtype="f8", chunks=(1 << 20,), compression="gzip")
 
-        path = mat73(tmp_path / "big.mat", fill)
+    return mat73(folder / "big.mat", fill)
+
+
+@pytest.mark.parametrize("kind", ["npz", "mat 7.3"])
+def test_a_column_that_nobody_names_takes_no_memory(tmp_path, kind):
+    path = zeros_in(kind, tmp_path, 1 << 24)  # 134 MB
     tracemalloc.start()
     try:
         found = read_columns(path, WANTED)
@@ -84,6 +89,26 @@ def test_a_column_that_nobody_names_takes_no_memory(tmp_path, kind):
     finally:
         tracemalloc.stop()
     assert found["position"].tolist() == (T**2).tolist()
+
+
+@pytest.mark.parametrize("kind", ["npz", "mat 7.3", "mat 5"])
+def test_lengths_are_compared_before_a_column_is_read(tmp_path, monkeypatch, kind):
+    source = opened(zeros_in(kind, tmp_path, 1 << 20))
+    monkeypatch.setattr(type(source), "_read", lambda self, name: pytest.fail(f"{name} is read"))
+    words = rf"force: 'other': this column of .* has {1 << 20} rows, its times \(time\) have 200"
+    with pytest.raises(InputError, match=words):
+        source.columns({"force": "other", "time": "time", "position": "position"})
+    with pytest.raises(InputError, match=rf"has 200 rows, its times \(other\) have {1 << 20}"):
+        source.columns({"time": "time", "force": "position", "t": "other"}, {"force": "t"})
+
+
+def test_lengths_of_matrices_and_tables_in_memory_are_compared():
+    table = {"time": T, "q": np.zeros((150, 3)), "F": T[:, None], "name": ["a"] * 200}
+    assert len(read_columns(table, {"time": "time", "force": "F"})["force"]) == 200
+    with pytest.raises(InputError, match=r"^position: 'q\[1\]'.* has 150 rows, its times \(time\) have 200$"):
+        read_columns(table, {"time": "time", "position": "q[1]", "force": "F"})
+    with pytest.raises(InputError, match="holds text or dates"):
+        read_columns(table, {"time": "time", "force": "name"})
 
 
 def mat5(path, count):
@@ -129,7 +154,7 @@ def test_columns_that_do_not_fit_are_refused_before_they_are_read(tmp_path, monk
     monkeypatch.setattr(platforms, "free_memory", lambda: 1e6)
     assert len(read_columns(path, WANTED)) == 2
     with pytest.raises(InputError, match=r"cannot be read: the columns take 1\.05 MB, and 1 MB are free"):
-        read_columns(path, {"time": "time", "position": "other"})
+        read_columns(path, {"position": "other"})
 
 
 ELSEWHERE = {
@@ -253,14 +278,60 @@ def test_a_head_that_is_longer_than_the_beginning_is_read(tmp_path):
     assert read_columns(path, {"time": "time", "force": "force"})["force"].tolist() == list(range(9))
 
 
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("mark", [",", "."])
+@pytest.mark.parametrize("arrow", [True, False])
+def test_one_note_asks_where_every_cell_has_such_a_mark(tmp_path, monkeypatch, separator, mark, arrow):
+    if not arrow:
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    path = tmp_path / "a.csv"
+    rows = [["time", "force"], *([f"{100 + i},00{i}", f"-{i + 1},250"] for i in range(9))]
+    path.write_text("".join(separator.join(row).replace(",", mark) + "\n" for row in rows))
+    with pytest.warns(StribeckNote) as notes:
+        found = read_columns(path, {"time": "time", "force": "force"})
+    assert found["force"][0] == -1.25
+    assert [str(each.message) for each in notes] == [
+        f"'{path}': '100{mark}000' in column 'time' is read as 100.000, not as a number of thousands, and so are others in "
+        "force: write such numbers without the mark if they are thousands"
+    ]
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    "cells", [["0,004", "3", "1,5", "0"], ["1,004", "1,250", "2,000", "3,125"], ["1,004", "3", "4500", "0"]]
+    "rows",
+    [
+        ["0;0,004", "1;3", "2;1,5", "3;0"],
+        ["0;1,004", "1;3", "2;4500", "3;0"],  # thousands of this column have no mark
+        ["0,001;1,004", "0,002;1,250", "0,003;2,000"],  # the times show what the comma is
+        ["0.000;1.004", "0.001;1.250", "0.002;2.000"],
+        ["999.999;1.004", "1000.000;1.250", "1000.001;1.250"],
+        ["1,004;1e3", "2,250;-1,5e0"],
+        ["100.000,1.004", "100.001,1.250", "100.002,2.000"],  # columns that commas part
+        ["100.000\t1.0041", "100.001\t1.250"],
+        ["1;2", "2;4", "3;5"],
+        ["1;nan", "2;", "3;"],
+    ],
+    ids=" ".join,
 )
-def test_plain_decimals_are_not_asked_about(tmp_path, cells):
+def test_plain_decimals_are_not_asked_about(tmp_path, rows):
     path = tmp_path / "a.csv"
-    path.write_text("time;force\n" + "".join(f"{i};{x}\n" for i, x in enumerate(cells)))
-    assert len(read_columns(path, {"time": "time", "force": "force"})["force"]) == 4
+    names = next(s for s in ";\t," if s in rows[0]).join(("time", "force"))
+    path.write_text("\n".join([names, *rows]) + "\n")
+    assert len(read_columns(path, {"time": "time", "force": "force"})["force"]) == len(rows)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_column_that_nobody_names_shows_the_mark_too(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time;force;speed\n" + "".join(f"{i};1,004;0,0{i}\n" for i in range(9)))
+    read_columns(path, {"time": "time", "force": "force"})
+
+
+def test_a_mark_of_the_other_kind_shows_nothing(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time;force;speed;date\n" + "".join(f"{i};1.004;2,5;12.05.2024\n" for i in range(9)))
+    with pytest.warns(StribeckNote, match=r"'1\.004' in column 'force' is read as 1\.004"):
+        read_columns(path, {"time": "time", "force": "force"})
 
 
 def test_an_npz_with_a_column_twice(tmp_path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -22,12 +22,13 @@ from stribeck.errors import InputError, StribeckError, arg, nearest, needed, not
 from stribeck.recorded.layout import (
     MISSING,
     commas_twice,
+    decimals_shown,
     encoding_of,
     is_units,
-    may_be_thousands,
+    mark_of,
     number,
     table_begins,
-    thousands,
+    thousands_without_mark,
 )
 
 Numbers = NDArray[Any]  # of any type
@@ -92,10 +93,9 @@ class Source:
     def __init__(self, path: Path | str, variables: Mapping[str, Any]) -> None:
         self.path = path
         self.variables = {name: x for name, x in variables.items() if not name.startswith(("__", "#"))}
-        shapes = {name: x.shape if isinstance(x, Later) else np.shape(x) for name, x in self.variables.items()}
-        kinds = {
-            name: x.kind if isinstance(x, Later) else np.asarray(x).dtype.kind for name, x in self.variables.items()
-        }
+        stated = {name: self._stated(name) for name in self.variables}
+        shapes = {name: shape for name, (shape, _) in stated.items()}
+        kinds = {name: kind for name, (_, kind) in stated.items()}
         self._parts = {  # the matrix and the column of each name
             f"{name}[{i}]": (name, i)
             for name, shape in shapes.items()
@@ -110,8 +110,22 @@ class Source:
             if sizes[name] == _SCALARS and kinds[name] in "fiu" and not getattr(x, "refused", "")
         }
 
-    def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
-        """The columns by role, as separate arrays."""
+    def _stated(self, name: str) -> tuple[tuple[int, ...], str]:
+        """A variable's shape and the kind of its numbers, for which it is not read."""
+        x = self.variables[name]
+        return (x.shape, x.kind) if isinstance(x, Later) else (np.shape(x), np.asarray(x).dtype.kind)
+
+    def columns(self, wanted: dict[str, str], times: Mapping[str, str] | None = None) -> dict[str, Array]:
+        """The columns by role, as separate arrays.
+
+        Args:
+            wanted: the column's name for each role.
+            times: the role of a column's times, by its own role; the same for all of them, ``time``, unless given.
+
+        Raises:
+            InputError: before any is read: a column is in another file, holds no numbers, is a matrix, or is not as long as
+                its times; they take more memory than is free; then: the file is damaged.
+        """
         holders = {name: self._parts.get(name, (name, None))[0] for name in wanted.values()}
         if problems := [
             f"{arg(role)}: {name!r}: this column of {self.path} {x.refused}; must be in the file itself, once"
@@ -119,6 +133,7 @@ class Source:
             if isinstance(x := self.variables[holders[name]], Later) and x.refused
         ]:
             raise InputError(problems)
+        self._check_lengths(wanted, times)
         self._check_memory(
             math.prod(x.shape) for x in map(self.variables.get, set(holders.values())) if isinstance(x, Later)
         )
@@ -130,19 +145,37 @@ class Source:
             column = arrays[matrix]
             if i is not None:
                 column = column[:, i] if column.shape[0] >= column.shape[1] else column[i]
-            if column.dtype.kind not in "fiub":
+            shared = list(holders.values()).count(matrix) + list(wanted.values()).count(name) > 2
+            columns[role] = column.ravel().astype(float, copy=shared or i is not None)
+        return columns
+
+    def _check_lengths(self, wanted: Mapping[str, str], times: Mapping[str, str] | None) -> None:
+        """Check that each column is a vector of numbers, as long as its times, by what the file states of it.
+
+        Raises:
+            InputError: with a line for each that is not.
+        """
+        rows: dict[str, int] = {}
+        problems = []
+        for role, name in wanted.items():
+            matrix, i = self._parts.get(name, (name, None))
+            shape, kind = self._stated(matrix)
+            size = math.prod(shape)
+            if kind not in "fiub":
                 problems.append(f"{arg(role)}: {name!r}: this column of {self.path} holds text or dates, not numbers")
-            elif column.ndim > 1 and max(column.shape) != column.size:
+            elif i is None and len(shape) > 1 and max(shape) != size:
                 hint = f"; its columns are {name}[0], {name}[1], ..." if f"{name}[0]" in self.names else ""
-                problems.append(
-                    f"{arg(role)}: {name!r}: this variable of {self.path} is a matrix, {column.shape}{hint}"
-                )
+                problems.append(f"{arg(role)}: {name!r}: this variable of {self.path} is a matrix, {shape}{hint}")
             else:
-                shared = list(holders.values()).count(matrix) + list(wanted.values()).count(name) > 2
-                columns[role] = column.ravel().astype(float, copy=shared or i is not None)
+                rows[role] = size if i is None else max(shape)
+        if times is None:
+            times = dict.fromkeys(wanted, "time" if "time" in wanted else next(iter(wanted), ""))
+        for role, of in times.items():
+            if role in rows and of in rows and rows[role] != rows[of]:
+                text = f"has {rows[role]} rows, its times ({wanted[of]}) have {rows[of]}"
+                problems.append(f"{arg(role)}: {wanted[role]!r}: this column of {self.path} {text}")
         if problems:
             raise InputError(problems)
-        return columns
 
     def _read(self, name: str) -> Numbers:
         x = self.variables[name]
@@ -216,25 +249,36 @@ class CsvSource(Source):
         self.constants = {}
         self.decimal = "," if self.separator != "," and "," in second and "." not in second else "."
 
-    def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
-        """The columns by role, as separate arrays."""
+    def columns(self, wanted: dict[str, str], times: Mapping[str, str] | None = None) -> dict[str, Array]:
+        """The columns by role, as separate arrays; all of them are equally long."""
         _check_unique(self, wanted)
         include = list(dict.fromkeys(wanted.values()))
         joined = self._by_arrow(include, wanted) if find_spec("pyarrow") else self._by_lines(include, wanted)
-        for name in include if self.separator != "," else ():
-            if may_be_thousands(joined[name]) and (cell := thousands(self._cells(name))):
-                text = f"{cell!r} in column {name!r} is read as {cell.replace(',', '.')}, not as a number of thousands"
-                note(f"'{self.path}': {text}: write it without the mark if it is one")
+        if self.separator != "," and not any(map(decimals_shown, joined.values())):
+            self._ask_about_thousands({name for name in include if not thousands_without_mark(joined[name])})
         return {
             role: joined[name] if list(wanted.values()).count(name) == 1 else joined[name].copy()
             for role, name in wanted.items()
         }
 
-    def _cells(self, name: str) -> list[str]:
-        """The cells of a column as they are written."""
+    def _ask_about_thousands(self, columns: Collection[str]) -> None:
+        """One note if the mark in these columns may be that of thousands, and no cell of the file shows what it is."""
+        asked: dict[str, str] = {}
         with self.file.open("r", encoding=self.encoding, newline="") as file:
-            rows = islice(csv.reader(file, delimiter=self.separator), self.rows_from, None)
-            return [row[self.names.index(name)] for row in rows if row]
+            lines = (line for line in islice(file, self.rows_from, None) if self.decimal in line)
+            for row in csv.reader(lines, delimiter=self.separator):
+                for name, cell in zip(self.names, row, strict=False):
+                    if (mark := mark_of(cell, self.decimal)) == "decimals":
+                        return
+                    if mark == "either" and name in columns:
+                        asked.setdefault(name, cell.strip())
+        if asked:
+            name, cell = next(iter(asked.items()))
+            more = f", and so are others in {listed(list(asked)[1:])}" if len(asked) > 1 else ""
+            text = (
+                f"{cell!r} in column {name!r} is read as {cell.replace(',', '.')}, not as a number of thousands{more}"
+            )
+            note(f"'{self.path}': {text}: write such numbers without the mark if they are thousands")
 
     def _by_lines(self, include: list[str], wanted: dict[str, str]) -> dict[str, Array]:
         """The columns without pyarrow, which is some twenty times slower."""
@@ -320,14 +364,14 @@ def _parquet(path: Path) -> Source:
             if not self.file.metadata.num_rows:
                 raise InputError(f"{arg('data')}: '{path}': has a head but no rows")
 
-        def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
+        def columns(self, wanted: dict[str, str], times: Mapping[str, str] | None = None) -> dict[str, Array]:
             _check_unique(self, wanted)
             try:
                 self._read_columns(list(dict.fromkeys(wanted.values())))
             except (OSError, ArrowException) as error:  # damaged after the head
                 text = (str(error).splitlines() or [type(error).__name__])[0]
                 raise InputError(f"{arg('data')}: '{path}': cannot be read: {text}") from None
-            return super().columns(wanted)
+            return super().columns(wanted, times)
 
         def _read_columns(self, names: list[str]) -> None:
             rows, place = self.file.metadata.num_rows, 0

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -88,24 +89,31 @@ def commas_twice(lines: Sequence[str], first: int) -> bool:
     return names > 1 and row == 2 * names and "." not in lines[first]
 
 
-def may_be_thousands(x: Array) -> bool:
-    """Whether the numbers of a column can stem from cells for which :func:`thousands` asks."""
-    x = x[np.isfinite(x)]
-    whole = x == np.rint(x)
-    return bool(np.all(abs(x[whole]) < 1000) and np.all(abs(1e3 * x - np.rint(1e3 * x)) < 1e-6))
+# A mark before exactly three digits, such as that of 1,004 or 1.004, may be that of decimals or of thousands. It is that of
+# decimals if the mark stands otherwise anywhere in the file, as in 0,004 or 1,5: one program writes one decimal mark. In a
+# column, a whole number of a thousand or more without a mark shows the same of that column.
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 
 
-def thousands(cells: Sequence[str]) -> str:
-    """A cell such as 1,004 or 1.004 that may mean a thousand and four; empty if there is none.
+def decimals_shown(x: Array) -> bool:
+    """Whether numbers of a column show that the mark in its cells is that of decimals."""
+    x = abs(x[np.isfinite(x)])
+    x = x[x != np.rint(x)]
+    return bool(np.any((x < 1) | (x > 1000) | (abs(1e3 * x - np.rint(1e3 * x)) > 1e-6)))
 
-    It is ambiguous if each mark in the column is followed by exactly three digits, and the other cells are whole numbers
-    below a thousand.
-    """
-    texts = [cell.strip() for cell in cells if cell.strip()]
-    marked = [text for text in texts if "," in text or "." in text]
-    grouped = all(re.fullmatch(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+", text) for text in marked)
-    others_whole = all(re.fullmatch(r"[+-]?\d{1,3}", text) for text in texts if text not in marked)
-    return marked[0] if marked and len(marked) < len(texts) and grouped and others_whole else ""
+
+def thousands_without_mark(x: Array) -> bool:
+    """Whether a column has a whole number of a thousand or more: its cell has no mark."""
+    x = abs(x[np.isfinite(x)])
+    return bool(np.any(x >= 1000))
+
+
+def mark_of(cell: str, decimal: str) -> Literal["either", "decimals", "none"]:
+    """What a cell says of the mark that is read as the one of decimals."""
+    text = cell.strip()
+    if decimal not in text or not _NUMBER.fullmatch(text.replace(decimal, ".", 1)):
+        return "none"
+    return "either" if _GROUPED.fullmatch(text) else "decimals"
 
 
 def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:

@@ -320,7 +320,9 @@ def _read(
     names = {f"{where}.time": time.column}
     names |= {f"{where}.{g}.{n}": c.column for (g, n), c in wanted.items()}
     names |= {f"{where}.{g}.{n}.time": at for (g, n), at in own.items() if at and at != time.column}
-    columns, notes = _columns(source, where, names), list(getattr(source, "notes", []))
+    times = {f"{where}.{g}.{n}": f"{where}.{g}.{n}.time" for g, n in wanted}
+    times = {role: at if at in names else f"{where}.time" for role, at in times.items()}
+    columns, notes = _columns(source, where, names, times), list(getattr(source, "notes", []))
     t = columns.pop(f"{where}.time") * time.factor
     keep, more = _in_order(t, str(entry["file"]))
     notes += more
@@ -338,8 +340,6 @@ def _read(
             at = columns[f"{label}.time"] * time.factor
             rows, more = _in_order(at, f"{entry['file']}: {name}")
             notes += [] if np.isnan(at).any() else more  # shorter columns of a table end in empty cells
-        if len(x) != len(at):
-            raise InputError(f"{label}: {show(c.column)}: has {len(x)} rows, its times have {len(at)}")
         if not np.isfinite(x[rows]).any():
             raise InputError(f"{label}: {show(c.column)}: holds no number")
         if text := impossible(x[rows]) or wild(x[rows]):
@@ -352,11 +352,11 @@ def _read(
     )  # fmt: skip
 
 
-def _columns(source: Source, where: str, names: Mapping[str, str]) -> dict[str, Array]:
+def _columns(source: Source, where: str, names: Mapping[str, str], times: Mapping[str, str]) -> dict[str, Array]:
     """The columns by their use.
 
     Raises:
-        InputError: a column is missing, or contains no numbers.
+        InputError: a column is missing, contains no numbers, or is not as long as its times.
     """
     if missing := [(role, name) for role, name in names.items() if name not in source.names]:
         raise InputError(
@@ -367,7 +367,7 @@ def _columns(source: Source, where: str, names: Mapping[str, str]) -> dict[str, 
             ]
         )
     try:
-        return source.columns(dict(names))
+        return source.columns(dict(names), times)
     except InputError as error:
         raise InputError([f"{where}.file: {source.path}: {line}" for line in error.problems]) from None
 

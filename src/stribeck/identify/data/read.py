@@ -87,7 +87,6 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
         InputError: the file or a column is not there, or holds no numbers; an unknown unit; a line for each problem.
     """
     source = opened(data)
-    path = source.path
     columns = columns if is_table(data) else columns.over(beside(Path(data)))
     problems = _missing(columns, source, needs_force)
     wanted = {}
@@ -114,11 +113,6 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
     found = source.columns(wanted)
     if (arrow := sys.modules.get("pyarrow")) is not None:
         arrow.default_memory_pool().release_unused()  # it would keep as much as the columns take
-    lengths = {len(x) for x in found.values()}
-    if len(lengths) > 1:
-        raise InputError(
-            [f"{arg(r)}: {wanted[r]!r}: has {len(x)} rows, others of {path} have not" for r, x in found.items()]
-        )
     if "force" in factors:
         factors["force"] *= gain
     for role, column in found.items():
