@@ -5,10 +5,19 @@ if (copy) {
     try { await navigator.clipboard.writeText(copy.dataset.command); copy.textContent = "copied"; } catch { copy.textContent = copy.dataset.command; }
   };
 }
-// On a narrow screen a figure of two columns becomes one: below each other stand the left panels, the right ones, and, made
-// smaller, those across both. The legend shrinks too.
+// On a narrow screen the columns of a figure stand below each other: from the left one to the right one, and, made smaller,
+// the panels across several. The legend shrinks too.
 const moved = new Map(); // by picture: its panels from above, each with its factor, its way and where it ends
 const NS = "http://www.w3.org/2000/svg";
+function columnsOf(panels) { // panels whose plots overlap sideways, from the narrowest on; those across several are in none
+  const columns = [];
+  for (const panel of panels.toSorted((a, b) => a.plot[1] - a.plot[0] - (b.plot[1] - b.plot[0]))) {
+    const [own, ...more] = columns.filter((column) => column.some(({ plot }) => plot[0] < panel.plot[1] && panel.plot[0] < plot[1]));
+    if (own && !more.length) own.push(panel);
+    else if (!own) columns.push([panel]);
+  }
+  return columns.sort((a, b) => a[0].plot[0] - b[0].plot[0]);
+}
 function fold(svg) {
   const [left, top, wide] = svg.getAttribute("viewBox").split(/[ ,]+/).map(Number), gap = 8;
   const frame = svg.getBoundingClientRect(), unit = wide / frame.width;
@@ -16,17 +25,19 @@ function fold(svg) {
     const parts = [group.querySelector("path"), ...group.querySelectorAll("text")].map((each) => each.getBoundingClientRect());
     const least = (side, edge, from) => from + (Math.min(...parts.map((each) => each[side])) - edge) * unit;
     const most = (side, edge, from) => from + (Math.max(...parts.map((each) => each[side])) - edge) * unit;
-    return { group, from: least("left", frame.left, left), to: most("right", frame.left, left), above: least("top", frame.top, top), below: most("bottom", frame.top, top) };
+    return { group, plot: [parts[0].left, parts[0].right], from: least("left", frame.left, left), to: most("right", frame.left, left),
+             above: least("top", frame.top, top), below: most("bottom", frame.top, top) };
   });
-  const right = panels.filter(({ from }) => from > left + wide * 0.4), first = panels.filter(({ to }) => to < left + wide * 0.6);
-  const across = panels.filter((each) => !right.includes(each) && !first.includes(each));
-  if (!right.length || !first.length || across.some(({ from, to }) => to - from < wide * 0.6)) return;
+  const columns = columnsOf(panels).map((column) => column.sort((a, b) => a.above - b.above));
+  if (columns.length < 2) return;
   const start = (some) => Math.min(...some.map(({ from }) => from)), end = (some) => Math.max(...some.map(({ to }) => to));
-  const width = Math.max(...[first, right].map((some) => end(some) - start(some))) + gap, head = Math.min(...first.map(({ above }) => above));
-  const order = [...across.filter(({ above }) => above < head), ...first, ...right, ...across.filter(({ above }) => above >= head)];
+  // half the figure at least: letters of narrower columns would grow beyond those of the text
+  const width = Math.max(wide / 2, ...columns.map((some) => end(some) - start(some) + gap)), head = Math.min(...columns.flat().map(({ above }) => above));
+  const across = panels.filter((each) => !columns.flat().includes(each));
+  const order = [...across.filter(({ above }) => above < head), ...columns.flat(), ...across.filter(({ above }) => above >= head)];
   let place = Math.min(...panels.map(({ above }) => above));
   moved.set(svg, order.map(({ group, from, to, above, below }, k) => {
-    const column = [first, right].find((some) => some.includes(order[k])), share = column ? 1 : (width - gap) / (to - from);
+    const column = columns.find((some) => some.includes(order[k])), share = column ? 1 : Math.min(1, (width - gap) / (to - from));
     const [dx, dy] = [left + gap / 2 - share * (column ? start(column) : from), place - share * above];
     group.setAttribute("transform", `translate(${dx} ${dy}) scale(${share})`);
     place += share * (below - above) + gap;
