@@ -271,12 +271,14 @@ EXPERIMENTS = (  # the example, its title, what is drawn over what, their units 
 
 
 def draw_law(name: str, file: Path) -> None:
-    """What a law does in five experiments: the built-in examples, with this law."""
-    figure, grid = plt.subplots(2, 3, figsize=(7.2, 4.2), layout="constrained")
-    *plots, last = grid.flat
-    last.axis("off")
+    """What a law does in five experiments: the built-in examples, with this law. Two panels wide, so that a phone shows its
+    numbers in a readable size."""
+    names = [name for name, *_ in EXPERIMENTS]
+    figure = plt.figure(figsize=(5.2, 4.8), layout="constrained")
+    plots = figure.subplot_mosaic([names[:2], names[2:4], names[4:] * 2])
     with tempfile.TemporaryDirectory() as folder:
-        for plot, (example_name, title, horizontal, vertical) in zip(plots, EXPERIMENTS, strict=True):
+        for example_name, title, horizontal, vertical in EXPERIMENTS:
+            plot = plots[example_name]
             changes = {"law.name": name, **{f"law.{n}": x for n, x in CONSTANTS[name].items()}}
             base = example(example_name, Path(folder))
             solution = stribeck.simulate(stribeck.load(base.folder / f"{example_name}.toml", changes))

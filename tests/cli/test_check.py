@@ -65,7 +65,7 @@ def test_a_machine_s_answer_is_one_sentence(stribeck, tmp_path, monkeypatch):
     stribeck("new", "gear")
     printed = " ".join(stribeck("check", "gear.toml", "--force", "gear=40").out.split())
     assert printed.startswith(
-        "gear: passivity not shown: energy can be drawn from bearing, and other elements may dissipate less than that "
+        "gear: passivity not proved: energy can be drawn from bearing; other elements may dissipate less than that "
     )
     assert " bound of |z| 2.5 mrad " in printed
 
@@ -157,7 +157,7 @@ def test_the_questions_that_it_answers(stribeck, tmp_path, monkeypatch):
     assert re.search(r"passive +no +a cycle", found)
     assert "E_in" in run
     assert re.search(r"passive +yes .*fitted", " ".join(slow.split()))
-    assert re.search(r"passive +yes +the power lost", damped)
+    assert re.search(r"passive +yes +the dissipated power", damped)
     assert "wrote proofs.json" in written
     certificates = json.loads(Path("proofs.json").read_text())["certificates"]
     assert {n: verify(c) for n, c in certificates.items()} == {"unique": [], "bounded": []}

@@ -129,7 +129,7 @@ def test_a_log_file_gets_lines_of_progress(monkeypatch):
         tries = 600
         while not log.getvalue() and (tries := tries - 1):
             time.sleep(0.05)
-    assert re.match(r"stribeck: axis: the verdict 25% after \d+ s\n", log.getvalue())
+    assert re.match(r"stribeck: axis: the verdict, 25 % after \d+ s\n", log.getvalue())
 
 
 @pytest.mark.parametrize(

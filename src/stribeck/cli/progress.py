@@ -18,21 +18,21 @@ _UNSEEN = 0.5  # s, that a command takes without a bar
 
 @contextmanager
 def progress(what: str) -> Iterator[Callable[[float], None]]:
-    """Progress on standard error of work that says the share done."""
+    """Progress on standard error of work that reports the share done."""
     with _shown(what) as tell:
         yield lambda share: tell(share, "", "")
 
 
 @contextmanager
 def stages(what: str) -> Iterator[Callable[[float | None, str], None]]:
-    """The same, told what is being done, and the share done where that is known (None: it moves)."""
+    """The same for work that reports its stage, and the share done if that is known (otherwise None: the bar moves)."""
     with _shown(what) as tell:
         yield lambda share, text: tell(share, text, "")
 
 
 @contextmanager
 def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None]]:
-    """The same with how many units a second are done: told the share done, and how many by now."""
+    """The same with the rate in units per second, for work that reports the share done and the number of units done."""
     from time import monotonic
 
     with _shown(what) as show:
@@ -46,7 +46,7 @@ def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None]]:
 
 @contextmanager
 def _shown(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
-    """What shows the share done, what is being done, and how fast: a bar on a terminal, elsewhere lines."""
+    """A function that shows share, stage and rate: as a bar on a terminal, elsewhere as lines."""
     with (_bar if sys.stderr.isatty() else _lines)(printable(what)) as tell:
         yield tell
 
@@ -60,7 +60,7 @@ def _lines(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
     started, done, last = monotonic(), Event(), [""]
 
     def tell(share: float | None, text: str, speed: str) -> None:
-        last[0] = " ".join(x for x in (text, "" if share is None else f"{share:.0%}", speed) if x)
+        last[0] = ", ".join(x for x in (text, "" if share is None else f"{100 * share:.0f} %", speed) if x)
 
     def write() -> None:
         while not done.wait(_EVERY):
@@ -77,7 +77,7 @@ def _lines(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
 
 @contextmanager
 def _bar(what: str) -> Iterator[Callable[[float | None, str, str], None]]:
-    """A bar that appears after half a second and moves from then on, whether it is told anything or not."""
+    """A bar that appears after half a second and moves from then on, also without reports."""
     from threading import Timer
 
     bars: list[tuple[Progress, TaskID]] = []

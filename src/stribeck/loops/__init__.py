@@ -149,10 +149,10 @@ def design(
     samples = friction_samples(friction_intervals(loop.scenario, file), seed)
 
     part = partial(_share_callback, tell)
-    judgement = judge(loop, tell=part("the verdict"))[0]
-    starts = from_starts(loop, name, part("the starts"))
+    judgement = judge(loop, tell=part("verdict"))[0]
+    starts = from_starts(loop, name, part("other starts"))
     if tell is not None:
-        tell(0.0, "the tracking errors")
+        tell(0.0, "tracking errors")
     tracked = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
     compensations, excess_share, why_not = _compensations(loop, name, samples, compensate, tell)

@@ -148,9 +148,9 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
     known_path(loop, turned.path)
     scan = _Scan(loop, turned)
     scan.judge_at(turned.points(POINTS))
-    scan.divide(tell)
+    scan.divide(tell, 0.1)
     scan.fill()
-    scan.divide(tell)
+    scan.divide(tell, 0.5)
     scan.beside()
     values = np.array(sorted(scan.seen))
     judgements = [scan.seen[x] for x in values.tolist()]
@@ -180,11 +180,13 @@ class _Scan:
             judgements = judge(self.loop, {self.turned.path: new}, slowest=slowest)
             self.seen.update(zip(new.tolist(), judgements, strict=True))
 
-    def divide(self, tell: Callable[[float], None] | None) -> None:
-        """Divide the steps in which the verdict changes, or in which amplitude or settling time change quickly."""
+    def divide(self, tell: Callable[[float], None] | None, begun: float) -> None:
+        """Divide the steps in which the verdict changes, or in which amplitude or settling time change quickly.
+
+        ``begun`` is the share of the work done before; this is two fifths of it."""
         for i in range(_ROUNDS):
             if tell is not None:
-                tell(0.1 + 0.15 * i)
+                tell(begun + 0.4 * i / _ROUNDS)
             changes = _changes(self.seen)
             unresolved = (
                 [(a, b) for a, b in changes if b - a > _PRECISE * max(abs(a), abs(b))] if len(changes) <= _MOST else []

@@ -36,9 +36,9 @@ _ONE_WAY = 0.9  # net over total motion: with more, the body creeps
 _FEW, _GREW = 6, 10.0  # rows of a run that ended early; growth from its first third to its last that means instability
 _GROWS = 1.15  # growth from one third to the next, at the end of the longest run
 
-WINDS = "the force that friction holds still changes"
-SHAKEN = "at rest it moves only as far as its dither shakes it"
-IRREGULAR = "its swings still differ at the end of the longest run: it may come to rest by chance"
+WINDS = "the friction force still changes while the body sticks"
+SHAKEN = "the remaining motion is that of the dither"
+IRREGULAR = "the amplitude still varies at the end of the longest run: the oscillation may stop by chance"
 
 Tell = Callable[[float], None]
 

@@ -9,7 +9,7 @@ from stribeck.loops import figures
 from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.excess import BEYOND
-from stribeck.loops.judge import Judgement
+from stribeck.loops.judge import SHORTEST, Judgement
 from stribeck.loops.starts import Start, distinct_judgements
 from stribeck.mouth.cells import human
 from stribeck.mouth.document import PAGE, Amount, Cell, Chapter, Document, Head, Table
@@ -69,12 +69,12 @@ def _errors(result: Design, unit: str) -> Chapter:
     m = result.moves
     size = f"{human(m.amplitude, unit)} to each side, at most {human(m.speed, unit + '/s')}"
     text = [
-        "Errors of the body that is measured. 'file' is the file's own signal; the sine's reversals are those of a circle's "
-        "quadrants for each of its axes.",
+        "Errors of the measured body. 'file' is the file's own signal. The sine reverses as an axis does at the quadrants of "
+        "a circle.",
         f"The sine has a period of {human(m.period, 's')}.",
     ]
     head = ["move", "peak error", "rms", "after a reversal", "at rest", "settling"]
-    facts = [f"sine, slow ramp and step move {size}"]
+    facts = [f"added moves (sine, slow ramp, step): {size}"]
     return Chapter("errors", "How well it tracks", text, [Table(head, rows)], facts=facts)
 
 
@@ -120,9 +120,8 @@ def _compensations(result: Design, unit: str) -> Chapter:
         for c in result.compensations
     ]
     text = [
-        "Simulated, not proved: the largest share of the law that stays quiet with every sample of the friction (all low, "
-        "all high, each alone at both ends of its interval, and some at random), and the error after a reversal at the "
-        "share given."
+        "Simulated, not proved. 'quiet' is the range of shares without hunting for every sample of the friction parameters: "
+        "all low, all high, each alone at both ends of its interval, and some at random. The errors hold at the share shown."
     ]
     facts = [
         f"dither: {d['kind']}, {d['frequency']:.4g} Hz; its share is amplitude over friction"
@@ -136,7 +135,7 @@ def _compensations(result: Design, unit: str) -> Chapter:
         figures.motions(result.compensations, result.moves.period, unit),
         figures.shares(result.compensations, unit),
     ]
-    return Chapter("compensations", "What may be done against friction", text, [Table(head, rows)], drawn, facts=facts)
+    return Chapter("compensations", "Remedies", text, [Table(head, rows)], drawn, facts=facts)
 
 
 def _quiet_range(c: CompensationResult) -> str:
@@ -154,13 +153,16 @@ def _excess(excess: Excess, unit: str) -> list[str]:
     """The share above which compensation at the measured speed adds energy, and the run that shows it."""
     speed = human(excess.speed, unit + "/s")
     facts = [
-        f"over-compensation: the observer drives the body from share {excess.worst_share:.3g} on with the worst friction "
-        f"(at {speed}), from {excess.share:.3g} on with the file's friction"
+        f"over-compensation: above a share of {excess.worst_share:.3g} the observer exceeds the worst friction (at {speed}), "
+        f"above {excess.share:.3g} the file's friction"
     ]
     if excess.counterexample is None:
-        return [*facts, "it follows from the steady curves; no run shows it"]
+        return [*facts, "this follows from the steady curves; no simulation confirms it"]
     share, end = (1 + BEYOND) * excess.worst_share, human(excess.ends, unit + "/s")
-    return [*facts, f"overcompensated.toml shows it: from {speed}, with share {share:.3g}, the body speeds up to {end}"]
+    return [
+        *facts,
+        f"overcompensated.toml replays it: with share {share:.3g} the body accelerates from {speed} to {end}",
+    ]
 
 
 def _starts(result: Design) -> Chapter:
@@ -173,10 +175,10 @@ def _starts(result: Design) -> Chapter:
         rows.append([s.body, Amount(s.off, unit), Amount(s.speed, unit + "/s"), j.verdict, *cycle])
     text = [
         f"From its own start it {_MEANING[result.verdict]}.",
-        "The loop of the file is simulated until its signals are constant, and on over at least two hundred of its slowest "
-        f"time constants ({result.loop.slowest:.3g} s while all contacts slide). The end is judged.",
-        "From other starts: the signals rest at their last values; the body begins so far off its target, or there at that "
-        "speed. Integrals begin empty.",
+        f"The loop is simulated until its signals are constant, and then over at least {SHORTEST} of its slowest time constants "
+        f"({result.loop.slowest:.3g} s while all contacts slide). The second half is judged.",
+        "From other starts, the signals keep their last values. The body begins at the listed distance from its target, or at "
+        "the target with the listed speed. Integrals begin at 0.",
     ]
     head: list[str | Head] = ["body", "off the target", "speed", "verdict", "amplitude", "period"]
     return Chapter("starts", "From many starts", text, [Table(head, rows)], on=PAGE)

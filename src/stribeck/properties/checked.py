@@ -36,7 +36,7 @@ _log = logging.getLogger(__name__)
 
 SHARES = {"bounded": 0.2, "unique": 0.5, "smooth": 0.1, "passive": 0.65, "drift_free": 0.1}
 _PROVED = (
-    "the power lost, F v - S' dz/dt, is nowhere negative at the worst of all levels (signs of polynomials), with the elastic "
+    "the dissipated power, F v - S' dz/dt, is never negative at the worst of all levels (signs of polynomials), with the elastic "
     "energy as storage S; it is least there (theory.md)"
 )
 _BOUNDED = (

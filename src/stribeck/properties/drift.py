@@ -19,7 +19,7 @@ from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
 _METHOD = "for |z| <= z_0 every case of dz/dt that occurs is v identically"
-_MOVED = "dz/dt is not v for any z in (0, z_1] at a held speed (signs over the whole range): no z_0 > 0 will do"
+_MOVED = "dz/dt is not v for any z in (0, z_1] at a held speed (signs over the whole range): no z_0 > 0 exists"
 _SLOW = 0.1  # of v_s: the speed of the dithered body
 _STIFF = 20.0  # how far the contact's resonance lies above the dither
 _CYCLES = 10

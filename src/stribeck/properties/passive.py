@@ -22,11 +22,9 @@ from stribeck.properties.storage import Storage, largest_speed
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
 _PATIENCE = 3  # times its share of the work, after which a cell is given up, and with it the fit
-_OWN = (
-    "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with the elastic energy as storage S"
-)
+_OWN = "the dissipated power, F v - S' dz/dt, is never negative (signs of polynomials), with the elastic energy as storage S"
 _FITTED = (
-    "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with S' the elastic force near z = 0 and "
+    "the dissipated power, F v - S' dz/dt, is never negative (signs of polynomials), with S' the elastic force near z = 0 and "
     "fitted to [L, U] beyond"
 )
 _STORED = "the elastic energy, sigma_0 z^2/2 for a linear spring"

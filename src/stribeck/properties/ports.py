@@ -77,7 +77,7 @@ class MachineVerdicts:
         """Whether the machine is passive, and by what, in one sentence."""
         if self.passive:
             return "passive at its ports (proved)"
-        return f"{'passivity not shown' if self.passive is None else 'not passive'}: {self.why}"
+        return f"{'passivity not proved' if self.passive is None else 'not passive'}: {self.why}"
 
     def document(self) -> Document:
         """What the verdicts say to people, for the terminal and for a page."""
@@ -234,6 +234,6 @@ def _judge(found: MachineVerdicts, alone: bool) -> None:
         names = ", ".join(found.spoiled_by)
         found.passive = False if alone else None
         found.why = f"energy can be drawn from {names}"
-        found.why += "" if alone else ", and other elements may dissipate less than that"
+        found.why += "" if alone else "; other elements may dissipate less than that"
     else:
         found.why = f"undecided for {', '.join(found.undecided)}"

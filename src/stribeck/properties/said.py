@@ -1,4 +1,4 @@
-"""How a check is told: the documents of verdicts on a law, and on a machine's contacts."""
+"""The documents of a check: the verdicts on a law, and on a machine's contacts."""
 
 from __future__ import annotations
 
@@ -81,8 +81,8 @@ def machine(checked: MachineVerdicts) -> Document:
         tables.append(Table(["port", "what acts there"], [list(row) for row in checked.ports.items()], prose=True))
     text = [
         "A machine of passive contacts, links and pendulums is passive from its ports to the velocities there: no motion "
-        "draws more energy from it than was put in. What varies is bounded by the file: signals over the whole run, positions "
-        "and speeds without limit."
+        "draws more energy from it than was put in. The file bounds each varying parameter by its signal over the whole run; "
+        "positions and speeds are unlimited."
     ]
     chapters = [Chapter("machine", "The machine", text, tables)]
     for name, verdicts in checked.contacts.items():
@@ -223,12 +223,12 @@ def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
     if costs := {law: each.cost for law, each in by_law.items() if each.cost is not None}:
         unit = rotary_unit if any(each.rotary for each in by_law.values()) else str
         amounts: list[tuple[str, str, Callable[[Cost], float | None]]] = [
-            ("steps of explicit Euler below", "s", lambda c: c.largest_step),
+            ("largest step of explicit Euler", "s", lambda c: c.largest_step),
             ("stiffness", "1/s", lambda c: c.stiffness),
             ("stiffness with the body", "1/s", lambda c: c.body_stiffness),
-            ("up to the speed", unit("m/s"), lambda c: c.v_max),
-            ("|v| is rounded within", unit("m/s"), lambda c: c.bend),
-            ("dF/dv changes there by up to", f"{unit('N s/m')} per {unit('m/s')}", lambda c: c.force_bend),
+            ("for speeds up to", unit("m/s"), lambda c: c.v_max),
+            ("|v| is smoothed below", unit("m/s"), lambda c: c.bend),
+            ("largest d²F/dv² there", f"{unit('N s/m')} per {unit('m/s')}", lambda c: c.force_bend),
         ]
         price: list[list[Cell]] = [
             [words, *(Amount(quantity(cost), unit_of) for cost in costs.values())]
@@ -236,7 +236,7 @@ def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
             if any(quantity(cost) is not None for cost in costs.values())
         ]
         tables.append(Table(["cost", *costs], price))
-    figure = Figure("steepness", "Each error against k_v; grey: tolerated.", lambda: errors_against_k_v(by_law))
+    figure = Figure("steepness", "Each error against k_v; grey: tolerance.", lambda: errors_against_k_v(by_law))
     return Chapter("steepness", "The smallest k_v", tables=tables, figures=[figure])
 
 
@@ -245,14 +245,12 @@ def _tolerance(x: float, unit: str) -> str:
 
 
 def _k_v(k_v: float | None, rotary: bool) -> str:
-    """A required k_v: a number, rounded up as a smaller one would miss the tolerance; any, or none."""
-    return (
-        "none will do" if k_v is None else f"{rounded_up(k_v)} {'s/rad' if rotary else 's/m'}" if k_v else "any will do"
-    )
+    """A required k_v: a number, rounded up as a smaller one would exceed the tolerance; any, or none."""
+    return "no value" if k_v is None else f"{rounded_up(k_v)} {'s/rad' if rotary else 's/m'}" if k_v else "any value"
 
 
 def errors_against_k_v(by_law: Mapping[str, Steepness]) -> Drawn:
-    """What is tolerated against k_v, a panel for each tolerance, the chosen k_v marked. Call within the plots' style."""
+    """Each error against k_v, a panel for each tolerance, the chosen k_v marked. Call within the plots' style."""
     first = next(iter(by_law.values()))
     shown = [i for i in range(len(first.requirements)) if any(each.requirements[i].points for each in by_law.values())]
     panels = [str(i) for i in shown] or ["none"]

@@ -35,7 +35,7 @@ def run(solution: Solution) -> Document:
         f"{stats['accepted']} steps ({stats['rejected']} rejected) in {1e3 * stats['seconds']:.1f} ms, {stats['solver']}",
     ]
     if solution.reason:
-        facts.insert(1, f"it failed: {solution.reason}; the part that was reached is shown")
+        facts.insert(1, f"failed: {solution.reason}; the results end there")
     return Document(
         scenario.name,
         _headline(solution),
@@ -60,7 +60,7 @@ def _headline(solution: Solution) -> str:
     moves = f"{'turns' if solution.scenario.rotary else 'moves'} up to {peak}"
     if len(slips) > _OFTEN:
         period = human(float(np.mean(np.diff(slips[-_LATELY:]))), "s")
-        return f"sticks and slips {len(slips)} times, at last every {period}; {moves}"
+        return f"sticks and slips {len(slips)} times, mean period {period}; {moves}"
     if len(slips):
         times = "once, at" if len(slips) == 1 else f"{len(slips)} times, first at"
         return f"slips {times} t = {human(float(slips[0]), 's')}; {moves}"
@@ -110,7 +110,7 @@ def comparison(result: Comparison) -> Document:
          s.stats["accepted"]]
         for label, s in result.solutions.items()
     ]  # fmt: skip
-    facts = [f"the largest deviation from {reference} over the rows that both reached, and its share of the peak there"]
+    facts = [f"deviation: the largest over the rows that both laws reached; share: of the peak of {reference}"]
     facts += [f"{label} failed: {s.reason}" for label, s in result.solutions.items() if s.reason]
     laws = (
         [of_law.chapter(s.scenario.law, f"law-{i}") for i, s in enumerate(result.solutions.values())]
@@ -118,7 +118,7 @@ def comparison(result: Comparison) -> Document:
         else of_scenario.laws(first.scenario)
     )
     tables = [
-        Table(["law", "of", "deviation", "share"], deviations),
+        Table(["law", "column", "deviation", "share"], deviations),
         Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in names), "steps"], statistics, on=PAGE),
     ]
     return Document(
@@ -140,5 +140,7 @@ def _deviation_sentence(result: Comparison, reference: str, name: str, unit: str
     for label, columns in result.deviations.items():
         largest, share = columns[name]["max"], columns[name]["max_relative"]
         size = "?" if largest is None else human(largest, unit)
-        deviations.append(f"{label} by up to {size} ({percent(share)} of its peak)")
-    return f"from {reference}, {name} differs: {', '.join(deviations)}" if deviations else f"{reference} alone"
+        deviations.append(f"{label} {size} ({percent(share)} of its peak)")
+    return (
+        f"largest deviation of {name} from {reference}: {', '.join(deviations)}" if deviations else f"{reference} alone"
+    )
