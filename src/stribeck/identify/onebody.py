@@ -8,18 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.stats import norm
+from threadpoolctl import threadpool_limits
 
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, StribeckError, arg, nearest
-from stribeck.identify.actuator.api import fit_machine
+from stribeck.identify.actuator.api import Fitting, fitting_of
+from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.beyond import seen
@@ -45,6 +48,7 @@ Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
 _MOST_ROWS = 100_000  # of a record; a longer one is reduced to even stretches, as in static fits
 _FEWEST = 8  # rows of a simulated run
+_A_PERIOD = 5.0  # rows in a period of the motion's cut-off: a spline through them errs by 1 % there, and less below
 _SIGN = 0.01  # of the largest speed: width of the smooth sign for initial values
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
 _STROKE = 5.0  # break-away distances: gross sliding begins after two or three
@@ -88,14 +92,64 @@ class OneBody:
         return places.get(name, f"loads.{name}.gain")
 
 
+@dataclass(frozen=True)
+class Simulated:
+    """A law fitted to a log by simulation. Its uncertainties are only computed by :meth:`judged`.
+
+    Attributes:
+        log: the fitted record; ``model``: given and fitted parameters.
+        names: the name of each of the machine's paths.
+        fitting, best: the fit as that of a machine, and its best point.
+    """
+
+    log: Log
+    model: OneBody
+    names: Mapping[str, str]
+    fitting: Fitting
+    best: BestPoint
+
+    @property
+    def stopped(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.best.stopped
+
+    @cached_property
+    def residual(self) -> Array:
+        """The force of the fitted record less that of the law, N."""
+        values = self.best.values()
+        used = {**self.model.fixed, **self.model.held, **{n: values[path] for path, n in self.names.items()}}
+        friction, beside = parts(self.model.name, used, self.log, _deflections(values, self.log))
+        return self.log.force - friction - beside
+
+    @property
+    def error(self) -> float:
+        """The residual as a share of the force."""
+        return float(np.linalg.norm(self.residual)) / max(float(np.linalg.norm(self.log.force)), 1e-300)
+
+    def judged(self) -> LogFit:
+        """The fit with intervals, ranges and states."""
+        with threadpool_limits(1):
+            found = self.fitting.told(self.best, [])
+        self.fitting.work.section(1.0)
+        return _finished(self.log, self.model, found, self.names)
+
+
 def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> LogFit:
-    """Fit a law's constants, and further terms, by simulation.
+    """Fit a law's constants, and further terms, by simulation; arguments and errors as of :func:`simulated`."""
+    return simulated(log, name, options, progress).judged()
+
+
+def simulated(
+    log: Log, name: str, options: FitOptions, progress: Progress | None = None, rough: bool = False
+) -> Simulated:
+    """The best point of a law's constants, and of further terms, by simulation.
 
     Args:
         log: the record, SI units.
         name: the law's name, or FILE.py:NAME.
         options: given values, parameters to fit and the output.
         progress: called with the share done, 0 to 1.
+        rough: search only as far as the error is to be compared.
 
     Raises:
         InputError: constants are unknown, missing or not allowed; nothing moves.
@@ -103,21 +157,24 @@ def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress |
     """
     log = log if len(log) <= _MOST_ROWS else in_stretches(log, at_rest(log))[0]
     model = _model(log, name, options)
-    found, paths = _fitted(log, model, options, options.starts, progress)
-    return _finished(log, model, found, paths)
+    sought, names = _sought(model, log, options)
+    recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
+    logs = Logs(tuple(recordings if rough else _doubted(recordings, log, model)), sought)
+    fitting = fitting_of(
+        _scenario(model, log.rotary), logs, starts=options.starts, seed=options.seed, progress=progress
+    )
+    with threadpool_limits(1):
+        return Simulated(log, model, names, fitting, fitting.estimated(rough))
 
 
-def _fitted(
-    log: Log, model: OneBody, options: FitOptions, starts: int, progress: Progress | None
-) -> tuple[MachineFit, dict[str, str]]:
-    """The machine fit of a model, and the name of each of its paths."""
-    sought, paths = _sought(model, log, options)
-    recordings = tuple(_doubted_recordings(log, model))
-    found = fit_machine(
-        _scenario(model, log.rotary), Logs(recordings, sought), starts=starts, seed=options.seed, baselines=False,
-        progress=progress,
-    )  # fmt: skip
-    return found, paths
+def at_filters_rate(log: Log) -> Log:
+    """The record with as few rows as hold its filtered motion; the same record if that has no filter or few rows."""
+    every = int(1 / (_A_PERIOD * log.bandwidth * log.step)) if log.bandwidth and log.step else 1
+    shortest = min(rows.stop - rows.start for rows in log.runs())
+    if min(every, shortest // _FEWEST) < 2:
+        return log
+    kept = np.concatenate([np.arange(rows.start, rows.stop, every) for rows in log.runs()])
+    return log.rows(kept).with_columns(step=every * log.step)
 
 
 def _scenario(model: OneBody, rotary: bool) -> Scenario:
@@ -311,8 +368,7 @@ def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, s
     constants = model.law.constants()
     used = {**model.fixed, **model.held, **values}
     estimates = _without_sliding(_estimates(log, model, found, names), log, used)
-    bent = [found.nuisance.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
-    friction, beside = parts(model.name, used, log, bent)
+    friction, beside = parts(model.name, used, log, _deflections(found.nuisance, log))
     left = log.force - friction - beside
     missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)
     details: FitDetails = {
@@ -349,6 +405,11 @@ def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, s
     )  # fmt: skip
 
 
+def _deflections(values: Mapping[str, float], log: Log) -> list[float | None]:
+    """The fitted deflection of the bristles at the start of each run, m; None of a law without bristles."""
+    return [values.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
+
+
 def _estimates(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> dict[str, Estimate]:
     """The machine fit's estimates by name, each with the experiment that would determine the parameter."""
     constants, sizes, out = model.law.constants(), sizes_of(log), dict[str, Estimate]()
@@ -377,15 +438,14 @@ def _without_sliding(estimates: dict[str, Estimate], log: Log, used: Values) -> 
     return estimates | {"F_c": F_c}
 
 
-def _doubted_recordings(log: Log, model: OneBody) -> Iterator[Recording]:
+def _doubted(recordings: Sequence[Recording], log: Log, model: OneBody) -> Iterator[Recording]:
     """The runs, each with alternatives that measurement errors allow.
 
     The drive between two samples is not measured, so a straight line is one alternative.
     """
     filtered = model.output == "force" or log.sources.get("unfiltered") != model.output
     as_well = other_motions(log) if filtered else {}
-    for i, rows in enumerate(_runs(log)):
-        own = _recording(log, rows, model, i)
+    for i, (own, rows) in enumerate(zip(recordings, _runs(log), strict=True)):
         same = {cause: [_recording(x, rows, model, i) for x in logs] for cause, logs in as_well.items()}
         if model.output != "force":
             straight = {path: replace(each, smooth=False) for path, each in own.inputs.items()}

@@ -63,17 +63,28 @@ def fit_machine(
     Raises:
         InputError: the machine, the logs or a path are invalid; a line for each problem.
     """
-    scenario = Scenario.of(machine)
     logs = seeking(logs if isinstance(logs, Logs) else read_logs(logs, not unknown), unknown or {})
     other = transfer_to if transfer_to is None or isinstance(transfer_to, Logs) else read_logs(transfer_to, False)
-    sought = checked(scenario, logs)
+    fitting = fitting_of(Scenario.of(machine), logs, starts=starts, seed=seed, progress=progress, folder=folder)
     tried = {name: list(names) for name, names in {**logs.laws, **(laws or {})}.items()}
+    choice.check(fitting.scenario, tried, {name for names in (laws or {}).values() for name in names})
+    with threadpool_limits(1):
+        return fitting.run(tried, other, baselines)
+
+
+def fitting_of(
+    scenario: Scenario, logs: Logs, *, starts: int, seed: int, progress: Callable[[float], None] | None = None,
+    folder: Path | None = None,
+) -> Fitting:  # fmt: skip
+    """A fit that has not begun; arguments as of :func:`fit_machine`.
+
+    Raises:
+        InputError: the logs or a path are invalid; a line for each problem.
+    """
+    sought = checked(scenario, logs)
     if starts < 1:
         raise InputError(f"{arg('starts')}: {show(starts)}: must be a whole number >= 1")
-    choice.check(scenario, tried, {name for names in (laws or {}).values() for name in names})
-    work = Work(progress)
-    with threadpool_limits(1):
-        return Fitting(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
+    return Fitting(scenario, logs, sought, starts, seed, Work(progress), folder)
 
 
 def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
@@ -136,24 +147,16 @@ class Fitting:
 
     def run(self, laws: Mapping[str, Sequence[str]], other: Logs | None, baselines: bool) -> MachineFit:
         """All steps, in order."""
-        self.work.section(0.6)
         picked: Picked | None = None
         before: list[str] = []
+        best: BestPoint | None = None
         if laws:
+            self.work.section(0.6)
             chosen = choice.among_laws(self, laws)
             self.scenario, self.sought, picked, before = chosen.scenario, chosen.sought, chosen.told, chosen.notes
-            best: BestPoint | None = chosen.estimate
-        else:
-            best = None
-        if best is None:
-            first, starts = self.kept.load("fit"), self.starts
-            keep = self.kept.saver("fit")
-            best = estimate(
-                self.scenario, self.fitted, self.sought, starts if first is None else max(1, starts // 4), self.seed,
-                self.work, first, keep,
-            )  # fmt: skip
-        notes = [*checks.before(self.logs, self.scenario), *before]
-        result = self.told(best, notes)
+            best = chosen.estimate
+        best = best or self.estimated()
+        result = self.told(best, before)
         result.laws = picked
         self.work.section(0.95)
         if baselines and not self.held:
@@ -170,9 +173,19 @@ class Fitting:
         self.work.section(1.0)
         return result
 
+    def estimated(self, rough: bool = False) -> BestPoint:
+        """The best point of the machine's own laws; ``rough``: only as far as its error is to be compared."""
+        self.work.section(0.6)
+        first, starts = self.kept.load("fit"), self.starts
+        return estimate(
+            self.scenario, self.fitted, self.sought, starts if first is None else max(1, starts // 4), self.seed,
+            self.work, first, self.kept.saver("fit"), rough,
+        )  # fmt: skip
+
     def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The result: the estimate with both uncertainties, states and errors."""
         self.work.section(0.8)
+        notes = [*checks.before(self.logs, self.scenario), *notes]
         values = best.values()
         missed = [] if best.stopped else best.missed()
         status, reason = ("stopped", STOPPED) if best.stopped else ("done", "")

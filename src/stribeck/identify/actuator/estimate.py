@@ -108,9 +108,9 @@ def remembers(scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -
 
 def estimate(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], starts: int, seed: int,
-    work: Work, first: dict[str, float] | None = None, keep: Keep | None = None,
+    work: Work, first: dict[str, float] | None = None, keep: Keep | None = None, rough: bool = False,
 ) -> BestPoint:  # fmt: skip
-    """The best fit of these recordings."""
+    """The best fit of these recordings; ``rough``: only as far as its error is to be compared."""
     fitted = {i for i, _ in recordings}
     sought = [c for c in sought if c.log is None or c.log in fitted]
     named = {c.name for c in sought} | paths(sought)
@@ -121,6 +121,8 @@ def estimate(
     runs, own = prepared(scenario, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
     found = Found(problem.point(near.values), near.cost, near.agreeing, near.stopped)
+    if rough:
+        return BestPoint(problem, found.u, found, notes, asked)
     if not found.stopped:
         _weigh(problem, found.u, given)
         found = replace(search(problem, 1, seed, found.u, kept(problem, keep)), agreeing=near.agreeing)

@@ -31,6 +31,7 @@ BEAM, MOST, KEPT = (
     250,
 )  # sets of forms kept at each depth; forms of a model (six helped 3 and ruined 2 of 17); models
 STEPS, REFINED, REFINED_WITH = 8, 4, 12  # Gauss-Newton steps; sets of forms with their own node; sets tried there
+RANK = 1e-9  # share of the largest singular value below which a direction of the columns counts as 0
 SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step
 LITTLE = 1e-5  # relative reduction of the squared residual below which the search ends
 HARDLY = 1e-3  # of a column's square: a smaller part independent of the model cannot be separated from it
@@ -55,13 +56,21 @@ def optimum(
         Shapes, coefficients (the law's, then those of ``rest``), squared residual.
     """
 
+    size = np.maximum(np.linalg.norm(rest, axis=0), 1e-300)
+    basis, spread, _ = np.linalg.svd(rest / size, full_matrices=False)
+    basis = basis[:, spread > RANK * spread.max(initial=0.0)]
+
+    def beside(a: Array) -> Array:
+        return np.asarray(a - basis @ (basis.T @ a))
+
     def solved(columns: Array, at: Mapping[str, float]) -> tuple[Array, float]:
-        a, known = np.column_stack([columns, rest]), law.known(at)
-        target = force if known is None else force - known
-        d = np.maximum(np.sqrt(np.sum(a * a, axis=0)), 1e-300)
-        x = np.linalg.lstsq(a / d, target, rcond=1e-9)[0] / d
-        r = target - a @ x
-        return x, float(r @ r)
+        """The law's coefficients and the squared residual, with the coefficients of ``rest`` eliminated."""
+        d = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        left, target = beside(columns / d), beside(_target(law, at, force))
+        left[:, np.linalg.norm(left, axis=0) < RANK] = 0.0  # in the span of the others
+        x = np.linalg.lstsq(left, target, rcond=RANK)[0] if len(d) else np.zeros(0)
+        r = target - left @ x
+        return x / d, float(r @ r)
 
     n, shape = len(law.curve.names), dict(shape)
     x, sse = solved(law.at(shape), shape)
@@ -77,7 +86,14 @@ def optimum(
                 break
         if sse > before * (1 - LITTLE):
             break
-    return shape, x, sse
+    more = _target(law, shape, force) - law.at(shape) @ x
+    return shape, np.concatenate([x, np.linalg.lstsq(rest / size, more, rcond=RANK)[0] / size]), sse
+
+
+def _target(law: LawColumns, shape: Mapping[str, float], force: Array) -> Array:
+    """The force less that of the law's given constants."""
+    known = law.known(shape)
+    return force if known is None else force - known
 
 
 def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) -> SteadyLibrary:
@@ -116,9 +132,8 @@ def library(record: Record, curve: SteadyCurve, speeds: Sequence[float] = ()) ->
 
 def _plain(record: Record, law: LawColumns, shape: Mapping[str, float], body: Array) -> tuple[Array, float]:
     """Coefficients of the law alone, and the squared residual with a penalty for impossible coefficients."""
-    curve, a, known = law.curve, np.column_stack([law.at(shape), body]), law.known(shape)
-    target = record.force if known is None else record.force - known
-    x = np.linalg.lstsq(a, target, rcond=1e-9)[0]
+    curve, a, target = law.curve, np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
+    x = np.linalg.lstsq(a, target, rcond=RANK)[0]
     r = target - a @ x
     own = {n: np.asarray(x[i : i + 1], float) for i, n in enumerate(curve.names)}
     fault = float(curve.fault(own, 0.0, float(np.max(abs(record.force))))[0]) if own else 1.0
@@ -179,8 +194,7 @@ def anchor(
     fast = float(np.max(abs(v)))
     slow, high = np.quantile(abs(v[record.at]), SEEN)
     seen = (float(slow), float(np.sqrt(slow * high)), float(0.5 * high), float(high))
-    own, known = np.column_stack([law.at(shape), body]), law.known(shape)
-    target = record.force if known is None else record.force - known
+    own, target = np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
     turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
     offset = found.get("offset", 0.0)
     y, carried = record.column(log.position), {"": offset}

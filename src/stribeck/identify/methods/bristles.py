@@ -14,7 +14,7 @@ from stribeck.identify.features.filtering import position_step
 from stribeck.identify.features.guess import reversals, sizes_of
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.models.memory import rows_together
-from stribeck.identify.onebody import fit_simulated
+from stribeck.identify.onebody import Simulated, at_filters_rate, simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import LogFit
 
@@ -39,37 +39,51 @@ def better(
 ) -> LogFit:
     """The best of laws that are simulated, by BIC; the static fit if it leaves less than twice as much in all rows.
 
+    Only the reported fit is judged. Beside a static fit, a law that misses the mark on few rows is not fitted to all.
+
     Raises:
         StribeckError: there is no static fit, and none of the laws could be simulated.
     """
-    found, failed = list[LogFit](), dict[str, str]()
+    found, failed = list[tuple[str, Simulated]](), dict[str, str]()
     known = {constant for name in names for constant in laws.find(name).constants()}
+    left = np.inf if static is None else _error_everywhere(static, log)
     for i, name in enumerate(names):
         try:
-            found.append(fit_simulated(log, name, options.of_law(name, known), _part(progress, i, len(names))))
+            found.append(
+                (name, _simulated(log, name, options.of_law(name, known), left, _part(progress, i, len(names))))
+            )
         except StribeckError as error:  # no compiler, or no simulation that works
             if len(names) == 1 and static is None:
                 raise
             failed[name] = first_line(error)
             continue
-        if found[-1].status == "stopped":
+        if found[-1][1].stopped:
             break
     notes = tuple(f"{n} was not fitted: {why}." for n, why in failed.items())
     if not found:
         if static is None:
             raise StribeckError("; ".join(f"{name}: {why}" for name, why in failed.items()))
         return replace(static, notes=(*static.notes, *notes))
-    best = min(found, key=_bic)
-    left = np.inf if static is None else _error_everywhere(static, log)
-    if static is not None and not best.relative_force_error < HALF * left:
-        best = static
-    elif static is not None:
+    name, best = min(found, key=lambda each: _bic(each[1]))
+    chosen = best.judged() if static is None or best.error < HALF * left else static
+    if static is not None and chosen is not static:
         notes = (f"The best static law ({static.law_name}) leaves {100 * left:.0f} % of the force in all rows.", *notes)
-    told = [*(_candidate(fit, fit is best) for fit in found), *(static.candidates if static is not None else ())]
-    candidates = tuple(Candidate(**{**c, "chosen": c["chosen"] and c["law"] == best.law_name}) for c in told)
+    told = [*(_candidate(n, fit, n == name) for n, fit in found), *(static.candidates if static else ())]
+    candidates = tuple(Candidate(**{**c, "chosen": c["chosen"] and c["law"] == chosen.law_name}) for c in told)
     return replace(
-        best, candidates=candidates if len(candidates) > 1 else (), notes=(*notes, *best.notes), status=found[-1].status
-    )
+        chosen, candidates=candidates if len(candidates) > 1 else (), notes=(*notes, *chosen.notes),
+        status="stopped" if found[-1][1].stopped else chosen.status,
+    )  # fmt: skip
+
+
+def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: Progress | None) -> Simulated:
+    """A law's fit to all rows; to as few as hold the motion, if it then leaves too much to be chosen beside ``left``."""
+    few = at_filters_rate(log) if np.isfinite(left) else log
+    if few is not log:
+        rough = simulated(few, name, options, progress, rough=True)
+        if rough.stopped or not rough.error < HALF * left:
+            return rough
+    return simulated(log, name, options, progress)
 
 
 def _part(progress: Progress | None, number: int, count: int) -> Progress | None:
@@ -77,18 +91,17 @@ def _part(progress: Progress | None, number: int, count: int) -> Progress | None
     return None if progress is None else lambda share: progress((number + share) / count)
 
 
-def _bic(fit: LogFit) -> float:
+def _bic(fit: Simulated) -> float:
     """Of the force along the measured motion; rows that err alike count once."""
-    assert fit.prediction is not None
-    r = fit.prediction.measured - fit.prediction.fitted
+    r = fit.residual
     rows = len(r) / rows_together(r)
-    return float(rows * np.log(max(float(np.mean(r**2)), 1e-300)) + len(fit.parameters) * np.log(rows))
+    return float(rows * np.log(max(float(np.mean(r**2)), 1e-300)) + len(fit.names) * np.log(rows))
 
 
-def _candidate(fit: LogFit, chosen: bool) -> Candidate:
+def _candidate(name: str, fit: Simulated, chosen: bool) -> Candidate:
     return {
-        "name": fit.law_name, "law": fit.law_name, "forms": [], "numbers": len(fit.parameters),
-        "relative_force_error": fit.relative_force_error, "cross_validated_error": None, "chosen": chosen,
+        "name": name, "law": name, "forms": [], "numbers": len(fit.names), "relative_force_error": fit.error,
+        "cross_validated_error": None, "chosen": chosen,
     }  # fmt: skip
 
 

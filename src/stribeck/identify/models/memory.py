@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from stribeck.arrays import Array
 
 
 def rows_together(r: Array) -> float:
     """How many rows in a row err alike: the sum of the residual's correlation up to its first zero."""
-    n = len(r)
-    spectrum = abs(np.fft.rfft(r - r.mean(), 2 * n)) ** 2
-    correlation = np.fft.irfft(spectrum)[: n // 2]
+    n, length = len(r), next_fast_len(2 * len(r), real=True)
+    correlation = np.fft.irfft(abs(np.fft.rfft(r - r.mean(), length)) ** 2, length)[: n // 2]
     if correlation[0] <= 0:
         return 1.0
     correlation = correlation / correlation[0]
