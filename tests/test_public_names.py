@@ -9,7 +9,6 @@ import pytest
 
 import stribeck as st
 from stribeck import examples
-from tests.simulation.rig import needs_compiler
 
 SMALL = {"law": {"name": "lugre_majorant", "parameters": "canudas1995", "k_v": 1e6}, "plant": {"mass": 1.0},
          "drive": {"kind": "force", "signal": {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}},
@@ -85,7 +84,6 @@ def test_a_scenario_does_not_change(law):
     assert machine.replace({"contacts.c.law": law.replace(F_c=0.9)}).scenario(1.0).law.p.F_c == 0.9
 
 
-@needs_compiler
 def test_simulate_gives_a_solution_or_an_ensemble(law):
     assert isinstance(st.simulate(SMALL), st.Solution)
     found = st.simulate(SMALL, vary={"law.k_v": [1e5, 1e6]}, threads=1)
@@ -121,7 +119,6 @@ def test_load_and_import(tmp_path):
         st.import_("urdf", tmp_path / "servo.json")
 
 
-@needs_compiler
 def test_sweep(tmp_path, law):
     found = st.sweep(SMALL, {"law.parameters.F_s": [1.5, 2.0]}, tmp_path / "one", summary=True)
     assert found.parts == 1
@@ -133,7 +130,6 @@ def test_sweep(tmp_path, law):
     assert len(st.sweep(varied, out=tmp_path / "two", t_end=0.1, step=0.01).lanes) == 3
 
 
-@needs_compiler
 def test_the_design_of_a_servo():
     found = st.design(st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2}), v_max=0.2)
     assert found.gains.v_max == 0.2
@@ -147,7 +143,6 @@ def test_the_design_of_a_servo():
         st.design(examples.path("arm"), v_max=1.0)
 
 
-@needs_compiler
 def test_what_a_notebook_shows(law):
     text = law._repr_html_()
     for words in ("<b>lugre_majorant</b>", "dz/dt = v - (m(v)/g(v)) z", "<td>F_s</td><td>1.5</td><td>N</td>"):

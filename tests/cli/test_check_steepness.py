@@ -7,7 +7,6 @@ import json
 import pytest
 
 from stribeck.mouth.cells import rounded_up
-from tests.simulation.rig import needs_compiler
 
 SOBCZYK = ("check", "lugre_sobczyk", "--parameters", "canudas1995")
 
@@ -78,7 +77,6 @@ check elastoplastic_sobczyk --parameters canudas1995 --set z_ba=7e-6 --creep 1e-
 
 
 @pytest.mark.thorough
-@needs_compiler
 def test_each_tolerance_gives_a_steepness(stribeck, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert stribeck("new", "limit_cycle").status == 0

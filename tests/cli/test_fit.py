@@ -11,7 +11,6 @@ import stribeck as package
 from stribeck.identify.said import HEAD
 from stribeck.parameter_sets import load
 from tests.pages import Page
-from tests.simulation.rig import needs_compiler
 
 
 @pytest.fixture
@@ -198,7 +197,6 @@ def test_a_log_at_constant_velocity_is_refused(stribeck, tmp_path):
     assert found.err.startswith("--velocity: constant (0.1 m/s")
 
 
-@needs_compiler
 def test_the_report_says_whether_the_fitted_law_is_passive(stribeck, tmp_path):
     from tests.identify import rig
 

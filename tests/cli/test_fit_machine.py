@@ -10,13 +10,11 @@ from stribeck import Fit, Scenario, simulate
 from stribeck.identify.said import HEAD
 from tests.identify.actuator.recorded import body, logs, record
 from tests.pages import Page
-from tests.simulation.rig import needs_compiler
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
 WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
 
 
-@needs_compiler
 def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(stribeck, tmp_path):
     record(tmp_path / "run.csv", body(amplitude=5.0))
     record(tmp_path / "other.csv", body(amplitude=5.0, F_c=1.2, F_s=1.3), seed=3)
@@ -75,7 +73,6 @@ def test_the_command_refuses_what_it_cannot_take(stribeck, tmp_path):
     assert not list((tmp_path / "out").iterdir() if (tmp_path / "out").exists() else [])
 
 
-@needs_compiler
 def test_what_is_sought_may_stand_on_the_command_line(stribeck, tmp_path):
     record(tmp_path / "run.csv", body(amplitude=5.0))
     logs(tmp_path, ["run.csv"], {F_C: {"low": 2.0, "high": 10.0}})

@@ -13,7 +13,6 @@ import pytest
 import stribeck
 from stribeck.files import trouble, write_text
 from tests.shared import needs_links
-from tests.simulation.rig import needs_compiler
 
 VELOCITY = 'drive={kind="velocity",signal={kind="sine",amplitude=0.1,frequency=1e15}}'
 
@@ -53,7 +52,6 @@ def test_numbers_of_thousands_of_digits(stribeck, scenario):
     refused(stribeck("run", scenario), "a number in it is impossible")
 
 
-@needs_compiler
 @pytest.mark.parametrize(("choice", "k_v"), [("sqrt", 1e155), ("compact", 1e103), ("sqrt", 1e300), ("compact", 1e300)])
 def test_a_smooth_sign_as_steep_as_numbers_go(stribeck, scenario, choice, k_v):
     """m(v) is |v| then, and it was an OverflowError."""
@@ -77,7 +75,6 @@ def test_constants_that_the_equations_cannot_take(stribeck, scenario):
     )
 
 
-@needs_compiler
 def test_waves_that_no_step_can_follow(stribeck, scenario):
     """What was reached is kept; the events are not looked for in what was not."""
     words = ("--set", VELOCITY, "--set", "solve.max_steps=1000", "--json")
@@ -145,7 +142,6 @@ def test_names_cannot_command_a_terminal(stribeck, scenario):
 
 
 @pytest.mark.share(2)
-@needs_compiler
 @pytest.mark.pictures
 @pytest.mark.parametrize("name", [r"$\foo$ [/red] <b>&", "_" + "x" * 3000])
 def test_names_in_plots(stribeck, scenario, tmp_path, name):
@@ -258,7 +254,6 @@ def test_what_is_refused_after_the_folder_was_tried_leaves_no_folder(stribeck, s
     assert sorted(Path().iterdir()) == before
 
 
-@needs_compiler
 @pytest.mark.pictures
 @pytest.mark.filterwarnings("ignore")
 def test_a_position_at_the_end_of_the_numbers_is_not_drawn(stribeck, scenario, tmp_path):

@@ -12,7 +12,6 @@ from stribeck.identify.data.quality import wild
 from stribeck.identify.work import Stopped
 from tests.identify.actuator.recorded import body, logs
 from tests.shared import needs_links
-from tests.simulation.rig import needs_compiler
 
 WANTED = {"bodies.a.mass": {"low": 0.2, "high": 5.0}}
 STRANGE = "open('executed', 'w').close()\n"
@@ -111,7 +110,6 @@ def test_a_blow_and_a_short_move_are_not_wild(size):
     assert wild(move) is None
 
 
-@needs_compiler
 def test_work_that_is_ended_while_recordings_are_looked_at(place, stribeck, monkeypatch):
     """What a signal ended there was shown as a traceback."""
     logs(place, ["run.csv"], WANTED)
@@ -125,7 +123,6 @@ def test_work_that_is_ended_while_recordings_are_looked_at(place, stribeck, monk
     assert "Traceback" not in done.err
 
 
-@needs_compiler
 @pytest.mark.filterwarnings("ignore")
 def test_a_column_that_never_changes(place):
     """It was a division by zero."""

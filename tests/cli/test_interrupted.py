@@ -20,7 +20,6 @@ from stribeck.identify.actuator import MachineFit
 from stribeck.identify.result import LogFit
 from stribeck.mouth import page as pages
 from tests.identify.actuator.recorded import body, logs, record
-from tests.simulation.rig import needs_compiler
 
 needs_signals = pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
 
@@ -158,7 +157,6 @@ def test_a_fit_over_one_of_another_kind(tmp_path, monkeypatch):
     assert (tmp_path / "machine.toml").exists()
 
 
-@needs_compiler
 def test_a_programme_over_one_with_a_synthetic_log(stribeck, tmp_path):
     words = ("fit", "--plan", "stroke=0.05,speed=0.1,force=50", "--out", tmp_path)
     assert stribeck(*words, "--simulate").status == 0
@@ -324,7 +322,6 @@ def test_ctrl_c_when_python_has_ended():
     assert process.returncode == 0
 
 
-@needs_compiler
 def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, monkeypatch):
     """The fit was lost with the page."""
 

@@ -6,13 +6,11 @@ import pyarrow.parquet as parquet
 import pytest
 
 from stribeck import examples
-from tests.simulation.rig import needs_compiler
 
 NAMES = ("machine", "gear", "belt", "arm")
 
 
 @pytest.mark.parametrize("name", NAMES)
-@needs_compiler
 def test_templates_run_as_they_are(stribeck, tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     assert stribeck("new", name).status == 0
@@ -25,7 +23,6 @@ def test_templates_run_as_they_are(stribeck, tmp_path, monkeypatch, name):
     assert json.loads((tmp_path / "out/summary.json").read_text())["events"] == summary["events"]
 
 
-@needs_compiler
 def test_what_run_prints(stribeck):
     done = stribeck("run", str(examples.path("belt")), "--set", "solve.t_end=1")
     assert "done: 2 bodies, contacts: sole lugre; 101 rows of 101" in done.out
@@ -33,7 +30,6 @@ def test_what_run_prints(stribeck):
     assert "slider.y" in done.out
 
 
-@needs_compiler
 def test_the_generated_code_names_bodies_and_contacts(stribeck, tmp_path):
     stribeck("run", str(examples.path("gear")), "--set", "solve.t_end=0.01", "--keep-c", str(tmp_path / "x.c"))
     text = (tmp_path / "x.c").read_text()
@@ -42,7 +38,6 @@ def test_the_generated_code_names_bodies_and_contacts(stribeck, tmp_path):
         assert words in text, words
 
 
-@needs_compiler
 def test_compare_at_a_contact(stribeck, tmp_path):
     words = ("run", str(examples.path("gear")), "--law", "lugre_majorant:k_v=1e5", "--law", "lugre")
     done = stribeck(*words, "--contact", "mesh", "--set", "solve.t_end=0.3", "--json", "--out", str(tmp_path))
@@ -57,7 +52,6 @@ def test_compare_at_a_contact(stribeck, tmp_path):
     assert "no such contact (did you mean 'mesh'?)" in stribeck(*words, "--contact", "mehs").err
 
 
-@needs_compiler
 def test_sweep(stribeck, tmp_path):
     words = (
         "sweep",

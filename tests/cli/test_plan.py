@@ -10,8 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.simulation.rig import needs_compiler
-
 LIMITS = "stroke=0.05,speed=0.1,force=50"
 
 
@@ -50,7 +48,6 @@ def test_it_leaves_table_motion_and_plot(stribeck, tmp_path):
 
 
 @pytest.mark.thorough  # minutes of simulation: each number is sought from three starts
-@needs_compiler
 def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
     out = tmp_path / "rig"
     words = ("--simulate", "--law", "dahl", "--seed", 3, "--out", out)

@@ -17,7 +17,6 @@ from stribeck.platforms import locked
 from stribeck.sweeps import job as module
 from stribeck.sweeps.ranges import Range, lanes_of
 from tests.shared import LINKS
-from tests.simulation.rig import needs_compiler
 
 GRID = ("--vary", "law.k_v=1e6:1e8:3:log", "--vary", "law.parameters.F_s=0.9:1.8:4")
 
@@ -32,7 +31,6 @@ def small_parts(monkeypatch):
     monkeypatch.setattr(module, "_PART_BYTES", 5 * 8.0 * 7 * 1001)
 
 
-@needs_compiler
 def test_a_row_a_lane(stribeck, scenario, tmp_path, small_parts):
     result = stribeck("sweep", scenario, *GRID, "--summary", "--out", tmp_path / "out")
     assert result.status == 0
@@ -53,7 +51,6 @@ def test_a_row_a_lane(stribeck, scenario, tmp_path, small_parts):
     assert unit == b"N"
 
 
-@needs_compiler
 def test_trajectories(stribeck, scenario, tmp_path):
     data = json.loads(stribeck("sweep", scenario, *GRID, "--out", tmp_path / "out", "--json").out)
     assert (data["status"], data["lanes"], data["failed"], data["parts"]) == ("done", 12, 3, 1)
@@ -68,7 +65,6 @@ def test_trajectories(stribeck, scenario, tmp_path):
         np.testing.assert_allclose(one[name], alone[name], rtol=0, atol=1e-4 * alone.peaks[name])
 
 
-@needs_compiler
 def test_amplitude_and_period_of_a_limit_cycle(stribeck, tmp_path):
     stribeck("new", "limit_cycle", "--out", tmp_path / "cycle.toml")
     words = ("--vary", "law.k_v=1e6:1e6:1", "--summary", "--set", "law.name=lugre_sobczyk")
@@ -78,7 +74,6 @@ def test_amplitude_and_period_of_a_limit_cycle(stribeck, tmp_path):
     assert row["period"] == pytest.approx(24.64, abs=0.02)
 
 
-@needs_compiler
 def test_drawn_points(stribeck, scenario, tmp_path):
     words = ("--vary", "law.k_v=1e6:1e8:log", "--vary", "plant.mass=1:2", "--samples", "6", "--summary")
     for seed, name in ((3, "a"), (3, "b"), (4, "c")):
@@ -92,7 +87,6 @@ def test_drawn_points(stribeck, scenario, tmp_path):
 
 
 @pytest.mark.share(3)
-@needs_compiler
 @pytest.mark.parametrize("where", [0.3, 0.5, 0.7])
 def test_a_part_that_is_damaged_in_its_middle_is_made_again(where, stribeck, scenario, tmp_path, small_parts):
     """Its end, which says what it holds, can still be read."""
@@ -109,7 +103,6 @@ def test_a_part_that_is_damaged_in_its_middle_is_made_again(where, stribeck, sce
     assert files(out) == whole
 
 
-@needs_compiler
 def test_goes_on_where_it_was(stribeck, scenario, tmp_path, small_parts):
     out = tmp_path / "out"
     stribeck("sweep", scenario, *GRID, "--summary", "--out", out)
@@ -125,7 +118,6 @@ def test_goes_on_where_it_was(stribeck, scenario, tmp_path, small_parts):
 
 
 @pytest.mark.thorough
-@needs_compiler
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
 def test_killed_at_any_moment_it_ends_with_the_same_bytes(stribeck, scenario, tmp_path):
     code = (
@@ -148,7 +140,6 @@ def test_killed_at_any_moment_it_ends_with_the_same_bytes(stribeck, scenario, tm
     assert len(files(whole)) == 26
 
 
-@needs_compiler
 def test_another_sweep_is_not_overwritten(stribeck, scenario, tmp_path):
     out = tmp_path / "out"
     stribeck("sweep", scenario, *GRID, "--summary", "--out", out)
@@ -162,7 +153,6 @@ def test_another_sweep_is_not_overwritten(stribeck, scenario, tmp_path):
     assert "unknown sweep" in stribeck("sweep", scenario, *GRID, "--summary", "--out", out).err
 
 
-@needs_compiler
 def test_one_process_at_a_time(stribeck, scenario, tmp_path):
     out = tmp_path / "out"
     out.mkdir()
@@ -256,7 +246,6 @@ def test_values_that_no_axis_can_have(stribeck, scenario, tmp_path):
     assert (tmp_path / "far" / "part-000000.parquet").exists()
 
 
-@needs_compiler
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes by name")
 def test_damage_that_is_no_file(stribeck, scenario, tmp_path):
     """A manifest nested too deep and a link to itself ended in tracebacks; pipes were waited for; a folder that kill -9 left
@@ -285,7 +274,6 @@ def test_damage_that_is_no_file(stribeck, scenario, tmp_path):
     assert stribeck(*words).status == 2
 
 
-@needs_compiler
 def test_what_somebody_else_put_into_the_folder(stribeck, scenario, tmp_path, small_parts):
     """Digests that are none ended in a traceback; a part too many was read with the others; a link's target was written."""
     out, mine = tmp_path / "out", tmp_path / "mine"

@@ -8,9 +8,6 @@ import pytest
 import stribeck as package
 from stribeck.parameter_sets import allow_undetermined, load
 from tests.identify import rig
-from tests.simulation.rig import needs_compiler
-
-pytestmark = needs_compiler
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from stribeck.cli import _status
-from tests.simulation.rig import needs_compiler
 
 FOLDER = Path(__file__).parent.parent.parent / "tools" / "fuzz"
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="a hanging command is ended by a signal")
@@ -23,7 +22,6 @@ def attack(monkeypatch):
     return {"mutations": mutations, "parameters": parameters, "machines": machines}
 
 
-@needs_compiler
 @pytest.mark.parametrize(("name", "count"), [("mutations", 24), ("parameters", 6), ("machines", 1)])
 def test_nothing_is_found(attack, name, count):
     ended, faults = attack[name].campaign(2026, count)

@@ -5,9 +5,6 @@ import pytest
 
 import stribeck
 from stribeck.identify.synthetic import Sensors, Slider, experiment
-from tests.simulation.rig import needs_compiler
-
-pytestmark = needs_compiler
 
 T = np.arange(0, 2, 1e-3)
 V = 0.01 * np.sin(2 * np.pi * T)

@@ -5,9 +5,8 @@ import pytest
 
 from tests.machine import independent
 from tests.machine.machines import law, machine, push, solved
-from tests.simulation.rig import needs_compiler
 
-pytestmark = [needs_compiler, pytest.mark.usefixtures("each_system_is_run_once")]
+pytestmark = [pytest.mark.usefixtures("each_system_is_run_once")]
 
 
 SINE = {"kind": "sine", "amplitude": 2.5, "frequency": 2.0, "phase": 0.4}

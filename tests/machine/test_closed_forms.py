@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from tests.machine.machines import law, machine, push, solved
-from tests.simulation.rig import needs_compiler
 
-pytestmark = [needs_compiler, pytest.mark.usefixtures("each_system_is_run_once")]
+pytestmark = [pytest.mark.usefixtures("each_system_is_run_once")]
 A = {"a": {"mass": 0.5}}
 
 

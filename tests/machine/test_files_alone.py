@@ -13,7 +13,6 @@ from stribeck import Scenario, simulate
 from stribeck.errors import InputError
 from stribeck.machine.signal import Ramp, Sine, Square, Staircase, Sum
 from tests.machine.machines import assert_balanced
-from tests.simulation.rig import needs_compiler
 
 LAW = {"sigma_0": 1e4, "sigma_1": 30.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-2}
 SIGNAL = {
@@ -63,7 +62,6 @@ def apart():
     return np.array(rows)
 
 
-@needs_compiler
 def test_against_scipy():
     found, expected = simulate(MACHINE), apart()
     for name, theirs in (("a.y", expected[:, 0]), ("a.v", expected[:, 1])):
@@ -85,7 +83,6 @@ LADEN = {
 }  # fmt: skip
 
 
-@needs_compiler
 def test_a_mass_that_varies():
     """M dv/dt = F with the mass of each instant; what comes on brings its energy along, also at once."""
     found, x, rows = simulate(LADEN), [0.0, 0.0, 0.0], [[0.0, 0.0, 0.0]]
@@ -106,7 +103,6 @@ def test_a_mass_that_varies():
     assert_balanced({n: found[n] for n in found})
 
 
-@needs_compiler
 @pytest.mark.parametrize("data", [MACHINE, LADEN], ids=["machine", "laden"])
 def test_exported(data, tmp_path):
     """The machine in C says the same in every column."""
@@ -137,7 +133,6 @@ def test_sums_are_sums():
     assert jumps.crossings(1.5, 2.0) == [(1.0, False)]
 
 
-@needs_compiler
 def test_a_controller_follows_a_sum():
     """Two halves of a sine are followed as the sine is, by feedforward and by compensation, whose direction turns with it."""
 

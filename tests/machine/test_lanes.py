@@ -8,9 +8,6 @@ from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations
 from tests import radau
 from tests.machine.machines import assert_balanced, law, machine, push
-from tests.simulation.rig import needs_compiler
-
-pytestmark = needs_compiler
 
 PID = {"kind": "pid", "on": "a", "K_p": 80.0, "K_i": 60.0, "K_d": 9.0, "limit": 3.0,
        "signal": {"kind": "step", "time": 0.1, "value": 0.05}}  # fmt: skip

@@ -8,7 +8,6 @@ import pytest
 import stribeck as st
 from stribeck import examples
 from stribeck.errors import StribeckNote
-from tests.simulation.rig import needs_compiler
 
 
 def rig():
@@ -45,7 +44,6 @@ def test_a_file_as_objects():
     assert made.scenario(1.5, 2e-3, energy=True).data == expected
 
 
-@needs_compiler
 def test_the_example_of_the_documentation():
     solution = st.simulate(rig(), t_end=4.0, step=1e-3)
     assert solution.status == "done"
@@ -146,7 +144,6 @@ def test_a_body_whose_velocity_is_given_may_turn():
         st.Body("a", mass=1.0, rotary=True)
 
 
-@needs_compiler
 def test_the_bristles_of_a_contact_may_begin_deflected():
     start = 3e-6
     made = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", LAW, initial={"z": start}))
@@ -185,7 +182,6 @@ def test_a_law_does_not_change():
     assert made.replace(F_s=2.0).p.F_s == 2.0
 
 
-@needs_compiler
 def test_what_is_hardly_meant_is_said():
     constants = {"sigma_0": 1e5, "sigma_1": 300.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
     push = {"on": "a", "kind": "signal", "signal": {"kind": "ramp", "rate": 1.0}}

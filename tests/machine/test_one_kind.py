@@ -5,7 +5,6 @@ import pytest
 
 from stribeck import Scenario, simulate
 from tests.machine.machines import law, machine
-from tests.simulation.rig import needs_compiler
 
 SINE = {"kind": "sine", "amplitude": 3.0, "frequency": 2.0}
 STEP = {"kind": "step", "time": 0.1, "value": 0.02}
@@ -24,7 +23,6 @@ CASES = {
 
 
 @pytest.mark.share(2)
-@needs_compiler
 @pytest.mark.parametrize("kind", CASES)
 def test_the_smallest_machine(kind):
     drive, sections, more = CASES[kind]

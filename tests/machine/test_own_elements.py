@@ -18,7 +18,6 @@ from stribeck.machine.reading import family_of
 from stribeck.scenario import schematic
 from tests.machine.machines import assert_balanced, law, machine, push, solved
 from tests.properties.nasty import constants
-from tests.simulation.rig import needs_compiler
 
 FILE = '''
 from typing import Literal
@@ -110,7 +109,6 @@ class Weak(Motor):
     def limited(self, V):
         return self.share * super().limited(V)
 '''
-pytestmark = needs_compiler
 LINK = {"from": "a", "to": "ground", "stiffness": 30.0}
 
 

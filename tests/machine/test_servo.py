@@ -8,7 +8,6 @@ import pytest
 
 from stribeck import Scenario, examples, simulate
 from tests.machine.test_mistakes import GONE, edited, problems
-from tests.simulation.rig import needs_compiler
 
 SERVO = tomllib.loads(examples.path("servo").read_text())
 SERVO["solve"]["t_end"], SERVO["output"] = 1.0, {"step": 0.02}
@@ -33,7 +32,6 @@ MACHINE = as_machine(SERVO)
 
 
 @pytest.mark.share(2)
-@needs_compiler
 @pytest.mark.parametrize("changes", [{}, SAMPLED, {"drive.adaptive": True, "drive.supply_droop": 1e7}])
 def test_a_machine_is_the_servo(changes):
     servo = edited(SERVO, changes)
@@ -46,7 +44,6 @@ def test_a_machine_is_the_servo(changes):
         np.testing.assert_allclose(many.events["seal"][kind], times, atol=1e-7)
 
 
-@needs_compiler
 def test_a_mass_tied_to_the_piston_counts_as_its_own():
     split = edited(MACHINE, {
         "bodies.piston.mass": 2.4, "bodies.load": {"mass": 0.125, "tied_to": "piston", "ratio": 2.0},

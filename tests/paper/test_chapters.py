@@ -6,10 +6,6 @@ from math import pi
 
 import pytest
 
-from tests.simulation.rig import needs_compiler
-
-pytestmark = needs_compiler
-
 
 @pytest.mark.thorough
 def test_the_matrix(report):

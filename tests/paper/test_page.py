@@ -5,10 +5,6 @@ import re
 
 import pytest
 
-from tests.simulation.rig import needs_compiler
-
-pytestmark = needs_compiler
-
 
 @pytest.mark.thorough
 def test_the_page_stands_alone(report):

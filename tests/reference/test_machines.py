@@ -9,12 +9,9 @@ from stribeck import Scenario
 from stribeck.cli import _status
 from tests.machine.machines import assert_balanced
 from tests.shared import SHARED
-from tests.simulation.rig import needs_compiler
 
 FILES = sorted((SHARED / "reference" / "machines").glob("*.csv"))
 FORCES = (".F", ".f", ".torque", ".u", ".V", ".i")
-
-pytestmark = needs_compiler
 
 
 @pytest.mark.skipif(not FILES, reason="needs shared/reference, which is not part of the project")

@@ -5,11 +5,9 @@ import pytest
 
 from stribeck import Scenario
 from tests.shared import SHARED
-from tests.simulation.rig import needs_compiler, solved
+from tests.simulation.rig import solved
 
 FILES = sorted(f for f in (SHARED / "reference").glob("*.csv") if not f.name.startswith("pneumatic_servo"))
-
-pytestmark = needs_compiler
 
 
 @pytest.mark.skipif(not FILES, reason="needs shared/reference, which is not part of the project")

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from tests.simulation.rig import law_table, needs_compiler, rig, solved
-
-pytestmark = needs_compiler
+from tests.simulation.rig import law_table, rig, solved
 
 LAWS = {
     "lugre": law_table("lugre"),

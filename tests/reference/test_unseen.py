@@ -14,9 +14,7 @@ from stribeck.cli import _status
 from stribeck.simulation import compiler
 from tests.machine.machines import assert_balanced
 from tests.reference import apart
-from tests.simulation.rig import needs_compiler
 
-pytestmark = needs_compiler
 FILES = Path(__file__).parent / "unseen"
 QUICK = ("crank_play", "loads_and_factors", "sampled_tied_encoder", "serial_contacts", "tied_rails")
 MOTION = (".y", ".v", ".w", ".r")

@@ -12,7 +12,6 @@ from stribeck.loops import design
 from stribeck.loops.loop import loop_of
 from stribeck.scenario.counterpart import as_machine, machine_path
 from stribeck.simulation import compiler
-from tests.simulation.rig import needs_compiler
 
 ENDS = {"break_away": 2.0, "stick_slip": 4.0, "hysteresis": 2.0, "limit_cycle": 4.0, "servo": 0.5}
 OTHERS = {"y": "body.y", "v": "body.v", "z": "contact.z", "F": "contact.F"}
@@ -24,7 +23,6 @@ def short(name):
     return Scenario(data)
 
 
-@needs_compiler
 @pytest.mark.parametrize("name", ENDS)
 def test_the_motion_is_the_same(name, monkeypatch):
     monkeypatch.setattr(compiler, "_FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))  # each is run once

@@ -6,9 +6,7 @@ import pytest
 from tests.simulation import independent
 from tests.simulation.independent import machine
 from tests.simulation.random_rigs import random_rig
-from tests.simulation.rig import BRISTLES, LAWS, law_table, needs_compiler, pid, rig, solved, spring
-
-pytestmark = needs_compiler
+from tests.simulation.rig import BRISTLES, LAWS, law_table, pid, rig, solved, spring
 
 TOLERANCES = {"y": 1e-6, "v": 1e-6, "z": 1e-6, "F": 1e-4}  # of the column's peak
 

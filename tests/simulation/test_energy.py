@@ -7,9 +7,9 @@ from scipy.integrate import cumulative_simpson
 from stribeck import Scenario
 from stribeck.simulation.solution import Solution
 from tests import radau
-from tests.simulation.rig import LAWS, needs_compiler, pid, rig, solved, spring
+from tests.simulation.rig import LAWS, pid, rig, solved, spring
 
-pytestmark = [needs_compiler, pytest.mark.usefixtures("each_system_is_run_once")]
+pytestmark = [pytest.mark.usefixtures("each_system_is_run_once")]
 
 RIGS = {
     "force": ("force", {"kind": "points", "t": [0, 1, 2, 3], "value": [0, 1.8, -1.8, 0]}, {}),

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from stribeck import InputError, Scenario, examples, simulate
 from stribeck.simulation import ensemble as module
 from stribeck.simulation.variations import Variations
-from tests.simulation.rig import LAWS, needs_compiler, pid, rig, spring
+from tests.simulation.rig import LAWS, pid, rig, spring
 
 PULLED = rig("lugre_majorant", spring("canudas1995"), {"kind": "ramp", "rate": 0.3}, 6.0)
 STEPPED = rig("lugre", pid("canudas1995"), {"kind": "step", "value": 1.0, "time": 0.25}, 4.0)
@@ -37,7 +37,6 @@ def assert_as_alone(data, values, folder=None, share=1e-6):
 
 
 @pytest.mark.share(7)
-@needs_compiler
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law(law):
     data = rig(law, spring("canudas1995"), {"kind": "ramp", "rate": 0.3}, 6.0)
@@ -48,7 +47,6 @@ def test_every_law(law):
 
 
 @pytest.mark.share(5)
-@needs_compiler
 @pytest.mark.parametrize(
     ("data", "values"),
     [
@@ -67,7 +65,6 @@ def test_everything_that_can_vary(data, values):
     assert found.t[-1] == pytest.approx(Scenario(data).solve.t_end)
 
 
-@needs_compiler
 @settings(max_examples=8, deadline=None)
 @given(st.lists(st.floats(6.0, 8.0), min_size=1, max_size=20), st.integers(1, 3), st.data())
 def test_a_lane_is_the_same_whatever_runs_beside_it(exponents, threads, data):
@@ -80,7 +77,6 @@ def test_a_lane_is_the_same_whatever_runs_beside_it(exponents, threads, data):
     assert found.accepted[lane] == alone.accepted[0]
 
 
-@needs_compiler
 def test_lanes_that_fail_leave_the_others_alone(tmp_path):
     values = {"drive.K_d": np.array([6.0, -1e4, 6.0, 5.0]), "law.parameters.F_c": np.array([1.0, 1.0, 3.0, 1.0])}
     found = simulate(Scenario(STEPPED), values)
@@ -96,7 +92,6 @@ def test_lanes_that_fail_leave_the_others_alone(tmp_path):
     assert np.array_equal(found["y"][[0, 3]], good["y"])
 
 
-@needs_compiler
 def test_steps_that_run_out():
     few = {**PULLED, "solve": {**PULLED["solve"], "max_steps": 50}}
     found = simulate(Scenario(few), {"law.k_v": [1e6, 1e7]})
@@ -129,7 +124,6 @@ def test_without_a_compiler(monkeypatch):
     assert np.array_equal(found["v"][2], alone["v"])
 
 
-@needs_compiler
 def test_optional_constants_are_switched_on():
     data = rig("stribeck", "velocity", {"kind": "ramp", "rate": 1e-3}, 1.0)
     del data["law"]["k_v"]
@@ -171,7 +165,6 @@ def test_more_than_memory_holds(monkeypatch):
         simulate(Scenario(PULLED), {"plant.mass": np.ones(1000)})
 
 
-@needs_compiler
 def test_an_interrupt_stops_the_threads():
     scenario = Scenario({**PULLED, "solve": {"t_end": 6.0, "rtol": 1e-11}})
 
@@ -192,7 +185,6 @@ stribeck.simulate(data, {"plant.mass": np.linspace(1, 2, 5000)})
 """
 
 
-@needs_compiler
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 @pytest.mark.parametrize("later", [0.05, 0.5, 1.0])
 def test_ctrl_c_ends_lanes_at_once_and_in_one_piece(later):
@@ -224,7 +216,6 @@ def test_scales_written_for_numbers_serve_lanes(tmp_path):
         assert lanes.atol()[1].tolist() == list(Scenario(data).atol().values())
 
 
-@needs_compiler
 def test_servos_and_moves_along_paths_are_lanes_too():
     """Each lane is then a scenario of its own: whatever is a number in it can vary."""
     servo = Scenario.load(examples.path("servo")).with_changes({"solve.t_end": 2.0})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from tests.simulation.rig import needs_compiler, rig
+from tests.simulation.rig import rig
 
 LAWS = '''
 from stribeck.expressions.ops import sqrt, where
@@ -60,7 +60,7 @@ def wasm_run(scenario):
         return simulate(scenario)
 
 
-both = pytest.mark.parametrize("run", [pytest.param(compiled_run, marks=needs_compiler), wasm_run])
+both = pytest.mark.parametrize("run", [compiled_run, wasm_run])
 
 
 def failed(run, data, folder=None):
@@ -107,7 +107,6 @@ def test_steps_that_run_out(run, tmp_path):
     assert solution.stats["accepted"] <= 300
 
 
-@needs_compiler
 @pytest.mark.parametrize(
     ("name", "reason"), [("Edge", "no longer finite"), ("Flutters", "the end is 1e12 of them away")]
 )
@@ -134,7 +133,6 @@ def test_a_controller_that_is_unstable(run):
     assert abs(solution["y"][-1]) > 1e100
 
 
-@needs_compiler
 def test_a_step_that_is_too_small():
     """After 10^12 s two times lie 10^-4 s apart: too far for a body that jumps off."""
     solution = failed(compiled_run, rig("lugre", "force", {"kind": "step", "value": 5.0, "time": 1e12}, 2e12))
@@ -143,7 +141,6 @@ def test_a_step_that_is_too_small():
     assert solution["y"][-1] == 0
 
 
-@needs_compiler
 def test_rows_of_a_failed_run_are_those_of_a_shorter_one():
     data = rig("lugre", "force", {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}, 20.0, rows=2000)
     whole, cut = simulate(Scenario(data)), simulate(Scenario({**data, "solve": {"t_end": 20.0, "max_steps": 1500}}))

@@ -78,7 +78,7 @@ def test_a_lane_without_a_trajectory_costs_no_more_than_one_with():
         tolerances, taken = Tolerances(variations.atol(), rows_are_steps=True), []
         for _ in range(3):
             start = time.process_time()
-            lanes.once(loaded, variations, 1, tolerances=tolerances)
+            lanes.lane_solver(loaded, 1)(variations, None, tolerances)
             taken.append(time.process_time() - start)
         return min(taken)
 
@@ -92,7 +92,7 @@ def test_every_width_agrees_with_single_runs(width):
     variations = Variations(Scenario(DATA), VALUES)
     loaded = library(f"-DLANES={width}")
     assert loaded.stribeck_lanes() == width
-    found = lanes.solve(loaded, variations, threads=1)
+    found = lanes.solve(lanes.lane_solver(loaded, 1), variations)
     for lane in range(len(variations)):
         alone = simulate(Scenario(DATA).with_changes(variations.changes(lane)))
         peaks = np.abs(alone.states).max(axis=0)
@@ -109,7 +109,7 @@ def test_a_trajectory_that_follows_another_in_its_lane_is_looked_at_from_its_own
     assert often != text
     chosen = compiler.find().for_lanes()
     loaded, _ = cache.library(often, replace(chosen, options=(*chosen.options, "-DLANES=2")))
-    found = lanes.solve(loaded, Variations(Scenario(DATA), VALUES), threads=1).counts
+    found = lanes.solve(lanes.lane_solver(loaded, 1), Variations(Scenario(DATA), VALUES)).counts
     assert not found["status"].any()
     assert (found["accepted"] > 200).all()
 

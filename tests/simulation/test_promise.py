@@ -10,9 +10,6 @@ import stribeck
 from stribeck.errors import StribeckNote
 from stribeck.simulation import counts
 from stribeck.simulation.promise import MeasuredMotion, Promise, Tolerances
-from tests.simulation.rig import needs_compiler
-
-pytestmark = needs_compiler
 
 NEARLY = {"sigma_0": 1e5, "sigma_1": 30.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
 

@@ -11,9 +11,7 @@ from stribeck import Scenario, examples, simulate
 from stribeck.errors import StribeckNote
 from stribeck.machine.sampled import turned
 from stribeck.simulation import native
-from tests.simulation.rig import needs_compiler, rig
-
-pytestmark = needs_compiler
+from tests.simulation.rig import rig
 
 
 def elastic(sigma_1, t_end=2.0):

@@ -9,9 +9,7 @@ import pytest
 from stribeck import Body, Load, Machine, Scenario, load, simulate
 from stribeck.simulation import native
 from stribeck.simulation.ensemble import simulate_ensemble
-from tests.simulation.rig import law_table, needs_compiler, pid, rig, solved, spring
-
-pytestmark = needs_compiler
+from tests.simulation.rig import law_table, pid, rig, solved, spring
 
 PULL = {"kind": "ramp", "rate": 0.3}
 

@@ -16,10 +16,9 @@ from stribeck import Scenario
 from stribeck.errors import StribeckError, StribeckNote
 from stribeck.sweeps import cluster as module
 from stribeck.sweeps import job, parts
-from tests.simulation.rig import needs_compiler
 
 distributed = pytest.importorskip("distributed")
-pytestmark = [needs_compiler, pytest.mark.filterwarnings("ignore::stribeck.errors.StribeckNote")]
+pytestmark = [pytest.mark.filterwarnings("ignore::stribeck.errors.StribeckNote")]
 
 by_c = pytest.mark.skipif(os.environ.get("STRIBECK_BACKEND") == "wasm", reason="leaves out who has no C compiler")
 

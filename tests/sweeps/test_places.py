@@ -14,10 +14,8 @@ import pytest
 import stribeck
 from stribeck.errors import InputError, StribeckError
 from stribeck.sweeps.places import Store
-from tests.simulation.rig import needs_compiler
 
 fsspec = pytest.importorskip("fsspec")
-pytestmark = needs_compiler
 
 LANES = {"law.k_v": np.geomspace(1e6, 1e8, 12)}
 SCENARIO = {

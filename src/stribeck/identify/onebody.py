@@ -153,7 +153,7 @@ def simulated(
 
     Raises:
         InputError: constants are unknown, missing or not allowed; nothing moves.
-        StribeckError: there is no C compiler, or the law cannot be simulated along the motion.
+        StribeckError: the law cannot be simulated along the motion.
     """
     log = log if len(log) <= _MOST_ROWS else in_stretches(log, at_rest(log))[0]
     model = _model(log, name, options)

@@ -11,12 +11,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from stribeck.codegen import source
 from stribeck.errors import BuildError, InputError, note
+from stribeck.machine.equations import Equations
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler, native
 from stribeck.simulation.result import Result
+
+if TYPE_CHECKING:
+    from stribeck.simulation.lanes import LaneSolver
 
 BACKENDS = ("auto", "c", "wasm")
 VARIABLE = "STRIBECK_BACKEND"  # the environment variable with the wanted backend
@@ -66,13 +71,37 @@ def solver(scenario: Scenario) -> Built:
             library, new = cache.library(source(scenario.system), c_compiler, native.check)
             return Built(partial(native.solve, library), "c", new, perf_counter() - started)
         except (BuildError, OSError) as error:
-            if os.environ.get(VARIABLE) == "c":
-                raise BuildError(f"compiling failed: {' '.join(str(error).split())}") from None
-            note(
-                f"compiling failed ({' '.join(str(error).split())}): solving by WebAssembly, in half as much time again"
-            )
+            _compiling_failed(error)
     from stribeck.simulation import wasm  # imported only if needed: its emitter is slow to import
 
     system = wasm.system_module(scenario.system)
     code, new = wasm.compiled(system.module)
     return Built(partial(wasm.solve, code, system), "wasm", new, perf_counter() - started)
+
+
+def lane_solver(system: Equations, threads: int) -> LaneSolver:
+    """The solver of a system's lanes (simulation/lanes.py). C solves several lanes at once, in vectors.
+
+    Raises:
+        InputError, BuildError: as :func:`solver`.
+    """
+    from stribeck.simulation import lanes, wasm_lanes  # a single run needs neither
+
+    if chosen() == "c":
+        try:
+            return lanes.lane_solver(lanes.compiled(system), threads)
+        except (BuildError, OSError) as error:
+            _compiling_failed(error)
+    return wasm_lanes.lane_solver(system, threads)
+
+
+def _compiling_failed(error: Exception) -> None:
+    """Say by a note that WebAssembly is used, unless C is demanded.
+
+    Raises:
+        BuildError: C is demanded.
+    """
+    text = " ".join(str(error).split())
+    if os.environ.get(VARIABLE) == "c":
+        raise BuildError(f"compiling failed: {text}") from None
+    note(f"compiling failed ({text}): solving by WebAssembly, in half as much time again")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from html import escape
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck import platforms
 from stribeck.arrays import Array
 from stribeck.constants import Column
-from stribeck.errors import BuildError, InputError, nearest, printable
+from stribeck.errors import InputError, nearest, printable
 from stribeck.machine.equations import SLIP_AND_STICK
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
@@ -24,8 +23,6 @@ from stribeck.simulation.result import NOT_FINITE, failure
 from stribeck.simulation.single import simulate_once
 from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations, vary
-
-_Solver = Callable[[Variations, Callable[[float], None] | None], lanes.Outcome]
 
 
 class Ensemble:
@@ -160,11 +157,10 @@ def simulate_ensemble(
     batch = _Lanes(variations)
     if not len(batch.possible):
         return batch.ensemble()
-    solver = _solver(variations, threads)
-    if solver is None or not isinstance(variations, Variations):
+    if not isinstance(variations, Variations):
         return batch.ensemble(_simulate_singly(batch, threads, progress))
     possible = variations if batch.all_possible else variations.part(batch.possible)
-    batch.put(possible, solver(possible, progress))
+    batch.put(possible, lanes.solve(backend.lane_solver(variations.scenario.system, threads), possible, progress))
     return batch.ensemble()
 
 
@@ -226,22 +222,6 @@ class _Lanes:
     def ensemble(self, columns: dict[str, Array] | None = None) -> Ensemble:
         """The ensemble; ``columns`` if they are known beside the states."""
         return Ensemble(self.variations, self.states, self.reason, self.counts, columns)
-
-
-def _solver(variations: Variations | LaneByLane, threads: int) -> _Solver | None:
-    """The solver of many lanes at once; None if they must be solved one by one."""
-    library = _library(variations.scenario) if isinstance(variations, Variations) else None
-    return None if library is None else lambda some, progress: lanes.solve(library, some, threads, progress)
-
-
-def _library(scenario: Scenario) -> ctypes.CDLL | None:
-    """The compiled system for lanes; None if it cannot be built, or if WebAssembly is chosen."""
-    try:
-        if backend.chosen() == "wasm":
-            return None
-        return lanes.compiled(scenario.system)
-    except (BuildError, OSError):
-        return None  # the single runs report the reason
 
 
 def _simulate_singly(batch: _Lanes, threads: int, progress: Callable[[float], None] | None) -> dict[str, Array]:

@@ -18,9 +18,10 @@ from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.errors import BuildError
 from stribeck.machine.equations import Equations
+from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
-from stribeck.simulation.native import step_share
+from stribeck.simulation.native import SolverInput, Solving, step_share
 from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Promise, Tolerances, given, measures
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
@@ -28,6 +29,7 @@ from stribeck.simulation.variations import Variations
 Integers = NDArray[np.int64]
 Progress = Callable[[float], None]
 
+_PER_LANE = ("parameters", "atol", "fixed_atol", "thresholds", "queue", "force_tolerance")  # names of both structs
 _COUNTS = ("rows_reached", "status", "accepted", "rejected", "happened")
 
 
@@ -70,6 +72,9 @@ class Outcome:
             self.counts[name][places] = other.counts[name][which]
 
 
+LaneSolver = Callable[[Variations, Progress | None, Tolerances | None], Outcome]
+
+
 def check(library: ctypes.CDLL) -> None:
     """Check that a library is a compiled system of this version, for lanes.
 
@@ -91,6 +96,34 @@ class Arrays:
 
     by_name: dict[str, NDArray[Any]]
     batch: Batch
+
+    def lane(self, scenario: Scenario, lane: int) -> SolverInput:
+        """One lane as input of the solver of single runs."""
+        x, system, b = self.by_name, scenario.system, self.batch
+        pieces = slice(int(x["piece_first"][lane]), int(x["piece_end"][lane]))
+        doubles = {name: x[name][lane] for name in _PER_LANE if name in x} | {
+            "x": x["x0"][lane].copy(), "largest": np.zeros(x["largest"].shape[1]), "atol_now": np.zeros(len(system.states)),
+            "piece_start": x["piece_start"][pieces], "piece_rows": x["piece_rows"][pieces], "held": np.zeros(len(system.held)),
+            "memory": np.zeros(sum(map(len, system.memory.values()))), "noise": x["noise"],
+        }  # fmt: skip
+        numbers = {
+            "rtol": b.rtol,
+            "step": b.step,
+            "h_limit": float(x["h_limit"][lane]),
+            "rows_are_steps": b.rows_are_steps,
+        }
+        return SolverInput(doubles, x["piece_restart"][pieces], numbers, b.queue_room)
+
+    def put(self, lane: int, status: int, solving: Solving) -> None:
+        """Store the results of a single run in its lane."""
+        x, run = self.by_name, solving.run
+        width = x["out"].shape[2]
+        x["out"][lane, : run.row] = solving.views["out"][: run.row, :width]
+        x["largest"][lane] = solving.views["largest"]
+        x["t_reached"][lane], x["rows_reached"][lane], x["status"][lane] = run.t, run.row, status
+        x["accepted"][lane], x["rejected"][lane] = run.accepted, run.rejected
+        for _, what in solving.events:
+            x["happened"][lane, what >> 2, what & 3] += 1
 
 
 def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arrays:
@@ -145,14 +178,10 @@ def compiled(system: Equations) -> ctypes.CDLL:
     return cache.library(source(system, lanes=True), chosen.for_lanes(), check)[0]
 
 
-def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
+def solve(once: LaneSolver, lanes: Variations, progress: Progress | None = None) -> Outcome:
     """Integrate every lane, and repeat lanes whose motion needs tighter tolerances for the promised accuracy
     (:mod:`stribeck.simulation.promise`)."""
-    result, promise, tolerances = (
-        once(library, lanes, threads, progress),
-        Promise(lanes.scenario),
-        Tolerances(lanes.atol()),
-    )
+    result, promise, tolerances = once(lanes, progress, None), Promise(lanes.scenario), Tolerances(lanes.atol())
     width = len(lanes.scenario.system.states)
     loose, wrong = promise.broken(tolerances, MeasuredMotion(result.largest, width))
     places = np.flatnonzero((result.counts["status"] == 0) & (loose.any(axis=1) | wrong.any(axis=1)))
@@ -160,7 +189,7 @@ def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progr
         if not len(places):
             break
         wanted = promise.tightened(promise.part(tolerances, places), MeasuredMotion(result.largest[places], width))
-        again = once(library, lanes.part(places), threads, progress, wanted)
+        again = once(lanes.part(places), progress, wanted)
         better = again.counts["status"] == 0
         result.put(places[better], again, better)
         tolerances.atol[places[better]] = wanted.atol[better]
@@ -169,15 +198,19 @@ def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progr
     return result
 
 
-def once(
-    library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None,
-    tolerances: Tolerances | None = None,
-) -> Outcome:  # fmt: skip
-    """Integrate every lane. The threads take lanes from one queue; the result does not depend on their order."""
-    arrays = lane_arrays(lanes, tolerances)
-    arrays.batch.groups = -(-len(lanes) // (library.stribeck_lanes() * threads))  # groups are spread over all threads
-    _run(library, arrays, threads, progress)
-    return outcome(arrays)
+def lane_solver(library: ctypes.CDLL, threads: int) -> LaneSolver:
+    """The solver that integrates every lane once. The threads take lanes from one queue; the result does not depend on
+    their order."""
+
+    def once(lanes: Variations, progress: Progress | None, tolerances: Tolerances | None) -> Outcome:
+        arrays = lane_arrays(lanes, tolerances)
+        arrays.batch.groups = -(
+            -len(lanes) // (library.stribeck_lanes() * threads)
+        )  # groups are spread over all threads
+        _run(library, arrays, threads, progress)
+        return outcome(arrays)
+
+    return once
 
 
 def _run(library: ctypes.CDLL, arrays: Arrays, threads: int, progress: Progress | None) -> None:

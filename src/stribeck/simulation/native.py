@@ -188,7 +188,11 @@ class Solving:
         return MeasuredMotion(self.views["largest"].copy()[np.newaxis], len(self.views["x"]))
 
     def to_the_end(self, progress: Callable[[float], None] | None, most: int) -> Result:
-        """Integrate from t = 0 to the end, slice by slice, in at most ``most`` attempted steps."""
+        """Integrate from t = 0 to the end in at most ``most`` attempted steps."""
+        return self._result(self.integrate(progress, most))
+
+    def integrate(self, progress: Callable[[float], None] | None, most: int) -> int:
+        """The same, slice by slice; the status at the end (runtime/run.c)."""
         run, end, attempts_left = self.run, self.scenario.end, most
         status, run.restart, run.t_end = _MORE, 1, end
         while status in (_MORE, _EVENTS_FULL) and attempts_left > 0:
@@ -201,7 +205,7 @@ class Solving:
                 run.events = 0
             if progress is not None:
                 progress(run.t / end)
-        return self._result(status)
+        return status
 
     def _result(self, status: int) -> Result:
         run, scenario = self.run, self.scenario

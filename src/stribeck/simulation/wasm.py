@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from hashlib import sha256
 from importlib.resources import files
+from typing import TypeVar
 
 import numpy as np
 
@@ -25,9 +26,12 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.engine import Compiled, Instance, identity
 from stribeck.simulation.layout import struct_fields
-from stribeck.simulation.native import EVENT_ROOM, Solving, solver_input
+from stribeck.simulation.native import EVENT_ROOM, SolverInput, Solving, solver_input
 from stribeck.simulation.promise import MeasuredMotion, Tolerances, measures, solve_to_promise
 from stribeck.simulation.result import Result
+
+Made = TypeVar("Made")
+Progress = Callable[[float], None]
 
 _KEPT = 2**23  # bytes of memory of an instance that a thread keeps: a new one costs 0.2 ms, most of them for its pages
 _RUN_ROOM = 512  # bytes for the struct Run
@@ -92,13 +96,15 @@ def run_struct() -> type[ctypes.Structure]:
     return type("WasmRun", (ctypes.Structure,), {"_fields_": struct_fields("run.c", "Run", pointer=c_uint32)})
 
 
-def solve(
-    code: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None = None
-) -> Result:
+def solve(code: Compiled, system: System, scenario: Scenario, progress: Progress | None = None) -> Result:
     """Integrate the scenario with its compiled module; ``progress`` is called with the share of time done."""
 
     def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
-        return _once(code, system, scenario, progress, tolerances, most)
+        def run(solving: Solving) -> tuple[Result, MeasuredMotion]:
+            result = solving.to_the_end(progress, most)
+            return replace(result, states=result.states.copy()), solving.measured
+
+        return in_memory(code, system, scenario, solver_input(scenario, tolerances), run)
 
     return solve_to_promise(scenario, once)
 
@@ -112,11 +118,11 @@ def _instance(code: Compiled) -> Instance:
 _of_thread = threading.local()
 
 
-def _once(
-    code: Compiled, system: System, scenario: Scenario, progress: Callable[[float], None] | None, tolerances: Tolerances,
-    most: int,
-) -> tuple[Result, MeasuredMotion]:  # fmt: skip
-    instance, given = _instance(code), solver_input(scenario, tolerances)
+def in_memory(
+    code: Compiled, system: System, scenario: Scenario, given: SolverInput, use: Callable[[Solving], Made]
+) -> Made:
+    """What ``use`` makes of a run whose arrays lie in the memory of an instance."""
+    instance = _instance(code)
     equations = scenario.system
     held, width = len(equations.held), len(equations.states) + len(equations.held) + len(equations.shown)
     event_room = max(EVENT_ROOM, 16 * (len(equations.watched) + 1))
@@ -149,9 +155,7 @@ def _once(
     for name in (*arrays, "out"):
         setattr(run, name, place[name])
     run.event_room = event_room
-    solving = Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap))
-    result = solving.to_the_end(progress, most)
-    result, measured = replace(result, states=result.states.copy()), solving.measured
+    made = use(Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap)))
     if memory.nbytes <= _KEPT:
         _of_thread.last = code, instance
-    return result, measured
+    return made

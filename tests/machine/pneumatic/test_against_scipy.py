@@ -9,7 +9,6 @@ from tests import radau
 from tests.machine.pneumatic import independent
 from tests.machine.pneumatic.servos import COLUMNS, last, servo, solved
 from tests.shared import SHARED
-from tests.simulation.rig import needs_compiler
 
 FILES = sorted((SHARED / "reference").glob("pneumatic_servo__*.csv"))
 
@@ -24,7 +23,6 @@ def agree(solution, expected, rows, tolerance=1e-5):
         assert np.max(np.abs(solution[name][rows] - expected[name])) <= tolerance * peak, name
 
 
-@needs_compiler
 @pytest.mark.skipif(not FILES, reason="needs shared/reference, which is not part of the project")
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_references(file):
@@ -47,7 +45,6 @@ VARIANTS = {
 
 
 @pytest.mark.share(3)
-@needs_compiler
 @pytest.mark.parametrize("name", VARIANTS)
 def test_variants_on_a_sine(name):
     law, observer, gains = VARIANTS[name]
@@ -64,7 +61,6 @@ def test_variants_on_a_sine(name):
 
 
 @pytest.mark.thorough
-@needs_compiler
 def test_a_move_from_point_to_point():
     signal = {"kind": "point_to_point", "t": [0.5, 1.5], "value": [0.5, 0.6]}
     solution = solved(
@@ -76,7 +72,6 @@ def test_a_move_from_point_to_point():
     agree(solution, expected, np.arange(401))
 
 
-@needs_compiler
 def test_a_sampled_controller_with_noise_counts_and_delay():
     """The loop from instant to instant, written anew: reading, filter, controller, observer, and when the valve acts."""
     period, step = 4e-3, 2e-3
@@ -111,7 +106,6 @@ TABLE = [
 
 
 @pytest.mark.share(3)
-@needs_compiler
 @pytest.mark.parametrize(("law", "observer", "k_v", "error", "rises"), TABLE)
 def test_the_table_of_the_theory(law, observer, k_v, error, rises):
     plant = {"name": law} if law == "lugre" else smooth(law)

@@ -16,7 +16,6 @@ from stribeck.loops.lyapunov import along, gains_of
 from stribeck.loops.proof import derive
 from stribeck.machine.pneumatic import observer
 from tests.machine.pneumatic.servos import servo, solved
-from tests.simulation.rig import needs_compiler
 
 TABLE_1 = {"parameters": "canudas1995", "k_v": 1e8}
 
@@ -163,7 +162,6 @@ def test_the_proof_agrees_with_eigenvalues():
     assert seen == {True, False}
 
 
-@needs_compiler
 def test_V_along_a_run():
     solution = solved()
     found = along(solution)
@@ -178,7 +176,6 @@ def test_V_along_a_run():
     assert np.max(np.abs(np.diff(fine.V[600:][::2])[: len(rise)] - rise)) <= 1e-6 * fine.V[0]
 
 
-@needs_compiler
 def test_what_the_solver_leaves_is_no_rise():
     """A servo that begins at rest on its path has V = 0 at first, and then what rounding makes of it."""
     path = {"kind": "point_to_point", "t": [0.5, 1.5], "value": [0.5, 0.6]}
@@ -188,7 +185,6 @@ def test_what_the_solver_leaves_is_no_rise():
     assert not run.rises.any()
 
 
-@needs_compiler
 def test_V_rises_where_laws_differ():
     found = along(solved({"name": "lugre"}, {"name": "lugre_sobczyk", "k_v": 1e4}))
     assert found.rises.sum() > 100
@@ -198,7 +194,6 @@ def test_V_rises_where_laws_differ():
     assert summary["largest_rise"] > 1e-7
 
 
-@needs_compiler
 def test_z_err_vanishes_at_rest():
     """Remark 2 is too weak: with other z at the start and no motion asked for, z_hat - z goes to 0 all the same."""
     rest = {"kind": "point_to_point", "t": [0.0, 1.0], "value": [0.5, 0.5]}
@@ -208,7 +203,6 @@ def test_z_err_vanishes_at_rest():
     assert abs(off[-1]) < 1e-14
 
 
-@needs_compiler
 def test_command(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert _status(["new", "servo"]) == 0
@@ -237,7 +231,6 @@ def test_without_bristle_damping_any_gains_hold():
     assert verdict.exact.largest_speed is None
 
 
-@needs_compiler
 def test_damping_that_falls_with_speed():
     """With v_d the derivative (19) holds with sigma_1(v), and K_D that suffices for sigma_1(0) is more than enough."""
     solution = solved(

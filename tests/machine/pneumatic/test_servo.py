@@ -9,7 +9,6 @@ from stribeck import InputError, Scenario, simulate
 from stribeck.machine.sampled import tracked
 from stribeck.waveforms import PointToPointSignal, SplineSignal
 from tests.machine.pneumatic.servos import data, last, servo, solved
-from tests.simulation.rig import needs_compiler
 
 MOVES = {"kind": "point_to_point", "t": [0.0, 1.0, 2.0, 3.0], "value": [0.5, 0.6, 0.6, 0.5]}
 
@@ -39,7 +38,6 @@ def test_a_spline_through_two_points_is_the_move():
     assert SplineSignal(t, value).at(x) == pytest.approx(PointToPointSignal(t, value).at(x), abs=1e-12)
 
 
-@needs_compiler
 def test_a_curve_moves_a_spring_too():
     """Any drive takes it; the velocity drive finds its slips and sticks."""
     law = {"name": "lugre", "parameters": "canudas1995"}
@@ -54,7 +52,6 @@ def test_a_curve_moves_a_spring_too():
 # -- real conditions -------------------------------------------------------------------------------------------------
 
 
-@needs_compiler
 def test_a_fast_sampled_controller_is_the_continuous_one():
     exact = solved(solve__t_end=2.0)
     off = []
@@ -66,7 +63,6 @@ def test_a_fast_sampled_controller_is_the_continuous_one():
     assert off[2] < 5e-5
 
 
-@needs_compiler
 def test_the_voltage_is_held_and_delayed():
     solution = solved(drive__sample_time=0.01, drive__delay=0.025, solve__t_end=1.0, output__step=1e-3)
     u = solution["u"].round(12)
@@ -77,7 +73,6 @@ def test_the_voltage_is_held_and_delayed():
     assert (changes % 10 == 5).all()
 
 
-@needs_compiler
 def test_noise_is_reproducible_and_quantisation_shows():
     noisy = {"drive__sample_time": 1e-3, "drive__noise": 1e-5, "drive__bandwidth": 150.0, "solve__t_end": 3.0}
     one, two, other = solved(**noisy), solved(**noisy), solved(**noisy, drive__seed=1)
@@ -97,7 +92,6 @@ def test_the_filter_follows_a_parabola():
     assert motion == pytest.approx((0.2 * t + 1.5 * t * t, 0.2 + 3 * t, 3.0), rel=1e-6)
 
 
-@needs_compiler
 def test_wrong_knowledge_costs():
     exact = last(solved())
     for changes in ({"drive__supply_droop": 2e7}, {"drive__model": {"mass": 3.5}},
@@ -114,7 +108,6 @@ def half(factor, **more):
     return {"drive__observer__parameters": wrong, "drive__adaptive": True, **more}
 
 
-@needs_compiler
 def test_V_never_rises_where_the_argument_is_exact():
     """All parameters wrong by one factor leave g right: with a_g held, V of the adaptive loop decreases."""
     gains = {"gamma_0": 0.1, "gamma_1": 0.1, "gamma_2": 0.1, "gamma_g": 0.0}
@@ -125,7 +118,6 @@ def test_V_never_rises_where_the_argument_is_exact():
     assert V[-1] < 0.7 * V[0]
 
 
-@needs_compiler
 @pytest.mark.parametrize(("factor", "middle", "late"), [(0.5, 1e-6, 1e-8), (1.5, 5e-6, 3e-7)])
 def test_adaptation_recovers(factor, middle, late):
     """On the sine every parameter is found, and the error goes on falling exponentially."""
@@ -190,7 +182,6 @@ def test_a_pneumatic_plant_needs_its_controller():
         Scenario(new)
 
 
-@needs_compiler
 @pytest.mark.parametrize(("start", "cover"), [({"y": 0.99, "v": 3.5}, "y = 1 m"), ({"y": 0.01, "v": -3.5}, "y = 0 m")])
 def test_the_end_of_the_stroke(start, cover):
     initial = {"p_1": 4e5, "p_2": 4e5, **start}
@@ -201,14 +192,12 @@ def test_the_end_of_the_stroke(start, cover):
     assert 0 < len(solution.t) < 200
 
 
-@needs_compiler
 def test_a_valve_that_is_always_at_its_limit():
     with pytest.warns(UserWarning, match="limit of 0.01 V from t = "):
         solution = simulate(servo(drive__u_max=0.01))
     assert solution.status == "done"
 
 
-@needs_compiler
 def test_the_report_finds_stick_slip_only_where_the_seal_sticks():
     from examples.paper import servo as chapter
 

@@ -14,7 +14,7 @@ from stribeck.laws import builtin
 from stribeck.parameter_sets import parameters
 from stribeck.properties.steepness import Tolerated, smallest_steepness
 from stribeck.properties.steepness.search import smallest
-from tests.simulation.rig import law_table, needs_compiler, rig
+from tests.simulation.rig import law_table, rig
 
 P = parameters()["canudas1995"].values
 S0, S2, FC, FS, VS = (P[n] for n in ("sigma_0", "sigma_2", "F_c", "F_s", "v_s"))
@@ -67,7 +67,6 @@ def test_creep_against_equations_written_anew(speed, share):
     assert found.k_v == pytest.approx(tan(pi * q / 2) / speed, rel=1e-9)
 
 
-@needs_compiler
 @pytest.mark.parametrize("name", ["lugre_sobczyk", "lugre_majorant", "elastoplastic_majorant", "elastoplastic_sobczyk"])
 def test_the_simulated_body_creeps_at_the_tolerated_speed(name):
     own = {"z_ba": 7e-6} if name.startswith("elastoplastic") else {}
@@ -118,7 +117,6 @@ def test_steady_error(speed, error):
     assert needed["lugre_majorant"] < needed["lugre_sobczyk"]
 
 
-@needs_compiler
 @pytest.mark.parametrize(
     ("k_v", "sobczyk", "majorant"), [(1e6, 1.94, 0.177), (1e7, 0.197, 0.0161), (1e8, 0.0198, 0.0016)]
 )
@@ -132,7 +130,6 @@ def test_presliding_numbers_of_the_theory(k_v, sobczyk, majorant):
     assert found.k_v == pytest.approx(k_v, rel=0.03)
 
 
-@needs_compiler
 @pytest.mark.parametrize(("set_name", "rate"), [("canudas1995", 10.0), ("liu2015", 1.0), ("olsson1998", 1.0)])
 def test_a_load_that_breaks_away_is_no_presliding(set_name, rate):
     """Table 1 breaks away at 1.22 N when loaded at 10 N/s (theory.md), before 0.95 F_s is reached."""
@@ -144,7 +141,6 @@ def test_a_load_that_breaks_away_is_no_presliding(set_name, rate):
     advise("lugre_sobczyk", set_name, presliding_error=0.01, force_rate=1e-2 * rate, share=0.5)
 
 
-@needs_compiler
 def test_position_error_in_the_limit_cycle():
     """Theory.md: 1.06e-1 m at k_v = 1e6 for lugre_sobczyk; the majorant law needs a thousandth for 1 mm."""
     pid = {"kind": "pid", "K_p": 3.0, "K_i": 4.0, "K_d": 6.0}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,7 +17,8 @@ from stribeck.errors import BuildError, InputError, StribeckError
 from stribeck.identify.actuator.inputs import RecordedInput, later, misread, recorded_input, table_at
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
-from stribeck.simulation import compiler, lanes
+from stribeck.simulation import backend
+from stribeck.simulation.lanes import LaneSolver
 from stribeck.simulation.variations import Variations, vary
 from stribeck.waveforms.piecewise import PointsSignal
 
@@ -122,7 +122,7 @@ class RecordedRun:
         own = self.shift if shift is None else shift
         variations.shift = {name: np.broadcast_to(x, (count,)) for name, x in own.items()}
         some = variations if len(good) == count else variations.part(good)
-        outcome = lanes.once(library(scenario), some, threads)
+        outcome = solver(scenario, threads)(some, None, None)
         width = len(scenario.system.states)
         grid: Array = np.arange(scenario.rows, dtype=float) * scenario.output.step
         with np.errstate(all="ignore"):
@@ -168,18 +168,16 @@ def at_times(grid: Array, x: Array, target: Compared, late: Late | None) -> Arra
     return found
 
 
-def library(scenario: Scenario) -> ctypes.CDLL:
-    """The compiled system for lanes.
+def solver(scenario: Scenario, threads: int) -> LaneSolver:
+    """The solver of a system's lanes.
 
     Raises:
-        StribeckError: there is no C compiler, or it cannot build the system.
+        StribeckError: it cannot be built.
     """
-    if compiler.find() is None:
-        raise StribeckError("fitting a machine needs a C compiler ('stribeck doctor' says how to get one)")
     try:
         with _LOCK:
-            return lanes.compiled(scenario.system)
-    except (BuildError, OSError) as error:
+            return backend.lane_solver(scenario.system, threads)
+    except BuildError as error:
         raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
 
 
