@@ -215,28 +215,30 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
     assert content(out) == {}
 
 
-def test_lanes_one_by_one_end_soon(monkeypatch, scenario):
+@pytest.mark.parametrize(("backend", "number"), [("wasm", "contacts.rail.law.k_v"), ("auto", "solve.rtol")])
+def test_lanes_one_by_one_end_soon(backend, number, monkeypatch):
     """Single runs in threads look whether anybody still wants them."""
-    from stribeck.simulation import ensemble
+    from stribeck.simulation.native import Solving
 
-    loaded, shares = stribeck.Scenario.load(scenario), []
-    real = ensemble.simulate_once
+    monkeypatch.setenv("STRIBECK_BACKEND", backend)
+    started, integrate = [], Solving.integrate
 
-    def simulate(one, progress):
-        def tell(share):
-            shares.append(share)
-            progress(share)
-
-        return real(one, tell)
+    def counted(self, progress, most):
+        started.append(number)
+        return integrate(self, progress, most)
 
     def stop(share):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(ensemble, "simulate_once", simulate)
-    monkeypatch.setattr(ensemble, "_library", lambda scenario: None)
+    law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": "canudas1995"}
+    machine = stribeck.Scenario(
+        schema=2, bodies={"slider": {"mass": 1.0}}, contacts={"rail": {"from": "slider", "law": law}},
+        solve={"t_end": 1.0, "rtol": 1e-6}, output={"step": 0.1},
+    )  # fmt: skip
+    monkeypatch.setattr(Solving, "integrate", counted)
     with pytest.raises(KeyboardInterrupt):
-        stribeck.simulate(loaded, {"law.k_v": [1e7] * 6}, threads=1, progress=stop)
-    assert len(shares) < 6
+        stribeck.simulate(machine, {number: [1e-6] * 6}, threads=1, progress=stop)
+    assert 0 < len(started) < 6
 
 
 def _ends(*_, **__):

@@ -7,7 +7,7 @@ import pytest
 
 from stribeck import Scenario
 from tests.codegen.harness import compiled
-from tests.simulation.rig import law_table, rig, solved
+from tests.simulation.rig import law_table, needs_compiler, rig, solved
 
 V_S = 1e-3
 RIGS = {
@@ -102,6 +102,7 @@ def events_of(library, v0, v1, d, threshold):
     return [(float(t), not what & 1) for t, what in zip(times[:count], rises[:count], strict=True)]
 
 
+@needs_compiler
 def test_every_crossing_within_one_step(tmp_path):
     """Quartics of all shapes through both levels, against NumPy's roots."""
     library = compiled(Scenario(RIGS["spring"]).system, tmp_path)
@@ -125,6 +126,7 @@ def test_every_crossing_within_one_step(tmp_path):
     assert most >= 6
 
 
+@needs_compiler
 def test_a_speed_that_rests_at_the_threshold_does_not_search_for_ever(tmp_path):
     """Rounding around v_s has many signs and no crossings worth finding."""
     library = compiled(Scenario(RIGS["spring"]).system, tmp_path)

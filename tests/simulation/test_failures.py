@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from tests.simulation.rig import rig
+from tests.simulation.rig import needs_compiler, rig
 
 LAWS = '''
 from stribeck.expressions.ops import sqrt, where
@@ -60,7 +60,7 @@ def wasm_run(scenario):
         return simulate(scenario)
 
 
-both = pytest.mark.parametrize("run", [compiled_run, wasm_run])
+both = pytest.mark.parametrize("run", [pytest.param(compiled_run, marks=needs_compiler), wasm_run])
 
 
 def failed(run, data, folder=None):
@@ -107,6 +107,7 @@ def test_steps_that_run_out(run, tmp_path):
     assert solution.stats["accepted"] <= 300
 
 
+@needs_compiler
 @pytest.mark.parametrize(
     ("name", "reason"), [("Edge", "no longer finite"), ("Flutters", "the end is 1e12 of them away")]
 )

@@ -115,6 +115,41 @@ def test_the_bits_are_the_same_on_every_machine(name):
     assert digest(Scenario.load(examples.path(name))) == GOLDEN[name]
 
 
+def sampled_with_noise():
+    """A sampled controller with a delay and measurement noise, whose constants vary."""
+    sampling = {"period": 1e-3, "delay": 5e-4, "noise": 1e-6, "seed": 3}
+    return {
+        "schema": 2, "bodies": {"slider": {"mass": 1.0}}, "contacts": {"rail": {"from": "slider", "law": law_table("lugre")}},
+        "controllers": {"axis": {"kind": "pid", "on": "slider", "measures": "slider", "K_p": 900.0, "K_i": 0.0, "K_d": 30.0,
+                                 "sampling": sampling, "signal": {"kind": "sine", "amplitude": 0.01, "frequency": 1.0}}},
+        "solve": {"t_end": 0.3}, "output": {"step": 0.01},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("data", "values"),
+    [
+        (rig("lugre_majorant", "force", POINTS, 0.6, rows=60), {"law.k_v": [1e5, 1e6, -1.0, 1e7]}),
+        (sampled_with_noise(), {"bodies.slider.mass": [0.5, 1.0, 2.0], "controllers.axis.signal.amplitude": [0.01, 0.02, 0.03]}),
+    ],
+    ids=["a law's constant, one of them invalid", "a sampled machine"],
+)  # fmt: skip
+def test_a_lane_has_the_bits_of_a_single_run(data, values, monkeypatch):
+    monkeypatch.setenv("STRIBECK_BACKEND", "wasm")
+    scenario = Scenario(data)
+    found = simulate(scenario, vary=values, threads=2)
+    for lane, reason in enumerate(found.reason):
+        if reason is not None:
+            assert np.isnan(found._states[lane]).all()
+            continue
+        alone = simulate(scenario.with_changes({path: x[lane] for path, x in values.items()}))
+        np.testing.assert_array_equal(found._states[lane][:, : alone.states.shape[1]], alone.states)
+        assert found.accepted[lane] == alone.stats["accepted"]
+        for kind in ("slip", "stick"):
+            of_run = alone.events[kind] if kind in alone.events else alone.events["rail"][kind]
+            assert getattr(found, f"{kind}s")[lane] == len(of_run)
+
+
 @pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="needs a longer number to compare with")
 def test_exp_is_within_two_units_in_the_last_place():
     """The runtime's own: no library of WebAssembly has a fast one."""

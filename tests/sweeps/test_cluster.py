@@ -14,13 +14,14 @@ import pytest
 import stribeck
 from stribeck import Scenario
 from stribeck.errors import StribeckError, StribeckNote
+from stribeck.simulation import backend
 from stribeck.sweeps import cluster as module
 from stribeck.sweeps import job, parts
 
 distributed = pytest.importorskip("distributed")
-pytestmark = [pytest.mark.filterwarnings("ignore::stribeck.errors.StribeckNote")]
+pytestmark = pytest.mark.filterwarnings("ignore::stribeck.errors.StribeckNote")
 
-by_c = pytest.mark.skipif(os.environ.get("STRIBECK_BACKEND") == "wasm", reason="leaves out who has no C compiler")
+by_c = pytest.mark.skipif(backend.chosen() == "wasm", reason="leaves out who has no C compiler")
 
 LANES = {"law.k_v": np.geomspace(1e6, 1e8, 24), "plant.mass": np.linspace(1.0, 2.0, 24)}
 
