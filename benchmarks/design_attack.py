@@ -234,7 +234,7 @@ def verdicts(kind: str, data: Data, vary: str, random: np.random.Generator) -> l
     clear = [i for i, x in enumerate(line.values) if not any(m.low <= x <= m.high for m in line.mixed)]
     for i in random.permutation(clear)[: POINTS - len(asked)]:
         x, path = float(line.values[i]), line.turned.path
-        asked.append(Asked(f"{path} = {x:.6g}", changed(data, path, x), line.found[i].verdict))
+        asked.append(Asked(f"{path} = {x:.6g}", changed(data, path, x), line.judgements[i].verdict))
     rows = []
     for each in asked:
         begun_at, slowest = time.process_time(), loop_of(stribeck.Scenario(each.data)).slowest

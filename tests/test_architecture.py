@@ -13,7 +13,7 @@ DRAWING = PAGE.split("```")[1]
 
 def rooms():
     """The rooms of the table, row by row from the bottom."""
-    table = PAGE.split("| room |")[1].split("\n\n")[0]
+    table = PAGE.split("| package |")[1].split("\n\n")[0]
     return [re.findall(r"`([^`]+)`", row.split("|")[1]) for row in table.splitlines()[2:]]
 
 

@@ -2,7 +2,7 @@
 Presliding: a contact is a spring before it slides
 ==================================================
 
-Below break-away the bristles bend: friction depends on position, not on speed, and the loop that it draws has an area.
+Below break-away the bristles bend. Friction then depends on position and not on speed, and its loop is a hysteresis.
 """
 
 import matplotlib.pyplot as plt

@@ -2,7 +2,7 @@
 Break-away: the faster the force rises, the lower the level
 ===========================================================
 
-The force at which a body breaks away falls as the force rises faster: bristles need time to bend.
+The faster the force rises, the lower is the break-away force, because the bristles need time to bend.
 """
 
 import matplotlib.pyplot as plt

@@ -2,7 +2,7 @@
 Frictional lag: the way up is not the way down
 ==============================================
 
-While the speed varies, friction lags behind the steady curve: the loop is wider the faster the speed varies.
+While the speed varies, friction lags behind the steady curve. The faster the speed varies, the wider is the loop.
 """
 
 import matplotlib.pyplot as plt

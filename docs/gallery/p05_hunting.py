@@ -3,7 +3,7 @@ Hunting: an integrator that never settles
 =========================================
 
 A PID position loop on a body with static friction above Coulomb friction hunts around its setpoint. The integrator winds up
-while the body sticks. At break-away it pushes the body past the setpoint.
+while the body sticks. At break-away the body overshoots the setpoint.
 """
 
 import matplotlib.pyplot as plt

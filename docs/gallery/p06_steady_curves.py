@@ -2,7 +2,7 @@
 The Stribeck curve, law by law
 ==============================
 
-Held at a speed, each law settles at its steady curve. Smooth laws pass through zero with a finite slope: k_v says how steep.
+At constant speed, each law settles to its steady curve. Smooth laws pass through zero with a finite slope, which k_v sets.
 """
 
 import matplotlib.pyplot as plt

@@ -1,9 +1,12 @@
 """
-A friction that pays back more than it took
+========================================
+===
+A friction law that returns more energy than it took
+====================================================
 ===========================================
 
-The paper's law is bounded and smooth, but not passive. ``check`` finds a motion after which the bristles are bent as before,
-but more work has come out of the contact than went in. Intervals enclose this energy and prove its sign.
+The paper's law is bounded and smooth, but not passive. ``check`` finds a motion that returns the bristles to their initial
+deflection, while the contact has given more work than it took. Interval arithmetic proves the sign of this energy.
 """
 
 import matplotlib.pyplot as plt

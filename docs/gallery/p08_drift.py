@@ -2,7 +2,7 @@
 Drift: held by friction, and yet it creeps
 ==========================================
 
-A load below F_s, with a small vibration on it: LuGre's body creeps for ever; an elasto-plastic contact springs back.
+The load is below F_s and has a small vibration. With LuGre the body drifts without end. With an elasto-plastic law it returns.
 """
 
 import matplotlib.pyplot as plt

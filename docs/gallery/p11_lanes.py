@@ -2,7 +2,7 @@
 Sixty-four machines at once
 ===========================
 
-Friction is never known exactly. ``simulate(vary=...)`` runs one scenario for many numbers, in the processor's vectors.
+Friction is never known exactly. ``simulate`` runs one scenario for many parameter values, in the processor's vector units.
 """
 
 import matplotlib.pyplot as plt

@@ -2,7 +2,7 @@
 Where does stick-slip end?
 ==========================
 
-Pulled fast enough, or by a stiff enough spring, the body slides. A map over both numbers shows where.
+If the spring is stiff enough or pulls fast enough, the body slides without sticking. A map over both parameters shows where.
 """
 
 import matplotlib.pyplot as plt

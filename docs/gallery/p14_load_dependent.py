@@ -2,7 +2,7 @@
 A mesh whose friction grows with the torque it carries
 ======================================================
 
-The friction in a gear's mesh grows with its load: the same joint is heavier to move when it lifts than when it hangs.
+The friction in a gear's mesh grows with its load: friction is larger while the joint lifts than while it hangs.
 """
 
 import matplotlib.pyplot as plt
@@ -29,6 +29,6 @@ plt.ylabel("friction in N m")
 plt.legend()
 
 # %%
-# A gear whose mesh feels its load, live (``stribeck new gear``):
+# A gear whose mesh friction depends on the load, live (``stribeck new gear``):
 #
 # .. explorer:: gear

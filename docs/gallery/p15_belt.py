@@ -2,8 +2,8 @@
 A belt: friction that drives
 ============================
 
-A mass on a moving belt, held by a spring: friction carries it along until the spring pulls it back.
-The belt speeds up slowly; at some speed stick-slip ends and the mass stands on the sliding belt.
+A mass on a moving belt is held by a spring: friction carries it along until the spring pulls it back.
+The belt accelerates slowly. Above some speed, stick-slip ends and the mass stays at one place.
 """
 
 import matplotlib.pyplot as plt

@@ -25,6 +25,6 @@ above.legend()
 below.set(xlabel="time in s", ylabel="friction in N")
 
 # %%
-# The law that the observer holds, live:
+# The law of the observer, live:
 #
 # .. explorer:: lugre_sobczyk --law lugre_sobczyk

@@ -2,7 +2,7 @@
 From a log to parameters with intervals
 =======================================
 
-A synthetic log is fitted, so that the truth is known. Each parameter comes with its 95 % interval.
+The log is synthetic, so that the true values are known. Each estimate has a 95 % interval.
 """
 
 import matplotlib.pyplot as plt

@@ -74,7 +74,7 @@ class How:
         ),
     ] = None
     speed: Annotated[
-        list[float] | None, _advanced("--speed", "M/S", "Also estimate the friction at this speed (static).")
+        list[float] | None, _advanced("--speed", "M/S", "Also estimate the friction at this speed (m/s; static).")
     ] = None
     cutoff: Annotated[
         float | None,
@@ -97,7 +97,7 @@ class How:
         _advanced(
             "--unknown",
             "NAME=LOW:HIGH",
-            "Bounds of a fitted number; with --logs a further unknown, by path; may be repeated.",
+            "Search range of a parameter; with --logs a further unknown, by path; may be repeated.",
         ),
     ] = None
 
@@ -106,7 +106,7 @@ class How:
         _advanced(
             "--require",
             "NAME=SHARE",
-            "Half width within which a number must be known, such as F_c=5%. Otherwise the notes say what to measure, and the "
+            "Half width of the model range that is required, such as F_c=5%. Otherwise the notes say what to measure, and the "
             "exit status is 1; may be repeated.",
         ),
     ] = None
@@ -145,7 +145,7 @@ def fit(
     ] = None,
     transfer: Annotated[
         Path | None,
-        _advanced("--transfer", "LOGS.toml", "Recordings of another unit or day; numbers that moved are listed."),
+        _advanced("--transfer", "LOGS.toml", "Recordings of another unit or day; parameters that changed are listed."),
     ] = None,
     simulate: Annotated[
         bool,
@@ -162,7 +162,7 @@ def fit(
     json: Json = False,
 ) -> int:
     """Fit a law to a measured log, or a machine to its recordings (--logs), with a 95 % interval, a model
-    range and a state for each."""
+    range and a state for each parameter."""
     laws, assignments = law or [], how.set_ or []
     if plan is not None:
         from stribeck.cli.plan import plan as planned

@@ -146,7 +146,7 @@ Backend = Annotated[
     str | None,
     typer.Option(
         "--backend", metavar="NAME", callback=_solve_by, rich_help_panel=ADVANCED,
-        help="What solves: c (needs a compiler), wasm (the same bits on every processor), or auto: c if it is there.",
+        help="Solver backend: c (needs a compiler), wasm (the same bits on every processor), or auto: c if there is a compiler.",
     ),
 ]  # fmt: skip
 Set = Annotated[

@@ -47,7 +47,7 @@ def predict(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
-    """Predict another record by a fit or a machine file: error, overlay and report."""
+    """Predict another recording with a fit or a machine file: error, overlay and report."""
     _refuse_mixed(given_options(context), fit, machine)
     given = columns.given()
     if fit is not None:

@@ -52,7 +52,7 @@ class Columns:
     counts: Annotated[
         int | None,
         typer.Option(
-            "--counts", metavar="N", rich_help_panel=ADVANCED, help="Encoder counts a turn, for the unit counts."
+            "--counts", metavar="N", rich_help_panel=ADVANCED, help="Encoder counts per turn, for the unit counts."
         ),
     ] = None
     load: Annotated[str | None, _column("--load", "Column of the normal load.", ADVANCED)] = None

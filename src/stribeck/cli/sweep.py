@@ -28,7 +28,7 @@ def sweep(
     ],
     vary: Annotated[
         list[str] | None,
-        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="Range of a number; may be repeated."),
+        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="Parameter and its range; may be repeated."),
     ] = None,
     samples: Annotated[
         int | None, typer.Option("--samples", metavar="N", help="Draw N random points of the ranges instead of their grid.")
@@ -49,7 +49,7 @@ def sweep(
     ] = None,
     json: Json = False,
 ) -> int:  # fmt: skip
-    """Simulate a scenario over ranges of its numbers; the same command continues after an interruption."""
+    """Simulate a scenario over ranges of its parameters; the same command continues after an interruption."""
     from time import perf_counter
 
     from stribeck.sweeps.job import Sweep, check_cluster

@@ -27,7 +27,7 @@ _TURNS = (
     0.7  # of a natural logarithm, a factor of two: a step over which amplitude or settling time change more is divided
 )
 _SURE = 0.05  # of its value: the verdict must hold so far on either side of a boundary, at _CHECKS points
-_CHECKS = 4
+_CHECKS = 4  # points on each side, about 1 % apart, and rounds of judging them where they reveal changes
 _NARROW = 0.04  # of its value: a wider change is a mixture, no boundary
 _MOST = 6  # changes of one path: more are a mixture
 _CONSTANTS = 9  # points at which the slowest time constant is found; between them it is interpolated
@@ -114,7 +114,7 @@ class PathVerdicts:
     Attributes:
         turned: the path and its range.
         values: the simulated values, in order.
-        found: the judgement at each value.
+        judgements: the judgement at each value.
         boundaries: where the verdict changes once.
         mixed: intervals in which it changes more often.
         resolution: the widest step between equal verdicts, as a share of the value; narrower intervals may be missed.
@@ -122,7 +122,7 @@ class PathVerdicts:
 
     turned: Turned
     values: Array
-    found: list[Judgement]
+    judgements: list[Judgement]
     boundaries: list[Boundary]
     mixed: list[Mixed]
     resolution: float

@@ -15,7 +15,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation.single import simulate_once
 
 BEYOND = 0.05  # of the share, in the run that shows it
-_SPEEDS = 400
+_SPEEDS = 400  # over these decades: steps of 3 %, in which a steady curve is smooth
 _DECADES = (1e-2, 1e3)  # of v_s
 _OFF = {Pid: ("K_p", "K_i", "K_d"), Cascade: ("K_p", "K_v")}
 

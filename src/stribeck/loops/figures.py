@@ -26,7 +26,7 @@ def line(along: PathVerdicts, i: int) -> Figure:
     def draw() -> Drawn:
         figure, axes = plots.figure([["verdict"]], 2.2)
         axis = axes["verdict"]
-        level = np.array([VERDICTS.index(j.verdict) for j in along.found])
+        level = np.array([VERDICTS.index(j.verdict) for j in along.judgements])
         axis.plot(along.values, level, ".", color=plots.COLOURS[2])
         for b in along.boundaries:
             axis.axvline(b.value, color=plots.COLOURS[1], linestyle="--")

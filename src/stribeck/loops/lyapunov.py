@@ -90,8 +90,8 @@ class Along:
 
 def cascade_of(scenario: Scenario) -> PressureCascade | None:
     """The cascade of a file of schema 1; None under another drive."""
-    found = scenario.elements.controllers.get("")
-    return found if isinstance(found, PressureCascade) else None
+    controller = scenario.elements.controllers.get("")
+    return controller if isinstance(controller, PressureCascade) else None
 
 
 def gains_of(scenario: Scenario) -> dict[str, float]:

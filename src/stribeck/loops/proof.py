@@ -96,11 +96,11 @@ def derive() -> QuadraticForm:
     y, v, p_1, p_2, z, z_hat = sympy.symbols("y v p_1 p_2 z z_hat", real=True)
     path: Course = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
     e, s = cascade.tracking_errors(c, path, y, v)
-    found = observe(Linear, p, c.K, v, s, {"z_hat": z_hat})
+    observed = observe(Linear, p, c.K, v, s, {"z_hat": z_hat})
     dz_dt = Linear.dz_dt(p, v, z)
     acceleration = Cylinder.acceleration(m, 0.0, Linear.friction(p, v, z, dz_dt), (p_1, p_2))
-    p_d = cascade.desired_pressure(c, m, path, v, s, found.F)
-    motion = {y: v, v: acceleration, z: dz_dt, z_hat: found.rates["z_hat"], **dict(pairwise(path))}
+    p_d = cascade.desired_pressure(c, m, path, v, s, observed.F)
+    motion = {y: v, v: acceleration, z: dz_dt, z_hat: observed.rates["z_hat"], **dict(pairwise(path))}
 
     def along(x: sympy.Expr) -> sympy.Expr:
         return sum(sympy.diff(x, each) * rate for each, rate in motion.items())

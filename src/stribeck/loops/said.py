@@ -93,7 +93,7 @@ def along_sentences(line: PathVerdicts) -> list[str]:
     """Boundaries and mixed intervals along one varied path, one sentence each, in order."""
     varied, missed = line.turned, f"stretches narrower than {100 * line.resolution:.1g} % of the value may be missed"
     if not line.boundaries and not line.mixed:
-        return [f"{line.found[0].verdict} from {varied.path} = {varied.low:g} to {varied.high:g}; {missed}"]
+        return [f"{line.judgements[0].verdict} from {varied.path} = {varied.low:g} to {varied.high:g}; {missed}"]
     sentences = [
         (b.low, f"{b.below} up to {b.path} = {b.low:.6g}, {b.above} from {b.high:.6g}") for b in line.boundaries
     ]

@@ -54,17 +54,17 @@ class ServoDesign:
 
     def to_dict(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""
-        found: dict[str, object] = {
+        result: dict[str, object] = {
             "scenario": self.solution.scenario.name, "derivative": str(derive().derivative), **self.gains.summary(),
             "proof": {"proven": self.proof.proven, "boxes": self.proof.boxes, "reason": self.proof.reason or None},
             "not_covered": list(self.not_covered),
         }  # fmt: skip
         simulation: dict[str, object] = {"status": self.solution.status, "reason": self.solution.reason}
         if self.staying is not None:
-            found["staying"] = asdict(self.staying)
+            result["staying"] = asdict(self.staying)
         if self.along is not None:
             simulation |= self.along.summary()
-        return {**found, "simulation": simulation}
+        return {**result, "simulation": simulation}
 
 
 def design_servo(
@@ -117,18 +117,18 @@ def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
 
 def doubts(scenario: Scenario, controller: PressureCascade) -> tuple[str, ...]:
     """The parts of the scenario that the proof does not cover."""
-    found = []
+    reasons = []
     if controller.observer_law is not None and not controller.observer_law.same_as(scenario.law):
-        found.append(
+        reasons.append(
             "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
         )
     piston = scenario.elements.bodies[controller.on]
     if any(x != getattr(piston, n) for n, x in controller.model):
-        found.append("the controller knows another plant")
+        reasons.append("the controller knows another plant")
     if controller.sampling is not None:
-        found.append("the controller is sampled")
+        reasons.append("the controller is sampled")
     if controller.adaptive:
-        found.append("adapted parameters: V has further terms (docs/explanation/servo.md)")
+        reasons.append("adapted parameters: V has further terms (docs/explanation/servo.md)")
     if controller.supply_droop:
-        found.append("the supply droops")
-    return (*found, "a valve at its limit, and p_1 and p_2 one by one")
+        reasons.append("the supply droops")
+    return (*reasons, "a valve at its limit, and p_1 and p_2 one by one")

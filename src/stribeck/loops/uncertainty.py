@@ -14,7 +14,7 @@ from stribeck.scenario import Scenario
 
 SHARE = 0.1  # of each parameter, both ways, if no intervals are given: a round assumption
 VARIED = ("F_c", "F_s", "v_s", "sigma_0", "sigma_1", "sigma_2")
-_RANDOM = 8
+_RANDOM = 8  # samples at random: as many again as four parameters have ends
 
 
 def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, float]]:

@@ -80,10 +80,10 @@ def check(
     alien = {"forces": forces, "t_end": t_end}
     if problems := [f"{name}: must be left out for a law: it is about a machine" for name, x in alien.items() if x]:
         raise InputError(problems)
-    found = _steepness(what, {**tolerated, "v_max": v_max}) if tolerated else {}
+    steepness = _steepness(what, {**tolerated, "v_max": v_max}) if tolerated else {}
     varied = None if level is None else at_level(what, level)
     verdicts = check_law(what, v_max, work) if varied is None else check_varied(varied, v_max, work)
-    verdicts.steepness = found
+    verdicts.steepness = steepness
     return verdicts
 
 

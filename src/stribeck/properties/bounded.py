@@ -18,8 +18,14 @@ from stribeck.properties.verdicts import Verdict, proved, undecided
 _OUTSIDE = "wherever |z| >= Z, dz/dt points inward or is 0, for every v: |z| does not grow there"
 _EDGE = "on |z| = Z dz/dt points inward or is 0, for every v, and solutions are unique up to |z| = 2 Z: none leaves"
 _PASSED = "held speeds that take z past the bound: dz/dt keeps its sign on the way (interval arithmetic)"
-_LEVELS = (2.0, 10.0, 100.0, 1e4, 1e6)
-_REPLAYED = 10.0
+_LEVELS = (
+    2.0,
+    10.0,
+    100.0,
+    1e4,
+    1e6,
+)  # of the bound: a law that passes the last is said to pass any level that was tried
+_REPLAYED = 10.0  # of the bound: as far as a replayed run goes; a longer one shows no more
 
 
 def prove(model: Model, claims: ClaimProver) -> Certificate | None:
@@ -55,10 +61,10 @@ def _passed(model: Model) -> Verdict | None:
     law, z_bound = model.law, float(model.bound[1])
     levels: list[dict[str, float]] = []
     for level in (1 + 1e-6, *_LEVELS):
-        found = _fastest(model, level * z_bound)
-        if found is None:
+        fastest = _fastest(model, level * z_bound)
+        if fastest is None:
             break
-        levels.append({"z": level * z_bound, "z_over_Z": level, "v": found[0], "time": found[1]})
+        levels.append({"z": level * z_bound, "z_over_Z": level, "v": fastest[0], "time": fastest[1]})
     if not levels:
         return None
     farthest = levels[-1]["z_over_Z"]
@@ -111,11 +117,11 @@ def _to_the_end(model: Model, shown: dict[str, float], level: float) -> dict[str
     low, high = level, max(2 * level, 2.0)
     for _ in range(12):
         middle = 0.5 * (low + high)
-        found = _fastest(model, middle * z_bound)
-        if found is None:
+        fastest = _fastest(model, middle * z_bound)
+        if fastest is None:
             high = middle
         else:
-            low, shown = middle, {"z": middle * z_bound, "z_over_Z": middle, "v": found[0], "time": found[1]}
+            low, shown = middle, {"z": middle * z_bound, "z_over_Z": middle, "v": fastest[0], "time": fastest[1]}
     return shown
 
 

@@ -31,13 +31,13 @@ def rational(x: Fraction | None) -> str:
 def _number(tree: Json) -> Json:
     if isinstance(tree, tuple):
         op, *args = tree
-        found = [_number(a) for a in args]
-        if op == "mul" and len(found) > 2:
-            total = found[0]
-            for each in found[1:]:
+        operands = [_number(a) for a in args]
+        if op == "mul" and len(operands) > 2:
+            total = operands[0]
+            for each in operands[1:]:
                 total = ["mul", total, each]
             return total
-        return [op, *found]
+        return [op, *operands]
     return tree if isinstance(tree, str) else rational(Fraction(tree))
 
 

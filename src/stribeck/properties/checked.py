@@ -34,6 +34,8 @@ from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
 
 _log = logging.getLogger(__name__)
 
+# Of the whole work: passivity and uniqueness divide the plane of v and z into many regions, the others into few. The sum is
+# above 1, because few laws use all of a share.
 SHARES = {"bounded": 0.2, "unique": 0.5, "smooth": 0.1, "passive": 0.65, "drift_free": 0.1}
 _PROVED = (
     "the dissipated power, F v - S' dz/dt, is never negative at the worst of all levels (signs of polynomials), with the elastic "
@@ -57,7 +59,13 @@ _UNKNOWN = (
 _ENDLESS = Fraction(3)  # where a level has no upper end: how far beyond the threshold it is swung
 _HIGH = Fraction(1000)  # the same with v_d, where all that the bristles lose while they are wound up counts
 _TRIED = 4  # cycles, of those found
-_DROPS = (1e-2, 1e-4, 1e-6, 1e-9, 1e-12)
+_DROPS = (
+    1e-2,
+    1e-4,
+    1e-6,
+    1e-9,
+    1e-12,
+)  # of the bound: how far below it z begins to unwind; close to the threshold only near it
 
 
 def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
@@ -224,9 +232,9 @@ class CheckedAlways:
                 return undecided(f"it holds at the lowest level; {_UNKNOWN.partition(';')[0]}")
             verdict.method = _SAME + verdict.method
             return self._with_level(name, verdict, self._end(-1, name))
-        return self._at(-1, name, verdict)
+        return self._at_end(-1, name, verdict)
 
-    def _at(self, side: int, name: str, verdict: Verdict) -> Verdict:
+    def _at_end(self, side: int, name: str, verdict: Verdict) -> Verdict:
         """A counterexample at one end of the level, said to be so."""
         if verdict.holds is False:
             verdict.method = _HELD + verdict.method
@@ -239,7 +247,7 @@ class CheckedAlways:
         if law is None:
             held = self.held(-1, "bounded")
             if held.holds is False:
-                return self._at(-1, "bounded", held)
+                return self._at_end(-1, "bounded", held)
             return undecided(
                 "the level has no upper end, and z no bound that holds at all of them" if self.known else _UNKNOWN
             )
@@ -342,7 +350,7 @@ class CheckedAlways:
         for side in (-1, 1):
             held = self.held(side, "passive")
             if held.holds is False:
-                return self._at(side, "passive", held)
+                return self._at_end(side, "passive", held)
         return self._dropped(low, high) if self.known and self.v_max is None else None
 
     def _by_swing(self, low: Law, high: Law) -> Verdict | None:

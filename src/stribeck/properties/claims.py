@@ -129,8 +129,8 @@ class ClaimProver:
     def force_form(self, s: int, t: int, data: Mapping[str, Fraction]) -> bool:
         """Whether F is k z + s exp(-(v/d)^2) dz/dt + c v."""
         k, sigma_1, d, c = (self.number(data[n]) for n in "ksdc")
-        made = k * Z + sigma_1 * exp(-((V / d) ** 2)) * self.model.rate + c * V
-        form = self.model.form_of(self.model.power_force - made, s, t)
+        stated = k * Z + sigma_1 * exp(-((V / d) ** 2)) * self.model.rate + c * V
+        form = self.model.form_of(self.model.power_force - stated, s, t)
         return self._claim("force form", "=0", (s, t), _QUADRANT, form) is not None
 
     def follows(self, s: int) -> Claim | None:
@@ -167,9 +167,9 @@ class ClaimProver:
 
 def every(claims: Iterable[Claim | None]) -> list[Claim] | None:
     """All of them; None as soon as one was not shown."""
-    found = []
+    proved = []
     for claim in claims:
         if claim is None:
             return None
-        found.append(claim)
-    return found
+        proved.append(claim)
+    return proved

@@ -46,13 +46,13 @@ def goals(certificate: Mapping[str, Json], slowest: Fraction, fastest: Fraction)
     lost = substitute([force], {RATE: rate})[0] * V - slope * rate
     fixed = {name: (x, x) for name, x in numbers.items()}
     box = {**fixed, "u": (slowest, fastest), "w": (Fraction(0), Fraction(certificate["Z"]))}
-    found = []
+    lemmas = []
     for s in SIGNS:
         for t in SIGNS:
             here = substitute([lost], {V: U * s, Z: W * t})
             form = rewrite(here, lambda node: positive(node, numbers))[0]
-            found.append(coq_goal(form, box, f"power_{'np'[s > 0]}{'np'[t > 0]}", above=True))
-    return GOAL_HEADER + "\n".join(found)
+            lemmas.append(coq_goal(form, box, f"power_{'np'[s > 0]}{'np'[t > 0]}", above=True))
+    return GOAL_HEADER + "\n".join(lemmas)
 
 
 def _read(data: Json, known: Mapping[str, Expr], numbers: dict[str, Fraction]) -> Expr:
@@ -69,8 +69,8 @@ def _read(data: Json, known: Mapping[str, Expr], numbers: dict[str, Fraction]) -
         return -args[0]
     if op == "abs":
         return abs(args[0])
-    made: Expr = _BINARY[op](*args) if op in _BINARY else getattr(ops, op)(*args)
-    return made
+    applied: Expr = _BINARY[op](*args) if op in _BINARY else getattr(ops, op)(*args)
+    return applied
 
 
 def main(arguments: list[str]) -> int:

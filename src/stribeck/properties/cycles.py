@@ -16,12 +16,14 @@ from stribeck.properties.model import Model
 from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, own_speeds
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
-_PANELS = 400
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(
+    10
+)  # on each panel; where dz/dt is smooth the error is that of rounding
+_PANELS = 400  # of a way, on which dz/dt may fall to _SLOW of its mean
 _SLOW = 0.02  # share of its mean below which dz/dt ends a window: the time would grow without limit
 _SAFE = 1e-9  # net energy drawn as a share of what flows, below which rounding could have made it
 _REPEATS = 100  # cycles in a run, at most: so many until more is drawn than winding up cost
-_SWING_SPEEDS = 70
+_SWING_SPEEDS = 70  # of each sign, over 13 decades or more: 5 in a decade, as Storage samples
 # Of the deflection where damping that falls with speed loses least: how far off a cycle turns.
 _AROUND = (0.3, 0.1, 0.03)
 _NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: how far below it a cycle may turn
@@ -70,8 +72,10 @@ def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
 
 def find(law: Law, storage: Storage) -> Cycle | None:
     """A short cycle that draws energy; None where none was found."""
-    at = abs(storage.worst[1]) if law.symmetric else storage.worst[1]
-    candidates = [best(storage, storage, *_candidates(storage, at), points) for points in _windows(storage, at)]
+    deflection = abs(storage.worst[1]) if law.symmetric else storage.worst[1]
+    candidates = [
+        best(storage, storage, *_candidates(storage, deflection), points) for points in _windows(storage, deflection)
+    ]
     feasible = [c for c in candidates if c is not None]
     if not feasible:
         return None
@@ -100,21 +104,21 @@ def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | Non
     return cycle if cycle is not None and cycle.drawn > 0 else None
 
 
-def _windows(storage: Storage, at: float) -> list[Array]:
+def _windows(storage: Storage, deflection: float) -> list[Array]:
     """Grids of z in which to look for a cycle: over all of the range, the natural length, and around the worst place."""
     r = storage.largest * (1 - 1e-9)
     wide = [np.linspace(-x, x, 101) for x in {r, min(r, 1.5 * storage.law.scales(storage.law.p).length)}]
-    near = [at + share * abs(at) * np.linspace(-1, 1, 81) for share in (0.5, 0.05, 0.003)]
-    edge = at + (storage.largest - abs(at)) * np.copysign(1, at) * np.linspace(-3, 0.9, 81)
+    near = [deflection + share * abs(deflection) * np.linspace(-1, 1, 81) for share in (0.5, 0.05, 0.003)]
+    edge = deflection + (storage.largest - abs(deflection)) * np.copysign(1, deflection) * np.linspace(-3, 0.9, 81)
     return [*wide, *(np.clip(np.sort(x), -r, r) for x in (*near, edge))]
 
 
-def _candidates(storage: Storage, at: float) -> tuple[Array, Array]:
-    own = own_speeds(storage.law)
-    top = storage.v_max if storage.v_max is not None else own[-1] * 1e6
-    u = np.logspace(np.log10(min(own[0] * 1e-3, top * 1e-3)), np.log10(top), 40)
+def _candidates(storage: Storage, deflection: float) -> tuple[Array, Array]:
+    law_speeds = own_speeds(storage.law)
+    top = storage.v_max if storage.v_max is not None else law_speeds[-1] * 1e6
+    u = np.logspace(np.log10(min(law_speeds[0] * 1e-3, top * 1e-3)), np.log10(top), 40)
     u[-1] = top
-    _, _, v_low, v_high = storage.extremes(np.array([at]))
+    _, _, v_low, v_high = storage.extremes(np.array([deflection]))
     speeds = np.concatenate([-u, [0.0], u])
     return np.append(speeds, v_high), np.append(speeds, v_low)
 
@@ -134,20 +138,20 @@ def best(
     gain = np.where(both, e_down[None, :, :] - e_up[:, None, :], -np.inf) * dz
     low, high, total = _largest_sums(gain)
     rows, columns = np.nonzero((total > 0) & (high - low >= 2))
-    found_best = None
+    cheapest = None
     for i, j in zip(rows, columns, strict=True):
-        found = _window(f_up[i], -f_down[j], int(low[i, j]), int(high[i, j]))
-        if found is None:
+        window = _window(f_up[i], -f_down[j], int(low[i, j]), int(high[i, j]))
+        if window is None:
             continue
-        w = slice(found[0], found[1] + 1)
+        w = slice(window[0], window[1] + 1)
         share = float(gain[i, j, w].sum() / ((abs(e_up[i, w]) + abs(e_down[j, w])) * dz[w]).sum())
         if share > _SAFE:
             time = float((dz[w] / f_up[i, w] - dz[w] / f_down[j, w]).sum())
             fast = max(abs(ups[i]), abs(downs[j])) / fastest
-            cost = _cost(share, time, fast, (z[found[1]] - z[found[0]]) / rising.largest)
-            if found_best is None or cost < found_best[0]:
-                found_best = (cost, float(ups[i]), float(downs[j]), float(z[found[0]]), float(z[found[1]]))
-    return found_best
+            cost = _cost(share, time, fast, (z[window[1]] - z[window[0]]) / rising.largest)
+            if cheapest is None or cost < cheapest[0]:
+                cheapest = (cost, float(ups[i]), float(downs[j]), float(z[window[0]]), float(z[window[1]]))
+    return cheapest
 
 
 def _that_move(storage: Storage, speeds: Array, z: Array, side: int) -> tuple[Array, Array, Array]:
@@ -312,7 +316,7 @@ def find_swings(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swi
     """Cycles between two levels that draw energy, the most convincing first."""
     stores = [Storage(law, v_max, float(law.z_bound(law.p))) for law in (high, low)]
     top = max(store.largest for store in stores)
-    found, dips = [], _dips(low, v_max)
+    rated, dips = [], _dips(low, v_max)
     for rising, falling in (stores, stores[::-1]):
         reach = min(rising.largest, top) * (1 - 1e-9)
         speeds = np.concatenate([_swing_speeds(rising.law, falling.law, v_max), *([-v, v] for v, _ in dips)])
@@ -322,8 +326,8 @@ def find_swings(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swi
         for grid in grids:
             cycle = best(rising, falling, speeds, speeds, grid)
             if cycle is not None:
-                found.append((cycle[0], Swing(rising.law, falling.law, *cycle[1:])))
-    for _, swing in sorted(found, key=lambda x: x[0]):
+                rated.append((cycle[0], Swing(rising.law, falling.law, *cycle[1:])))
+    for _, swing in sorted(rated, key=lambda x: x[0]):
         yield swing
 
 
@@ -340,8 +344,8 @@ def _dips(law: Law, v_max: float | None) -> list[tuple[float, float]]:
 
 
 def _swing_speeds(a: Law, b: Law, v_max: float | None) -> Array:
-    own = sorted(own_speeds(a) + own_speeds(b))
-    top = v_max if v_max is not None else own[-1] * 1e10
-    u = np.geomspace(min(own[0] * 1e-3, top * 1e-3), top, _SWING_SPEEDS)
+    law_speeds = sorted(own_speeds(a) + own_speeds(b))
+    top = v_max if v_max is not None else law_speeds[-1] * 1e10
+    u = np.geomspace(min(law_speeds[0] * 1e-3, top * 1e-3), top, _SWING_SPEEDS)
     u[-1] = top
     return np.concatenate([-u[::-1], u])

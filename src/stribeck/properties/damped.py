@@ -25,7 +25,7 @@ _FINER = (
 )
 _NEEDED = ("sigma_0", "sigma_1", "sigma_2", "v_d", "F_c", "F_s")
 _ROUNDING = Fraction(1, 2**44)  # more than that of m(0)
-_SPEEDS, _ZOOMS, _BEYOND = 4000, 3, 1e3
+_BEYOND = 1e3  # of the bound: there all motion is plastic, and v is small beside q z
 _KNOTS, _DIGITS = 4000, 30  # of the finer condition: how many, and how many binary digits each has
 
 
@@ -49,16 +49,16 @@ def knots(
     if not sigma_1 or not v_d:
         return None
     s, d, m, share = (float(x) for x in (sigma_1, v_d, above, sigma_2 / sigma_1))
-    found = [Fraction(0)]
-    while len(found) < _KNOTS:
-        x = float(found[-1])
+    shares = [Fraction(0)]
+    while len(shares) < _KNOTS:
+        x = float(shares[-1])
         if x >= 1 and s * (d * x + m) * exp(-x * x) <= 4 * float(least) * (1 - 1e-9):
-            return found
+            return shares
         there = 4 * float(least) * exp(x * x) * (1 + share * exp(x * x)) * (1 - 1e-12)
         end = Fraction(floor(min((there / s - m) / d, x + 1) * 2**_DIGITS), 2**_DIGITS)
-        if end <= found[-1]:
+        if end <= shares[-1]:
             return None
-        found.append(end)
+        shares.append(end)
     return None
 
 

@@ -22,8 +22,8 @@ _METHOD = "for |z| <= z_0 every case of dz/dt that occurs is v identically"
 _MOVED = "dz/dt is not v for any z in (0, z_1] at a held speed (signs over the whole range): no z_0 > 0 exists"
 _SLOW = 0.1  # of v_s: the speed of the dithered body
 _STIFF = 20.0  # how far the contact's resonance lies above the dither
-_CYCLES = 10
-_WORK = 12
+_CYCLES = 10  # of the load: a drift that each cycle repeats is plain, and the run stays short
+_WORK = 12  # regions, of one attempt: that dz/dt is not v on a small range is shown with a few
 _VISIBLE = 0.01  # of the elastic displacement: enough to show
 _NOISE = 1e-6  # of the elastic displacement: a smaller one would be rounding
 
@@ -46,12 +46,12 @@ def _candidates(law: Law) -> Iterator[float]:
     """Deflections up to which dz/dt = v as sampled: the law's own, and then halves of the natural one."""
     scales = law.scales(law.p)
     try:
-        own = [float(law.z_elastic(law.p))]
+        stated = [float(law.z_elastic(law.p))]
     except (NotImplementedError, AttributeError, TypeError):
-        own = []
+        stated = []
     v = np.concatenate([-np.logspace(-9, 6, 60), [0.0], np.logspace(-9, 6, 60)]) * scales.speed
     tried = 0
-    for z_0 in (*own, *(scales.length * 2.0**-k for k in range(40))):
+    for z_0 in (*stated, *(scales.length * 2.0**-k for k in range(40))):
         z = np.linspace(-z_0, z_0, 41)[:, None]
         if z_0 > 0 and np.all(abs(law.rate(v, z) - v) <= 1e-12 * abs(v)) and tried < 4:
             tried += 1
@@ -61,9 +61,9 @@ def _candidates(law: Law) -> Iterator[float]:
 def _departs(model: Model) -> dict[str, float] | None:
     """A held speed at which dz/dt is not v on a whole range of deflections from 0 on."""
     law = model.law
-    length, own = law.scales(law.p).length, own_speeds(law)
+    length, law_speeds = law.scales(law.p).length, own_speeds(law)
     prover = model.prover
-    for speed in (*own, own[0] / 10, own[-1] * 10, 0.0):
+    for speed in (*law_speeds, law_speeds[0] / 10, law_speeds[-1] * 10, 0.0):
         for s in SIGNS if speed else (0,):
             for t in SIGNS:
                 for share in (0.1, 1e-4, 1e-8):
@@ -98,11 +98,11 @@ def _shown(law: Law, apart: dict[str, float]) -> Verdict:
 
 def _moved_at(law: Law, speed: float) -> tuple[dict[str, Json], dict[str, Json]] | None:
     scales = law.scales(law.p)
-    own = getattr(law.p, "z_ba", None)
+    z_ba = getattr(law.p, "z_ba", None)
     stiffness = abs(float(law.force(0.0, 1e-6 * scales.length))) / (1e-6 * scales.length)
     if not (stiffness > 0 and np.isfinite(stiffness)):
         return None
-    peak = 0.5 * scales.force if own is None else min(0.5 * scales.force, 0.9 * stiffness * own)
+    peak = 0.5 * scales.force if z_ba is None else min(0.5 * scales.force, 0.9 * stiffness * z_ba)
     length = peak / stiffness
     rise, fall = length / speed, 0.2 * length / speed
     loads, times = [0.0, peak], [0.0, rise]

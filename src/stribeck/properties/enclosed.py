@@ -11,8 +11,8 @@ from stribeck.expressions.graph import Expr
 from stribeck.expressions.intervals import Box, Evaluator, Interval, Range, interval, point
 from stribeck.properties.model import Model
 
-_PANELS = (64, 1024, 16384)
-_PARTS = 400
+_PANELS = (64, 1024, 16384)  # of the enclosing quadrature: sixteen times as many where the sign is still open
+_PARTS = 400  # intervals of z that a lower bound looks at: halved where the bound is not above 0 yet
 _ROUNDING = 1e-12  # of a sum's size: more than its rounding
 
 
@@ -50,31 +50,31 @@ def programme(pieces: Sequence[tuple[Model, float, float, float]]) -> tuple[floa
     Args:
         pieces: (law, speed in m/s, z at its start, z at its end) of each piece.
     """
-    found: tuple[float, float] | None = None
+    bounds: tuple[float, float] | None = None
     for panels in _PANELS:
         parts = [energy(model, v, a, b, panels) for model, v, a, b in pieces]
         known = [part for part in parts if part is not None]
         if len(known) < len(parts):
             continue
         slack = _ROUNDING * sum(abs(x) for part in known for x in part)
-        found = sum(low for low, _ in known) - slack, sum(high for _, high in known) + slack
-        if found[1] < 0 or found[0] > 0:
-            return found
-    return found
+        bounds = sum(low for low, _ in known) - slack, sum(high for _, high in known) + slack
+        if bounds[1] < 0 or bounds[0] > 0:
+            return bounds
+    return bounds
 
 
 def least(model: Model, expr: Expr, v: float, a: float, b: float) -> float:
     """A lower bound of an expression of v and z over z in [a, b] at a held speed; what is not above 0 is cut finer."""
-    found, work, parts = math.inf, [(min(a, b), max(a, b))], _PARTS
+    bound, work, parts = math.inf, [(min(a, b), max(a, b))], _PARTS
     while work and parts > 0:
         low, high = work.pop()
         parts -= 1
         value: Range = Box({**model.inputs, "v": (v, v), "z": (low, high)})(expr)
         if value[0] > 0:
-            found = min(found, value[0])
+            bound = min(bound, value[0])
             continue
         middle = 0.5 * (low + high)
         if not low < middle < high or value[1] <= 0:
-            return min(found, value[0])
+            return min(bound, value[0])
         work += [(low, middle), (middle, high)]
-    return found if not work else -math.inf
+    return bound if not work else -math.inf

@@ -21,7 +21,7 @@ _ENDLESS = (
     "while z unwinds from z_start to z_end at speeds |v| >= u, F v <= -c v^2 and |dz/dt| <= C |v| (signs over the whole range): "
     "the energy drawn grows like |v|, without limit, more than any storage function holds"
 )
-_WORK = 60
+_WORK = 60  # regions, of one attempt: signs on a small range of z are shown with a few
 _SHARES = (1e-2, 1e-4, 1e-6, 1e-9, 1e-11, 1e-13)  # of the bound, over which z unwinds
 
 
@@ -37,10 +37,10 @@ def steady_gain(model: Model, storage: Storage) -> Verdict | None:
         low, high = z - width * length, z + width * length
         if storage.reach is not None and max(abs(low), abs(high)) > storage.reach:
             continue
-        at = {**model.inputs, "v": (v, v)}
-        left: Range = Box({**at, "z": (low, low)})(model.rate)
-        right: Range = Box({**at, "z": (high, high)})(model.rate)
-        inside: Range = Box({**at, "z": (low, high)})(model.power_force)
+        held = {**model.inputs, "v": (v, v)}
+        left: Range = Box({**held, "z": (low, low)})(model.rate)
+        right: Range = Box({**held, "z": (high, high)})(model.rate)
+        inside: Range = Box({**held, "z": (low, high)})(model.power_force)
         power = sorted(x * v for x in inside)
         if left[0] > 0 and right[1] < 0 and power[1] < 0:
             evidence = {"v": v, "z_from": low, "z_to": high, "enclosed": {"power": power}}

@@ -18,8 +18,8 @@ _METHOD = (
     "a held speed takes z to infinity in finite time: |dz/dt| >= c |z|^power for all |z| >= z_start "
     "(signs over the whole range)"
 )
-_POWERS = (2, 3, 4)
-_WORK = 20
+_POWERS = (2, 3, 4)  # of z, of which dz/dt exceeds a multiple: above 1, z is infinite after a finite time
+_WORK = 20  # regions, of one attempt: a bound from far below is shown with a few
 
 
 def escape(model: Model) -> Verdict | None:

@@ -83,10 +83,10 @@ class Model:
             what = "is beyond what floats hold" if beyond else "is not a positive number"
             raise Unreadable(f"z_bound of the law {what}: it lies between {low:g} and {high:g} m")
         try:
-            found = Leaf(self.ring, Region((), ()), Rules(), self.inputs).convert(self._bound)
+            quotient = Leaf(self.ring, Region((), ()), Rules(), self.inputs).convert(self._bound)
         except Unclear:
             return Fraction(low), Fraction(high)
-        exact = found.rational
+        exact = quotient.rational
         return (exact, exact) if exact is not None else (Fraction(low), Fraction(high))
 
     @cached_property
@@ -103,8 +103,8 @@ class Model:
                 )
                 lengths |= {value} if c.unit == "m" else set()
         lengths |= {self.bound[1], 2 * self.bound[1]}  # strictly beyond Z cases are settled
-        own = sorted(own_speeds(self.law))
-        for u in (own[-1] * 1e6, own[0] * 1e-6):  # where z settles when slid fast, and slowly
+        law_speeds = sorted(own_speeds(self.law))
+        for u in (law_speeds[-1] * 1e6, law_speeds[0] * 1e-6):  # where z settles when slid fast, and slowly
             z = abs(float(self.law.steady_deflection(u)))
             lengths |= {Fraction(z)} if 0 < z < 1e3 * float(self.bound[1]) else set()
         places = self._switches()
@@ -120,7 +120,7 @@ class Model:
 
     def _switches(self) -> dict[str, set[Fraction]]:
         """The speeds and deflections at which conditions switch, where these are rational."""
-        found: dict[str, set[Fraction]] = {"u": set(), "w": set()}
+        switching: dict[str, set[Fraction]] = {"u": set(), "w": set()}
         leaf = self._anywhere(Rules(opaque=True))
         for s in SIGNS:
             for t in SIGNS:
@@ -132,8 +132,8 @@ class Model:
                     except Unclear:
                         continue
                     for name, root in linear_roots(difference):
-                        found[name].add(root)
-        return {name: {x for x in roots if 0 < x < _FARTHEST} for name, roots in found.items()}
+                        switching[name].add(root)
+        return {name: {x for x in roots if 0 < x < _FARTHEST} for name, roots in switching.items()}
 
     # -- forms -----------------------------------------------------------------------------------------------------
 
@@ -180,8 +180,8 @@ def finite(expr: Expr) -> Expr:
     Raises:
         Unreadable: one is used otherwise, or a literal is no number.
     """
-    found = rewrite([expr], _without_infinite)[0]
-    for node in ordered([found]):
+    cleaned = rewrite([expr], _without_infinite)[0]
+    for node in ordered([cleaned]):
         if node.op == "floor":
             raise Unreadable("the equations hold floor(...), which the proofs do not treat")
         if isinstance(node.value, float) and not math.isfinite(node.value):
@@ -190,7 +190,7 @@ def finite(expr: Expr) -> Expr:
             for a in node.args[: 1 if node.op == "where" else 2]:
                 if a.op not in ("lt", "le", "both", "either"):
                     raise Unreadable(f"a condition that is no comparison: {a.op}")
-    return found
+    return cleaned
 
 
 TRUE, FALSE = constant(0.0) < constant(1.0), constant(1.0) < constant(0.0)
@@ -312,7 +312,7 @@ def divided(node: Expr, by: Expr, remainder: Callable[[Expr], Expr] | None = Non
         return ONE
     if is_zero(node):
         return ZERO
-    found: Expr | None = None
+    quotient: Expr | None = None
     if node.op == "mul":
         for i, a in enumerate(node.args):
             if (part := divided(a, by)) is not None:
@@ -326,16 +326,16 @@ def divided(node: Expr, by: Expr, remainder: Callable[[Expr], Expr] | None = Non
         skip = 1 if node.op == "where" else 0
         parts = [divided(a, by, remainder) for a in node.args[skip:]]
         if all(part is not None for part in parts):
-            found = rebuild(node, (*node.args[:skip], *parts))  # type: ignore[arg-type]
+            quotient = rebuild(node, (*node.args[:skip], *parts))  # type: ignore[arg-type]
     elif node.op == "abs" and (part := divided(node.args[0], by)) is not None:
         return abs(part)
     elif node.op == "sqrt" and remainder is not None:
         once = divided(node.args[0], by, remainder)
         twice = divided(once, by, remainder) if once is not None else None
-        found = sqrt(twice) if twice is not None else None
-    if found is None and remainder is not None:
+        quotient = sqrt(twice) if twice is not None else None
+    if quotient is None and remainder is not None:
         return remainder(node)
-    return found
+    return quotient
 
 
 def grows(node: Expr, by: Expr) -> bool:

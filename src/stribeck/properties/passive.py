@@ -100,11 +100,11 @@ def _numeric(model: Model, slope: Expr) -> fitted.Slope:
     function = python_function([*names, "z"], [slope])
     values = [float(model.values[n]) for n in names]
 
-    def of(z: Array) -> Array:
+    def slope_at(z: Array) -> Array:
         with np.errstate(all="ignore"):
             return np.asarray(function(*values, z)[0]) + 0 * z
 
-    return of
+    return slope_at
 
 
 def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certificate | None) -> Verdict:
@@ -154,7 +154,7 @@ def _with_cells(
     cells = fitted.fit(storage, _numeric(model, slope), float(reach))
     if cells is None:
         return None
-    u, elastic_reach = (NULL, model.v_max), Fraction(cells.own)
+    u, elastic_reach = (NULL, model.v_max), Fraction(cells.elastic_up_to)
     shown = claims.power(slope, u, (NULL, elastic_reach), (*SIGNS, 0))
     if shown is None:
         return None
@@ -176,7 +176,7 @@ def _with_cells(
     certificate = Certificate("passive", "storage", [*shown, *rising], data, hypotheses)
     evidence = {
         "storage": "the elastic energy near z = 0, beyond it fitted between L and U",
-        "own_up_to": cells.own,
+        "own_up_to": cells.elastic_up_to,
         "slopes": [[float(x) for x in row] for row in zip(cells.low, cells.high, cells.slope, strict=True)],
     }
     return proved(model, certificate, _FITTED, evidence)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from stribeck.mouth.document import Document
 
 ONLY = "contact"  # the name of the contact of a single body
-_WORK = 400
+_WORK = 400  # regions for a law without z: one variable, so a sixth of a whole check suffices
 _STATIC = (
     "F v >= 0 for every v and every history of its constants (F is affine in those that vary, each part with v's sign)"
 )
@@ -128,18 +128,18 @@ def check_machine(
         InputError: no valid scenario, or no such force.
     """
     started = process_time()
-    made = scenario_of(scenario, t_end, None)
+    source = scenario_of(scenario, t_end, None)
     stated = dict(forces or {})
-    _refuse(made, stated)
-    if made.elements.unnamed:
-        verdicts = _single(made, v_max, work)
+    _refuse(source, stated)
+    if source.elements.unnamed:
+        verdicts = _single(source, v_max, work)
     else:
-        verdicts = MachineVerdicts(made.name, {}, {})
-        for contact in made.system.contacts:
-            varied = of_contact(made.elements, contact, made.end, stated)
+        verdicts = MachineVerdicts(source.name, {}, {})
+        for contact in source.system.contacts:
+            varied = of_contact(source.elements, contact, source.end, stated)
             verdicts.ranges[contact.name] = varied.to_dict()
             verdicts.contacts[contact.name] = _of_law(varied, v_max, work)
-        _whole(made, verdicts)
+        _whole(source, verdicts)
     verdicts.seconds = process_time() - started
     return verdicts
 
@@ -221,19 +221,19 @@ def _whole(scenario: Scenario, verdicts: MachineVerdicts) -> None:
     _judge(verdicts, alone and not verdicts.ranges[machine.contacts[0].name])
 
 
-def _judge(found: MachineVerdicts, alone: bool) -> None:
+def _judge(whole: MachineVerdicts, alone: bool) -> None:
     """What follows for the whole; a machine of nothing but one contact at a constant level is what the contact is."""
-    passive = {name: verdicts["passive"].holds for name, verdicts in found.contacts.items()}
-    found.spoiled_by = [name for name, holds in passive.items() if holds is False]
-    found.undecided = [*(name for name, holds in passive.items() if holds is None), *found.undecided]
-    if not found.spoiled_by and not found.undecided:
-        limits = [v.v_max for v in found.contacts.values() if v.v_max is not None]
+    passive = {name: verdicts["passive"].holds for name, verdicts in whole.contacts.items()}
+    whole.spoiled_by = [name for name, holds in passive.items() if holds is False]
+    whole.undecided = [*(name for name, holds in passive.items() if holds is None), *whole.undecided]
+    if not whole.spoiled_by and not whole.undecided:
+        limits = [v.v_max for v in whole.contacts.values() if v.v_max is not None]
         within = f", while |w| <= {min(limits):g} at every contact" if limits else ""
-        found.passive, found.why = True, _SUM + within
-    elif found.spoiled_by:
-        names = ", ".join(found.spoiled_by)
-        found.passive = False if alone else None
-        found.why = f"energy can be drawn from {names}"
-        found.why += "" if alone else "; other elements may dissipate less than that"
+        whole.passive, whole.why = True, _SUM + within
+    elif whole.spoiled_by:
+        names = ", ".join(whole.spoiled_by)
+        whole.passive = False if alone else None
+        whole.why = f"energy can be drawn from {names}"
+        whole.why += "" if alone else "; other elements may dissipate less than that"
     else:
-        found.why = f"undecided for {', '.join(found.undecided)}"
+        whole.why = f"undecided for {', '.join(whole.undecided)}"

@@ -53,16 +53,16 @@ def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
 def _of_points(t: Array, value: Array, t_end: float) -> tuple[Fraction, Fraction]:
     """The least and the largest of the points within the run, and of those lines that its ends cut."""
     inside = value[(t >= 0) & (t <= t_end)]
-    found = [Fraction(float(x)) for x in (inside.min(), inside.max())] if inside.size else []
+    extremes = [Fraction(float(x)) for x in (inside.min(), inside.max())] if inside.size else []
     for cut in (0.0, t_end):
         i = int(np.searchsorted(t, cut, side="right"))
         if 0 < i < len(t):
             a, b = (Fraction(float(x)) for x in (value[i - 1], value[i]))
             share = (Fraction(cut) - Fraction(float(t[i - 1]))) / (Fraction(float(t[i])) - Fraction(float(t[i - 1])))
-            found.append(a + share * (b - a))
+            extremes.append(a + share * (b - a))
         else:
-            found.append(Fraction(float(value[min(max(i - 1, 0), len(t) - 1)])))
-    return min(found), max(found)
+            extremes.append(Fraction(float(value[min(max(i - 1, 0), len(t) - 1)])))
+    return min(extremes), max(extremes)
 
 
 def _curve_pieces(signal: Curve, t_end: float) -> list[tuple[Mapping[str, float], float]]:
@@ -191,8 +191,11 @@ def _times(a: ExactRange, b: ExactRange) -> ExactRange:
 def of_contact(machine: Elements, contact: Contact, t_end: float, stated: Mapping[str, float]) -> Varied:
     """The contact's law with the ranges that factors and loads give its constants."""
     law = machine.laws[contact.law_path]
-    factors = {of: _factor(machine, x, f"{contact.path}.factors.{of}", t_end) for of, x in contact.factors.items()}
-    found: dict[str, ExactRange] = {}
+    factors = {
+        constant: _factor(machine, x, f"{contact.path}.factors.{constant}", t_end)
+        for constant, x in contact.factors.items()
+    }
+    ranges: dict[str, ExactRange] = {}
     for name, value in law.values.items():
         if value is None:
             continue
@@ -200,8 +203,8 @@ def of_contact(machine: Elements, contact: Contact, t_end: float, stated: Mappin
         if name in ("F_c", "F_s"):
             now = _times(_raised(machine, contact, name, now, t_end, stated), factors.get("level", _ONE))
         if name in factors or now[0] != value or now[1] != value:
-            found[name] = now
-    return Varied(law, found)
+            ranges[name] = now
+    return Varied(law, ranges)
 
 
 def _raised(

@@ -16,8 +16,8 @@ from stribeck.properties.plain import Json
 if TYPE_CHECKING:
     from stribeck.simulation import Solution
 
-ROWS = 1000
-AGREES = 1e-6
+ROWS = 1000  # of a replayed counterexample: as fine as a plot across a page is wide
+AGREES = 1e-6  # relative difference of a replay from its stated result: what the solver promises by default
 _MOST_STEPS = 1_000_000  # a law that is wrong may vibrate without end
 
 

@@ -24,7 +24,9 @@ _METHOD = (
 _BROKEN = "one-sided derivatives of {} that differ, enclosed by interval arithmetic"
 _TORN = "values of {} on the two sides of a case that differ, enclosed by interval arithmetic"
 _APART = 1e-9  # of their size: a smaller difference may be rounding in a constant, and is not called a kink
-_TINY = 1e-12
+_TINY = (
+    1e-12  # of a law's natural speed or length: so near an axis, one-sided derivatives are those on it, up to _APART
+)
 _LOOKS, _CROSSING = 240.0, 4.0  # work that a search for kinks may do, and that of one search for a crossing
 _NAMES = ("dz/dt", "F")
 
@@ -49,7 +51,7 @@ def decide(model: Model, claims: ClaimProver) -> Verdict:
 
 def _smooth(model: Model, claims: ClaimProver, expr: Expr) -> list[Claim] | str:
     joints = Joints(model, claims, expr)
-    found: list[Claim] = []
+    proofs: list[Claim] = []
     for s, t in product(SIGNS, SIGNS):
         form = model.form_of(expr, s, t)
         for node in ordered([form]):
@@ -57,18 +59,18 @@ def _smooth(model: Model, claims: ClaimProver, expr: Expr) -> list[Claim] | str:
                 claim = claims.divisor((s, t), part, relation, present(part))
                 if claim is None:
                     return f"a {node.op} in {{}} may be singular somewhere"
-                found.append(claim)
+                proofs.append(claim)
         for surface in switching_surfaces(form, (s, t)):
             shown = joints.at_condition(surface, 1)
             if shown is None:
                 return f"could not show that the cases of {{}} meet smoothly where {surface.text}"
-            found += shown
+            proofs += shown
     for axis, side in product("vz", SIGNS):
         shown = joints.at_axis(axis, side, 1)
         if shown is None:
             return f"could not show that the cases of {{}} meet smoothly where {axis} = 0"
-        found += shown
-    return found
+        proofs += shown
+    return proofs
 
 
 def _delicate(model: Model, node: Expr) -> Iterator[tuple[Expr, str]]:
@@ -112,26 +114,28 @@ def _kinks(model: Model, name: str, expr: Expr, work: Budget) -> Iterator[Verdic
             yield from _at_surface(model, name, surface, (speed, length), work)
 
 
-def _at_axis(model: Model, name: str, expr: Expr, axis: str, side: int, other: float, own: float) -> Iterator[Verdict]:
+def _at_axis(
+    model: Model, name: str, expr: Expr, axis: str, side: int, other: float, reach: float
+) -> Iterator[Verdict]:
     """On both sides of v = 0 (or z = 0), for one value of the other."""
     here, there = (U, W) if axis == "v" else (W, U)
     sides = [(t, side) if axis == "v" else (side, t) for t in SIGNS]
-    box = {**model.inputs, str(here.value): (0.0, own * _TINY), str(there.value): (other, other)}
+    box = {**model.inputs, str(here.value): (0.0, reach * _TINY), str(there.value): (other, other)}
     forms = [model.form_of(expr, *each) for each in sides]
     if Box(box)(model.form_of(expr, 0, side) if axis == "v" else model.form_of(expr, side, 0)) == (0.0, 0.0):
         # 0 at v = 0: the quotients (f(v) - 0)/v for all small v of either sign, where derivatives have no finite range
         quotients = [divided(f, here) for f in forms]
         above, below = (_range(q, box) if q is not None else EVERYTHING for q in quotients)
         if _apart(above, (-below[1], -below[0])):
-            at = (0.0, other * side) if axis == "v" else (other * side, 0.0)
-            yield _verdict(name, f"{axis} = 0", at, here, above, (-below[1], -below[0]))
+            point = (0.0, other * side) if axis == "v" else (other * side, 0.0)
+            yield _verdict(name, f"{axis} = 0", point, here, above, (-below[1], -below[0]))
     for by in (here, there, None):
         above, below = (_range(derivative(f, by) if by is not None else f, box) for f in forms)
         if by is here:
             below = (-below[1], -below[0])
         if _apart(above, below):
-            at = (0.0, other * side) if axis == "v" else (other * side, 0.0)
-            yield _verdict(name, f"{axis} = 0", at, by, above, below)
+            point = (0.0, other * side) if axis == "v" else (other * side, 0.0)
+            yield _verdict(name, f"{axis} = 0", point, by, above, below)
 
 
 def _at_surface(
@@ -156,17 +160,17 @@ def _at_surface(
                 side = surface.sides[0 if x is U else 1]
                 rising = (_range(derivative(difference, x), box)[0] > 0) == (side > 0)  # then the condition holds below
                 above, below = (b, a) if rising else (a, b)
-                at = (u * surface.sides[0], w * surface.sides[1])
+                point = (u * surface.sides[0], w * surface.sides[1])
                 if by is not None and surface.sides[0 if by is U else 1] < 0:
                     above, below = ((-r[1], -r[0]) for r in (above, below))
-                yield _verdict(name, surface.text, at, by, above, below)
+                yield _verdict(name, surface.text, point, by, above, below)
 
 
 def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, guess: float) -> Range | None:
     """A small interval of x in which a condition certainly switches, its difference rising or falling throughout."""
 
-    def value(at: float) -> Range:
-        return Box({**model.inputs, str(x.value): (at, at), str(y.value): (given, given)})(difference)  # type: ignore[no-any-return]
+    def value(place: float) -> Range:
+        return Box({**model.inputs, str(x.value): (place, place), str(y.value): (given, given)})(difference)  # type: ignore[no-any-return]
 
     hints = model.prover.hints
     known = np.array([float(a) for a in (hints.speeds if x is U else hints.lengths)])
@@ -196,9 +200,9 @@ def _sign(x: Range) -> int:
 
 def _range(expr: Expr, box: dict[str, Range]) -> Range:
     """The range; everything where a case is not settled in the box."""
-    found = Box(box)
-    value: Range = found(expr)
-    unsettled = any(n.op in ("lt", "le") and found.known[n] is None for n in ordered([expr]))
+    evaluated = Box(box)
+    value: Range = evaluated(expr)
+    unsettled = any(n.op in ("lt", "le") and evaluated.known[n] is None for n in ordered([expr]))
     return (-np.inf, np.inf) if unsettled else value
 
 
@@ -209,10 +213,10 @@ def _apart(a: Range, b: Range) -> bool:
     return gap > _APART * max(abs(a[0]), abs(a[1]), abs(b[0]), abs(b[1]))
 
 
-def _verdict(name: str, where: str, at: tuple[float, float], by: Expr | None, above: Range, below: Range) -> Verdict:
+def _verdict(name: str, where: str, point: tuple[float, float], by: Expr | None, above: Range, below: Range) -> Verdict:
     what = "value" if by is None else f"derivative of {name} by {'v' if by is U else 'z'}"
     evidence: dict[str, Json] = {
-        "of": name, "v": at[0], "z": at[1], "where": where,
+        "of": name, "v": point[0], "z": point[1], "where": where,
         "derivative": what if by is not None else f"value of {name}",
         "from_below": 0.5 * (below[0] + below[1]), "from_above": 0.5 * (above[0] + above[1]),
         "enclosed": {"from_below": list(below), "from_above": list(above)},

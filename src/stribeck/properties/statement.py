@@ -29,14 +29,14 @@ def statement(law: Law) -> dict[str, Json]:
 
 def _tree(top: Expr) -> Json:
     """An expression; what occurs twice is one list."""
-    made: dict[Expr, Json] = {}
+    written: dict[Expr, Json] = {}
     for node in ordered([top]):
         if node.op == "constant":
             assert isinstance(node.value, float)
-            made[node] = _number(tree_of(node.value))
+            written[node] = _number(tree_of(node.value))
         else:
-            made[node] = str(node.value) if node.op == "symbol" else [node.op, *(made[a] for a in node.args)]
-    return made[top]
+            written[node] = str(node.value) if node.op == "symbol" else [node.op, *(written[a] for a in node.args)]
+    return written[top]
 
 
 def _number(tree: Json) -> Json:
@@ -44,7 +44,7 @@ def _number(tree: Json) -> Json:
     if not isinstance(tree, tuple):
         return tree
     op, first, *rest = tree
-    found = _number(first)
+    value = _number(first)
     for x in rest:
-        found = [op, found, _number(x)]
-    return found if rest else [op, found]
+        value = [op, value, _number(x)]
+    return value if rest else [op, value]

@@ -59,13 +59,13 @@ class Joints:
         pairs = [(surface.if_true, surface.if_false)]
         if order:
             pairs += [(derivative(surface.if_true, x), derivative(surface.if_false, x)) for x in (U, W)]
-        found: list[Claim] = []
+        proofs: list[Claim] = []
         for a, b in pairs:
             claims = next((c for c in self._ways(surface, a, b) if c is not None), None)
             if claims is None:
                 return None
-            found += claims
-        return found
+            proofs += claims
+        return proofs
 
     def _ways(self, surface: SwitchingSurface, a: Expr, b: Expr) -> Iterator[list[Claim] | None]:
         less, more = surface.condition.args
@@ -106,14 +106,14 @@ class Joints:
             for x in (U, W):
                 a, b = derivative(above, x), derivative(below, x)
                 pairs.append((a, -b if x is here else b))
-        found = []
+        proofs = []
         for a, b in pairs:
             left, right = substitute([a, b], {here: REST})
             claim = self.claims.identity(sides[0], left, right, EVERYWHERE, axis=axis, side=side)
             if claim is None:
                 return None
-            found.append(claim)
-        return found
+            proofs.append(claim)
+        return proofs
 
 
 def present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:

@@ -23,7 +23,7 @@ METHOD = (
     "dz/dt is continuous in z (identities where its cases meet) and Lipschitz in z, uniformly over bounded v "
     "(its derivative by z is bounded, region by region)"
 )
-_POWERS = (1, 2, 4)
+_POWERS = (1, 2, 4)  # of the speed, in the bound of the slope: laws grow like v; two more for laws of one's own
 _SLACK = 128.0  # any bound will do: one that is far off is shown with few regions
 _LEAST = 5e-324  # the smallest float above 0, in place of a slope that is 0
 
@@ -63,7 +63,7 @@ def prove(
 
 def _continuous(model: Model, claims: ClaimProver) -> list[Claim] | str:
     joints = Joints(model, claims, model.rate)
-    found: list[Claim] = []
+    proofs: list[Claim] = []
     for s in (0, *SIGNS):
         for t in SIGNS:
             for surface in switching_surfaces(model.form(s, t), (s, t)):
@@ -72,12 +72,12 @@ def _continuous(model: Model, claims: ClaimProver) -> list[Claim] | str:
                 shown = joints.at_condition(surface, 0)
                 if shown is None:
                     return f"dz/dt may jump where {surface.text}"
-                found += shown
+                proofs += shown
         shown = joints.at_axis("z", s, 0)
         if shown is None:
             return "dz/dt may jump at z = 0"
-        found += shown
-    return found
+        proofs += shown
+    return proofs
 
 
 def _bounded_slope(
@@ -108,10 +108,10 @@ def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Json]]
             )
             if tail > 1.5 or (within is None and float(steep.max()) > 1.5 and slope[:, -1].max() > 0):
                 continue
-            own = scale / float(
+            natural = scale / float(
                 length
             )  # LuGre's decay: where dz/dt is far flatter, a tight bound costs regions for nothing
-            size_of_slope = max(_SLACK * fast, _SLACK * slow, own)
+            size_of_slope = max(_SLACK * fast, _SLACK * slow, natural)
             a, b = Fraction(size_of_slope), Fraction(size_of_slope / scale**k)
             finite = Fraction(float(max(size[:, 0].max(), 1e-300)))
             a = max(a, finite / length if finite < 1e300 else a)
@@ -120,8 +120,8 @@ def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Json]]
 
 def _samples(model: Model, within: Fraction | None) -> tuple[Array, Array, Array, Array]:
     """|d(dz/dt)/dz| and |dz/dt| on a grid of speeds and deflections."""
-    own, length = own_speeds(model.law), float(model.bound[1])
-    u = np.geomspace(own[0] * 1e-4, own[-1] * 1e6, 61)
+    law_speeds, length = own_speeds(model.law), float(model.bound[1])
+    u = np.geomspace(law_speeds[0] * 1e-4, law_speeds[-1] * 1e6, 61)
     top = float(within) if within is not None else length * 1e4
     w = np.concatenate([[0.0], np.geomspace(length * 1e-6, top, 60)])
     names = [n for n in model.values if n.isidentifier()]

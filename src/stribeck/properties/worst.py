@@ -168,32 +168,32 @@ class Varied:
             values["v_d"] = self._worst("v_d")
         if name in MAJORANT:
             values |= {"k_v": self._worst("k_v"), "smooth_abs": self.law.choices["smooth_abs"]}
-        made = WorstLevelMajorant if name in MAJORANT else WorstLevel
+        cls = WorstLevelMajorant if name in MAJORANT else WorstLevel
         try:
-            return made(values, self.law.rotary)
+            return cls(values, self.law.rotary)
         except InputError:
             return None  # a constant that is too small or too large for a number
 
     def lowest(self, any_z: bool = False) -> Law | None:
         """The law that stands for the worst of all levels more closely than :meth:`worst`: with the Stribeck curve of the
         lowest, and its own |v|. None where that is no other, or where it is not known which curve is the lowest."""
-        found = self.worst(any_z)
-        if found is None or "F_s" not in self.law.values or "delta" in self.ranges:
+        coarse = self.worst(any_z)
+        if coarse is None or "F_s" not in self.law.values or "delta" in self.ranges:
             return None
         low, rest = self.newtons[0], self.range("F_s")[0]
         if rest <= low and self.law.name != "lugre_arctan":
             return None
-        values: dict[str, Json] = {**found.values, **found.choices, "delta": self.law.values.get("delta")}
+        values: dict[str, Json] = {**coarse.values, **coarse.choices, "delta": self.law.values.get("delta")}
         values |= {"F_c": down(low), "F_s": max(down(rest), down(low)), "v_s": down(self.range("v_s")[0])}
         base = {"elastoplastic": "lugre", "elastoplastic_majorant": "lugre_majorant"}.get(self.law.name, self.law.name)
-        made: type[Law] = laws.builtin()[base]
+        cls: type[Law] = laws.builtin()[base]
         if base == "lugre_arctan":
             values["k_v"] = up(_end(self.range("k_v")))
         if not any_z:
-            made = LowestLevelMajorant if isinstance(found, WorstLevelMajorant) else LowestLevel
+            cls = LowestLevelMajorant if isinstance(coarse, WorstLevelMajorant) else LowestLevel
             values["reach"] = up(_end(self.newtons) / self.range("sigma_0")[0])
         try:
-            return made(values, self.law.rotary)
+            return cls(values, self.law.rotary)
         except InputError:
             return None
 

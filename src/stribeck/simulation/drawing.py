@@ -134,11 +134,11 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
 def _curve(load: Load, position: Quantity, unit: str) -> dict[str, Quantity]:
     """The force of a load that depends on the position alone, finer than the rows that were reached."""
     y = np.linspace(*load.shown(np.nanmin(position.values), np.nanmax(position.values)), _CURVE)
-    made = {
+    named = {
         "position": Quantity(f"{load.on}.y", position.unit, position.meaning, y),
         "curve": Quantity(f"{load.name}.f", unit, "force of the load", np.asarray(load.force(0.0, y, 0.0), float)),
     }
-    return {f"{load.name}.{name}": quantity for name, quantity in made.items()}
+    return {f"{load.name}.{name}": quantity for name, quantity in named.items()}
 
 
 def deviation_rows(

@@ -44,10 +44,10 @@ def power(leaf: Leaf, node: Expr, base: Quotient, exponent: Quotient) -> Quotien
 def _whole(leaf: Leaf, base: Quotient, n: int) -> Quotient:
     if n <= 0 and not leaf.signs(base)[2]:
         raise Unclear("a power of what may be 0")
-    found = leaf.ring.one
+    power = leaf.ring.one
     for _ in range(abs(n)):
-        found = leaf.ring.apply("mul", found, base)
-    return found if n >= 0 else leaf.ring.apply("div", leaf.ring.one, found)
+        power = leaf.ring.apply("mul", power, base)
+    return power if n >= 0 else leaf.ring.apply("div", leaf.ring.one, power)
 
 
 def _root_of(leaf: Leaf, node: Expr, base: Quotient, share: Fraction) -> Quotient:
@@ -77,8 +77,8 @@ def function(leaf: Leaf, node: Expr, x: Quotient) -> Quotient:
     if op in ("sin", "cos") and (wave := _quarter(ring, op, x)) is not None:
         return ring.constant(Fraction(wave))
     if op in ("atan", "tanh", "sin", "cos") and _leads_negative(x):  # odd, but for cos: one atom for x and -x
-        found = function(leaf, _opposite(node), ring.apply("neg", x))
-        return found if op == "cos" else ring.apply("neg", found)
+        mirrored = function(leaf, _opposite(node), ring.apply("neg", x))
+        return mirrored if op == "cos" else ring.apply("neg", mirrored)
     if op == "sqrt" and (root := _exact_root(leaf, x)) is not None:
         return root
     if op in ("sqrt", "log"):
@@ -184,10 +184,10 @@ def _about_1(leaf: Leaf, node: Expr, y: Quotient, known: Range) -> Range:
     return low, high
 
 
-def ranged(leaf: Leaf, atom: Quotient, node: Expr, of: Quotient | None = None) -> Quotient:
+def ranged(leaf: Leaf, atom: Quotient, node: Expr, argument: Quotient | None = None) -> Quotient:
     """The atom, of which its range is used: a share of it, or what it is above (or below) its one end.
 
-    ``of`` is the argument, or base.
+    ``argument`` is that of the function, or the base of the power.
 
     Raises:
         Unclear: nothing is known of it.
@@ -196,8 +196,8 @@ def ranged(leaf: Leaf, atom: Quotient, node: Expr, of: Quotient | None = None) -
     if leaf.places[3 + index] is not None:
         return atom
     low, high = leaf.box(node)
-    if of is not None and node.op in ("sqrt", "pow", "log"):
-        low, high = _about_1(leaf, node, of, (low, high))
+    if argument is not None and node.op in ("sqrt", "pow", "log"):
+        low, high = _about_1(leaf, node, argument, (low, high))
     if leaf.rules.opaque and not leaf.free:
         return atom
     if not (low > -INF and high < INF):

@@ -77,14 +77,14 @@ def signs(
     spend(int(size) * len(groups) * (2 + int(sum(degrees))) // 2)
     above, below, strict = True, True, False
     for outer, table in groups.items():
-        found = {_in_pi(x) for x in _coefficients(table, degrees)}
-        if None in found:
+        coefficient_signs = {_in_pi(x) for x in _coefficients(table, degrees)}
+        if None in coefficient_signs:
             return UNKNOWN
-        above, below = above and -1 not in found, below and 1 not in found
+        above, below = above and -1 not in coefficient_signs, below and 1 not in coefficient_signs
         if not (above or below):
             return UNKNOWN
         free = all(power == 0 or opened[i] for power, i in zip(outer, positives, strict=True))
-        strict = strict or (free and found in ({1}, {-1}))
+        strict = strict or (free and coefficient_signs in ({1}, {-1}))
     return above, below, strict and (above or below)
 
 
@@ -114,5 +114,5 @@ def _coefficients(
     count = 1
     for n in degrees:
         count *= n + 1
-    found = [x if x else {0: 0} for x in table.values()]
-    return found if len(found) == count else [*found, {0: 0}]
+    coefficients = [x if x else {0: 0} for x in table.values()]
+    return coefficients if len(coefficients) == count else [*coefficients, {0: 0}]

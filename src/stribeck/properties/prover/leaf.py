@@ -15,7 +15,7 @@ from stribeck.properties.prover.bernstein import POSITIVE, UNIT, UNKNOWN, Signs,
 from stribeck.properties.prover.region import Region
 from stribeck.properties.prover.ring import ATOMS, Quotient, Ring, Unclear
 
-_SHARES = 12
+_SHARES = 12  # unknowns in one region: 2**12 Bernstein coefficients at least, of the 20 000 that are computed
 _LONG = 120  # terms beyond which denominators are not cleared
 
 
@@ -94,16 +94,16 @@ class Leaf:
         Raises:
             Unclear: it holds what cannot be treated here.
         """
-        found = self._known.get(node)
-        if found is None:
+        form = self._known.get(node)
+        if form is None:
             if node in self._unclear:
                 raise Unclear(self._unclear[node])
             try:
-                found = self._known[node] = self._value(node)
+                form = self._known[node] = self._value(node)
             except Unclear as reason:  # kept: nested cases would ask for it again and again
                 self._unclear[node] = str(reason)
                 raise
-        return found
+        return form
 
     def _value(self, node: Expr) -> Quotient:
         op, ring = node.op, self.ring
@@ -174,12 +174,12 @@ class Leaf:
 
     def _share(self, key: Hashable, node: Expr) -> Quotient:
         """The share of a condition that is not settled: between 0 and 1."""
-        found = self.ring.atom(("share", key), node)
-        index = self.ring.index(found)
+        atom = self.ring.atom(("share", key), node)
+        index = self.ring.index(atom)
         if index not in self.listed:
             self.listed[index] = ["either"]
             self.places[3 + index] = self.fresh()
-        return found
+        return atom
 
     def fresh(self, positive: bool = False) -> Polynomial:
         """A share in [0, 1]; or something >= 0.
@@ -189,9 +189,9 @@ class Leaf:
         """
         if not self.free:
             raise Unclear("too many shares")
-        i, made = self.free.pop(0)
+        i, generator = self.free.pop(0)
         self.kinds[i] = POSITIVE if positive else UNIT
-        return made
+        return generator
 
     def put(self, index: int, top: Polynomial, bottom: Polynomial, *rule: Json) -> bool:
         """The value of an atom, and the rule that gives it."""
@@ -333,22 +333,22 @@ class Leaf:
         uneven = [i for i in used if self.below[i] is not None]
         if uneven and len(polynomial) > _LONG:
             return None
-        one = self.number(Fraction(1))
+        unity = self.number(Fraction(1))
         if not uneven:
             zero = self.number(Fraction(0))
-            return polynomial.compose(*(self.places[i] if i in used else zero for i in range(len(self.places)))), one
+            return polynomial.compose(*(self.places[i] if i in used else zero for i in range(len(self.places)))), unity
         degrees = polynomial.degrees()
-        powers = {i: _powers(self.places[i], int(degrees[i]), one) for i in used}
-        under = {i: _powers(self.below[i], int(degrees[i]), one) for i in uneven}
+        powers = {i: _powers(self.places[i], int(degrees[i]), unity) for i in used}
+        under = {i: _powers(self.below[i], int(degrees[i]), unity) for i in uneven}
         total = self.number(Fraction(0))
         for k, c in polynomial.to_dict().items():
-            term = one * c
+            term = unity * c
             for i in used:
                 term = term * powers[i][int(k[i])]
                 if i in under:
                     term = term * under[i][int(degrees[i]) - int(k[i])]
             total = total + term
-        bottom = one
+        bottom = unity
         for i in uneven:
             bottom = bottom * under[i][int(degrees[i])]
         return total, bottom
@@ -363,8 +363,8 @@ def divides(a: Quotient, b: Quotient) -> bool:
     return b.is_zero or (not a.is_zero and bool((a.top / a.top.gcd(b.top)).is_constant()))
 
 
-def _powers(x: Polynomial, most: int, one: Polynomial) -> list[Polynomial]:
-    found = [one]
+def _powers(x: Polynomial, most: int, unity: Polynomial) -> list[Polynomial]:
+    powers = [unity]
     for _ in range(most):
-        found.append(found[-1] * x)
-    return found
+        powers.append(powers[-1] * x)
+    return powers

@@ -8,7 +8,7 @@ from math import nextafter
 
 from stribeck.expressions.intervals import INF, Range
 
-_FAR = Fraction(10) ** 300
+_FAR = Fraction(10) ** 300  # a float of more may be infinite after a few operations
 End = Fraction | None  # None: no end
 ExactRange = tuple[Fraction, End]
 
@@ -39,11 +39,14 @@ class Region:
         """The axis of that name."""
         return next((a for a in self.axes if a.name == name), None)
 
-    def split(self, name: str, at: Fraction) -> tuple[Region, Region]:
-        """Below and above ``at``."""
+    def split(self, name: str, cut_at: Fraction) -> tuple[Region, Region]:
+        """Below and above ``cut_at``."""
         parts = []
         for low in (True, False):
-            cut = [a if a.name != name else Axis(name, a.low, at) if low else Axis(name, at, a.high) for a in self.axes]
+            cut = [
+                a if a.name != name else Axis(name, a.low, cut_at) if low else Axis(name, cut_at, a.high)
+                for a in self.axes
+            ]
             parts.append(Region(tuple(cut), self.limits, self.closed))
         return parts[0], parts[1]
 
@@ -53,22 +56,22 @@ class Region:
 
     def bounds(self) -> dict[str, Range]:
         """The ranges of u and w, as floats rounded outward."""
-        found: dict[str, Range] = {}
+        ranges: dict[str, Range] = {}
         for axis in self.axes:
-            found[axis.name] = floats(axis)
-        for share, of, by in (("p", "u", "w"), ("q", "w", "u")):
-            if share in found:
-                a, b = found.pop(share), found[by]
+            ranges[axis.name] = floats(axis)
+        for share, missing, by in (("p", "u", "w"), ("q", "w", "u")):
+            if share in ranges:
+                a, b = ranges.pop(share), ranges[by]
                 low, high = down(Fraction(a[0]) * Fraction(b[0])), INF
                 if a[1] < INF and b[1] < INF:
                     high = up(Fraction(a[1]) * Fraction(b[1]))
-                found[of] = (low, high)
+                ranges[missing] = (low, high)
         for axis in self.limits:
             least, most = floats(axis)
-            if axis.name in found:
-                a = found[axis.name]
-                found[axis.name] = (max(a[0], least), max(min(a[1], most), max(a[0], least)))
-        return found
+            if axis.name in ranges:
+                a = ranges[axis.name]
+                ranges[axis.name] = (max(a[0], least), max(min(a[1], most), max(a[0], least)))
+        return ranges
 
 
 def down(x: Fraction) -> float:

@@ -16,9 +16,9 @@ from stribeck.expressions.exact import tree_of
 from stribeck.expressions.graph import Expr
 from stribeck.properties.plain import Json, Polynomial
 
-ATOMS = 20
+ATOMS = 20  # functions and branches in one expression; each is a variable of every polynomial
 _serials = count()
-_MOST_TERMS = 250
+_MOST_TERMS = 250  # of a polynomial: beyond, the region is cut instead
 _FACTORED = 120  # terms up to which factors are looked for
 
 
@@ -57,8 +57,8 @@ class Quotient:
             if len(polynomial) > _FACTORED:
                 self._factors[which] = (1, [(polynomial, 1)])
             else:
-                content, found = polynomial.factor()
-                self._factors[which] = (content, [(f, int(k)) for f, k in found])
+                content, factors = polynomial.factor()
+                self._factors[which] = (content, [(f, int(k)) for f, k in factors])
         return self._factors[which]
 
 
@@ -93,8 +93,8 @@ class Ring:
 
     def constant(self, x: Fraction) -> Quotient:
         """A rational number."""
-        one = self.context.constant(1)
-        return self._new(self.context.constant(self._fmpq(x.numerator, x.denominator)), one)
+        unity = self.context.constant(1)
+        return self._new(self.context.constant(self._fmpq(x.numerator, x.denominator)), unity)
 
     def number(self, x: float) -> Quotient:
         """A constant of an equation: the number that it stands for.
@@ -117,12 +117,12 @@ class Ring:
         values = [self._tree(a) for a in args]
         if op == "neg":
             return self.apply("neg", values[0])
-        found = values[0]
+        total = values[0]
         for each in values[1:]:
             if op == "div" and each.is_zero:
                 raise Unclear("a division by 0")
-            found = self.apply(op, found, each)
-        return found
+            total = self.apply(op, total, each)
+        return total
 
     def symbol(self, name: str) -> Quotient:
         """u, w or a constant."""

@@ -16,12 +16,12 @@ from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 
 Tree = list[Json]
 _NARROW = 1e-9  # relative width at which halving ends
-_DEEP = 60
+_DEEP = 60  # cuts on one path: two axes, each halved 30 times, to _NARROW of their width
 _TERMS = 40  # of a polynomial: as much work again as a leaf
 _SUMS = 350  # of Bernstein coefficients: likewise
 _NONE: Mapping[str, int] = {}
 _MANY_ATOMS = 8  # from earlier claims: then they are forgotten
-_LEAP = 16
+_LEAP = 16  # where a range without end is cut, over its lower end: a decade a cut, as laws change over decades
 _FARTHEST = 10**300  # of speeds and deflections that are looked at as floats
 
 
@@ -176,14 +176,14 @@ class _Search:
         cut = self.cut(region, cuts)
         if cut is None:
             return None
-        name, at = cut
-        below, above = region.split(name, at)
+        name, place = cut
+        below, above = region.split(name, place)
         cuts = {**cuts, name: cuts.get(name, 0) + 1}
         second = self.divide(above, cuts)
         if second is None:
             return None
         first = self.divide(below, cuts)
-        return ["split", name, str(at), first, second] if first is not None else None
+        return ["split", name, str(place), first, second] if first is not None else None
 
     def _corner(self, region: Region) -> Tree | None:
         """Both triangles of a rectangle at the origin."""
@@ -268,8 +268,8 @@ class _Search:
         if max(point.values(), default=0) > _FARTHEST:
             return False
         box = {n: (float(x), float(x)) for n, x in point.items()}
-        found: Range = Box({**self.prover.inputs, **box})(self.expr)
-        return found[1] < 0 if self.relation in (">=0", ">0") else found == (0.0, 0.0)
+        value: Range = Box({**self.prover.inputs, **box})(self.expr)
+        return value[1] < 0 if self.relation in (">=0", ">0") else value == (0.0, 0.0)
 
     def cut(self, region: Region, cuts: Mapping[str, int]) -> tuple[str, Fraction] | None:
         """Where the region is cut next: the side of the largest relative width, and not always the same."""
@@ -279,10 +279,10 @@ class _Search:
             slopes = self.prover.hints.slopes
             marks = tuple(slopes) if a.name == "q" else tuple(1 / s for s in slopes) if a.name == "p" else marks
             inside = [x for x in marks if a.low < x and (a.high is None or x < a.high)]
-            width, at = _width(a, inside)
+            width, place = _width(a, inside)
             width /= 1 + 0.5 * cuts.get(a.name, 0)
-            if at is not None and (best is None or width > best[0]):
-                best = width, a.name, at
+            if place is not None and (best is None or width > best[0]):
+                best = width, a.name, place
         return None if best is None else (best[1], best[2])
 
 

@@ -64,12 +64,12 @@ def smallest_steepness(law: Law, tolerated: Tolerated) -> dict[str, Steepness]:
     fit = [n for n, each in laws.builtin().items() if each.has_z and "k_v" in each.constants()]
     if law.name not in fit or type(law) is not laws.builtin()[law.name]:
         raise InputError(f"{show(law.name)}: must be a law with bristles and k_v: {', '.join(fit)}")
-    found = {}
+    by_law = {}
     for name in dict.fromkeys((law.name, MAJORANTS[family(law)])):
-        one = law if name == law.name else counterpart(law, name)
-        requirements = tuple(tolerance.need(one) for tolerance in tolerated.tolerances(one))
+        variant = law if name == law.name else counterpart(law, name)
+        requirements = tuple(tolerance.need(variant) for tolerance in tolerated.tolerances(variant))
         needed = [each.k_v for each in requirements if each.k_v is not None]
         k_v = max(needed) if len(needed) == len(requirements) else None
-        price = cost(one, k_v, tolerated.fastest(one), tolerated.mass) if k_v else None
-        found[name] = Steepness(name, k_v, requirements, price, law.rotary)
-    return found
+        price = cost(variant, k_v, tolerated.fastest(variant), tolerated.mass) if k_v else None
+        by_law[name] = Steepness(name, k_v, requirements, price, law.rotary)
+    return by_law

@@ -72,9 +72,9 @@ def family(law: Law) -> str:
 
 def counterpart(law: Law, name: str) -> Law:
     """Another law with the constants that both have."""
-    found = laws.find(name)
-    known = {**PARAMETERS, **found.constants()}
-    return found({n: x for n, x in {**law.machine, **law.p.numbers}.items() if n in known}, law.rotary)
+    cls = laws.find(name)
+    known = {**PARAMETERS, **cls.constants()}
+    return cls({n: x for n, x in {**law.machine, **law.p.numbers}.items() if n in known}, law.rotary)
 
 
 def unit(law: Law, linear: str) -> str:
@@ -132,5 +132,5 @@ def _between(low: float, high: float, known: dict[float, float], tolerance: floa
     if aim is None or not 0 < below < tolerance < above < math.inf:
         return math.sqrt(low * high)
     width = math.log(high / low)
-    at = width * math.log(above / tolerance) / math.log(above / below) + aim
-    return low * math.exp(min(max(at, abs(aim)), width - abs(aim)))
+    place = width * math.log(above / tolerance) / math.log(above / below) + aim
+    return low * math.exp(min(max(place, abs(aim)), width - abs(aim)))

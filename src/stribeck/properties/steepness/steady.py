@@ -25,7 +25,9 @@ from stribeck.properties.steepness.search import (
     with_k_v,
 )
 
-_ACCURACY = 1e-10
+_ACCURACY = (
+    1e-10  # relative, of a k_v found by a root: it costs nothing, and agrees with the formulas to all digits shown
+)
 
 
 def inverse(law: Law, q: float) -> tuple[float | None, str]:
@@ -81,16 +83,16 @@ class Creep(Tolerance):
         x, formula = inverse(law, (load - law.p.sigma_2 * v) / (law.p.sigma_0 * g(law.p, v)))
         if x is not None:
             detail = f"{formula}, q = (share F_s - sigma_2 v)/(sigma_0 g(v)), v the tolerated speed"
-            return self._made(law, name, x / v, FORMULA, detail)
+            return self._requirement(law, name, x / v, FORMULA, detail)
         # carried at the tolerated speed: then the creep is slower
         k_v, _ = smallest(lambda k: 0.0 if _carries(with_k_v(law, k), v, load) else inf, 0.0, 1 / v, _ACCURACY)
-        return self._made(law, name, k_v, STEADY, "steady friction at the tolerated speed is the load")
+        return self._requirement(law, name, k_v, STEADY, "steady friction at the tolerated speed is the load")
 
     @staticmethod
     def _elastic(law: Law, load: float) -> bool:
         return "z_ba" in law.constants() and load <= law.p.sigma_0 * law.p.z_ba
 
-    def _made(self, law: Law, name: str, k_v: float | None, method: str, detail: str) -> Requirement:
+    def _requirement(self, law: Law, name: str, k_v: float | None, method: str, detail: str) -> Requirement:
         achieved = self.measure(with_k_v(law, k_v)) if k_v else None
         return Requirement(name, self.tolerance, unit(law, "m/s"), k_v, achieved, method, detail, self.curve(law, k_v))
 

@@ -69,19 +69,19 @@ class Tolerated:
     def problems(self) -> list[str]:
         """Why the question cannot be answered: a line for each problem."""
         numbers = {n: x for n, x in vars(self).items() if n != "scenario" and x is not None}
-        found = [f"{arg(n)}: {show(x)}: {text}" for n, x in numbers.items() if (text := POSITIVE.problem(x))]
-        if not found and not 0 < self.share < 1:
-            found.append(f"{arg('share')}: {show(self.share)}: must be between 0 and 1, without them")
-        for one, other in _NEEDS:
-            if getattr(self, one) is not None and getattr(self, other) is None:
-                found.append(f"{arg(other)}: missing: must be given with {arg(one)}")
+        problems = [f"{arg(n)}: {show(x)}: {text}" for n, x in numbers.items() if (text := POSITIVE.problem(x))]
+        if not problems and not 0 < self.share < 1:
+            problems.append(f"{arg('share')}: {show(self.share)}: must be between 0 and 1, without them")
+        for needing, other in _NEEDS:
+            if getattr(self, needing) is not None and getattr(self, other) is None:
+                problems.append(f"{arg(other)}: missing: must be given with {arg(needing)}")
         if all(getattr(self, name) is None for name in _TOLERANCES):
-            found.append(f"missing: a tolerance: at least one of {', '.join(map(arg, _TOLERANCES))}")
+            problems.append(f"missing: a tolerance: at least one of {', '.join(map(arg, _TOLERANCES))}")
         if self.position_error is not None and self.scenario is not None and self.scenario.elements.given_alone:
-            found.append(
+            problems.append(
                 f"{arg('scenario')}: its drive sets the velocity, so the position does not depend on the law: use another"
             )
-        return found
+        return problems
 
     def fastest(self, law: Law) -> float:
         """The largest speed that matters, m/s."""
@@ -89,19 +89,19 @@ class Tolerated:
 
     def tolerances(self, law: Law) -> list[Tolerance]:
         """The measures that are to be small."""
-        found: list[Tolerance] = []
+        wanted: list[Tolerance] = []
         if self.creep is not None:
-            found.append(Creep(self.creep, self.share))
+            wanted.append(Creep(self.creep, self.share))
         if self.steady_error is not None and self.speed is not None:
-            found.append(SteadyError(self.steady_error, self.speed))
+            wanted.append(SteadyError(self.steady_error, self.speed))
         if self.presliding_error is not None and self.force_rate is not None:
-            found.append(
+            wanted.append(
                 PreslidingError(
                     tolerance=self.presliding_error, force_rate=self.force_rate, share=self.share, mass=self.mass
                 )
             )
         if self.position_error is not None and self.scenario is not None:
-            found.append(PositionError(tolerance=self.position_error, given=self.scenario))
+            wanted.append(PositionError(tolerance=self.position_error, given=self.scenario))
         if self.sample_time is not None:
-            found.append(SampleTime(self.sample_time, self.fastest(law)))
-        return found
+            wanted.append(SampleTime(self.sample_time, self.fastest(law)))
+        return wanted
