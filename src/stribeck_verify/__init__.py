@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from stribeck_verify.counterexamples import confirmed
 from stribeck_verify.equations import compare, compare_bound
 from stribeck_verify.expressions import Json, Refused
-from stribeck_verify.theorems import UNREADABLE, confirm, reaches, read_case
+from stribeck_verify.theorems import UNREADABLE, prove, reaches, read_case
 
 __all__ = ["confirmed", "verify"]
 
@@ -33,22 +33,17 @@ def verify(
         v_max: with the property ``passive``, the speed up to which it must hold, m/s; None is every speed.
     """
     try:
+        case = read_case(certificate)
         if law is not None:  # first, as it is quick
-            _compare(law, certificate)
-        case = confirm(certificate)
+            compare(law, case.law.dz_dt, case.law.force)
+            compare_bound(law, case.Z)
+        prove(case)
         if property is not None and case.property != property:
             raise Refused(f"it is about {case.property!r}, not {property!r}")
         if property == "passive":
             reaches(case, v_max)
     except Refused as reason:
         return [str(reason)]
-    return []
-
-
-def _compare(law: Mapping[str, Json], certificate: Json) -> None:
-    try:
-        case = read_case(certificate)
-        compare(law, case.law.dz_dt, case.law.force)
-        compare_bound(law, case.Z)
     except UNREADABLE as error:
-        raise Refused(f"the certificate cannot be read: {type(error).__name__}: {error}") from None
+        return [f"the certificate cannot be read: {type(error).__name__}: {error}"]
+    return []

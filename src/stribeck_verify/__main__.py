@@ -13,6 +13,9 @@ from stribeck_verify import fields, verify
 from stribeck_verify.expressions import Json, Refused
 
 
+_GROUP = ("format", "law", "certificates")
+
+
 def main(arguments: list[str]) -> int:
     """Check a file; 0 where every certificate in it is confirmed, 1 where one is refused, 2 where it cannot be read."""
     if len(arguments) != 1:
@@ -47,13 +50,20 @@ def _read(data: Json) -> list[tuple[str, str, dict[str, Json]]]:
     """The certificates in a file: of one law, or of each contact of a machine (its name, the law, the certificates)."""
     if not isinstance(data, dict):
         raise Refused("a file of certificates must be a table")
+    _known(data, ("contacts",) if "contacts" in data else _GROUP)
     if "contacts" not in data:
         return [("", *_group(data))]
     contacts = fields.table(data, "contacts")
     return [(f"{name}: ", *_group(fields.table(contacts, name))) for name in contacts]
 
 
+def _known(data: dict[str, Json], keys: tuple[str, ...]) -> None:
+    if unknown := [key for key in data if key not in keys]:
+        raise Refused(f"no file of certificates has {unknown[0]!r} here")
+
+
 def _group(data: dict[str, Json]) -> tuple[str, dict[str, Json]]:
+    _known(data, _GROUP)
     fields.whole(data, "format", 1, 1)
     if "certificates" not in data:
         raise Refused("certificates: missing")

@@ -9,7 +9,7 @@ from itertools import pairwise, product
 from flint import fmpq
 
 from stribeck_verify import claims as of
-from stribeck_verify import fields, intervals
+from stribeck_verify import fields, intervals, schema
 from stribeck_verify.claims import Claim, Law
 from stribeck_verify.expressions import (
     PI,
@@ -48,6 +48,7 @@ _DEEPEST = 4  # certificates within certificates
 class Case:
     """A certificate whose fields have been read: its equations, claims, and what its theorem takes."""
 
+    name: str
     property: str
     theorem: str
     law: Law
@@ -55,8 +56,7 @@ class Case:
     v_max: fmpq | None
     claims: list[Claim]
     facts: Mapping[str, Json]
-    hypotheses: Mapping[str, Json]
-    depth: int
+    hypotheses: Mapping[str, Case]
 
     def proved(self, about: str, relation: str, closed: bool = False) -> list[Claim]:
         """The claims about something, each proved by its tree.
@@ -75,14 +75,15 @@ class Case:
         """The certificate of another property of the same law, confirmed; None where there is none."""
         if name not in self.hypotheses:
             return None
-        case = confirm(self.hypotheses[name], self.depth + 1)
+        case = self.hypotheses[name]
+        prove(case)
         if not (case.law == self.law and case.Z == self.Z and case.property == name):
             raise Refused(f"the hypothesis {name} is about another law")
         return case
 
 
 def read_case(data: Json, depth: int = 0) -> Case:
-    """A certificate's fields, each by its type.
+    """A certificate's fields, each by its type, and those of the certificates within it.
 
     Raises:
         Refused: one is missing, of another type or unknown.
@@ -94,19 +95,26 @@ def read_case(data: Json, depth: int = 0) -> Case:
     if unknown := [key for key in data if key not in KEYS]:
         raise Refused(f"no certificate has {unknown[0]!r}")
     fields.whole(data, "format", FORMAT, FORMAT)
-    fields.text(data, "law")
+    title = fields.text(data, "law")
     for value in fields.table(data, "constants").values():
         rational(value)
-    level = fields.table(data, "level")
-    for constant in level:
-        for end in fields.items(level, constant):
-            rational("0" if end == "inf" else end)
-    law = _read_law(data)
+    for ends in fields.table(data, "level").values():
+        schema.row(schema.end, schema.end)(ends)
+    kind = fields.text(data, "property", PROPERTIES), fields.text(data, "theorem")
+    if kind not in schema.DATA:
+        raise Refused(f"no theorem {kind[1]!r} for {kind[0]!r}")
+    facts = fields.table(data, "data")
+    schema.DATA[kind].check(f"data of {kind[1]!r}", facts)
     claims = [of.read_claim(c) for c in fields.items(data, "claims")]
-    return Case(
-        fields.text(data, "property", PROPERTIES), fields.text(data, "theorem"), law, rational(data.get("Z")),
-        fields.limit(data, "v_max"), claims, fields.table(data, "data"), fields.table(data, "hypotheses"), depth,
-    )  # fmt: skip
+    hypotheses = {}
+    for name_, each in fields.table(data, "hypotheses").items():
+        if name_ not in schema.HYPOTHESES.get(kind, ()):
+            raise Refused(f"no hypothesis of {kind[1]!r} is {name_!r}")
+        hypotheses[name_] = read_case(each, depth + 1)
+        if hypotheses[name_].name != title:
+            raise Refused(f"the hypothesis {name_} is about another law")
+    law, Z, v_max = _read_law(data), rational(data.get("Z")), fields.limit(data, "v_max")
+    return Case(title, *kind, law, Z, v_max, claims, facts, hypotheses)
 
 
 def _read_law(data: Mapping[str, Json]) -> Law:
@@ -124,21 +132,13 @@ def _read_law(data: Mapping[str, Json]) -> Law:
     return law
 
 
-def confirm(data: Json, depth: int = 0) -> Case:
-    """Confirm a certificate.
+def prove(case: Case) -> None:
+    """Confirm a certificate that has been read.
 
     Raises:
         Refused: with what could not be confirmed.
     """
-    try:
-        case = read_case(data, depth)
-        theorem = THEOREMS.get((case.property, case.theorem))
-        if theorem is None:
-            raise Refused(f"no theorem {case.theorem!r} for {case.property!r}")
-        theorem(case)
-    except UNREADABLE as error:
-        raise Refused(f"the certificate cannot be read: {type(error).__name__}: {error}") from None
-    return case
+    THEOREMS[case.property, case.theorem](case)
 
 
 def need(claims: list[Claim], s: int, t: int, u: Range, w: Range) -> None:
@@ -174,7 +174,7 @@ def edge(case: Case) -> None:
             need(found, s, t, ENDLESS, (case.Z, case.Z))
     if "unique" not in case.hypotheses:
         raise Refused("the theorem 'edge' needs that solutions are unique")
-    unique = read_case(case.hypotheses["unique"], case.depth + 1)
+    unique = case.hypotheses["unique"]
     if unique.law != case.law:
         raise Refused("the hypothesis unique is about another law")
     _locally_unique(unique, (fmpq(0), 2 * case.Z))
