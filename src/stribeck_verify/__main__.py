@@ -12,7 +12,6 @@ from pathlib import Path
 from stribeck_verify import fields, verify
 from stribeck_verify.expressions import Json, Refused
 
-
 _GROUP = ("format", "law", "certificates")
 
 

@@ -53,7 +53,15 @@ EVERY = machine(
         },
     },
     contacts={
-        "mesh": {"from": "arm", "to": "ground", "ratio": 3.0, "law": RUB, "loads": LOADS, "factors": FACTORS},
+        "mesh": {
+            "from": "arm",
+            "to": "ground",
+            "ratio": 3.0,
+            "law": RUB,
+            "loads": LOADS,
+            "factors": FACTORS,
+            "initial": {"z": 2e-6},
+        },
         "rub": {"from": "rotor", "to": "belt", "law": law(), "initial": {"z": 1e-6}},
     },
     loads={
@@ -158,6 +166,12 @@ def test_every_key_of_a_machine_is_in_the_one_that_is_tried():
         assert keys(tables[section], apart=["pneumatic", "pressure"]) <= used, section
 
 
+def test_every_key_of_a_contact_is_in_the_one_that_is_exported():
+    tables = schema.json_schema()["$defs"]["machine"]["properties"]
+    used = {key for path in leaves(EVERY["contacts"]["mesh"]) for key in path}
+    assert keys(tables["contacts"], apart=["pneumatic"]) <= used
+
+
 # What a value is changed to is another structure, which the tests of machines have.
 STRUCTURE = {"schema", "name", "kind", "on", "from", "tied_to", "measures", "force", "against", "contact", "energy"}
 
@@ -187,7 +201,8 @@ def test_a_machine_carries_every_key(target, tmp_path):
 
 @pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "law" in each.parts and each.loads])
 def test_the_friction_of_a_contact_carries_every_key_or_names_it(target, tmp_path):
-    lost = not_carried(target, "law", tmp_path, "contacts.mesh.")
+    data = EVERY if TARGETS[target].started else without(EVERY, "contacts", "mesh", "initial")
+    lost = not_carried(target, "law", tmp_path, "contacts.mesh.", data)
     apart = ("contacts.mesh.to", "contacts.mesh.factors.sigma_2.signal.")  # where it is; what is an input
     assert [name for name in lost if not name.startswith(apart)] == []
 
@@ -207,6 +222,57 @@ def test_a_compensator_carries_every_key_or_names_it(target, tmp_path):
     if target == "table":  # the steady friction does not depend on the bristles' damping
         lost = [name for name in lost if not name.endswith(("law.v_d", "parameters.sigma_1"))]
     assert lost == []
+
+
+ONE_BODY = {
+    "schema": 1, "name": "rig", "law": law(), "plant": {"mass": 1.0, "initial": {"z": 1.25e-6}},
+    "drive": {"kind": "force", "signal": WAVE}, "solve": {"t_end": 0.1}, "output": {"step": 0.01},
+}  # fmt: skip
+PLAIN = without(without(EVERY, "contacts", "mesh", "loads"), "contacts", "mesh", "factors")
+
+
+@pytest.mark.parametrize(
+    ("data", "key", "z"),
+    [(PLAIN, "contacts.mesh.initial.z", 2e-6), (ONE_BODY, "plant.initial.z", 1.25e-6)],
+)
+@pytest.mark.parametrize(
+    ("target", "part"),
+    [(n, part) for n, each in TARGETS.items() for part in ("law", "body", "observer") if part in each.parts],
+)
+def test_a_deflection_at_the_start_is_carried_or_refused_by_name(target, part, data, key, z, tmp_path):
+    if part == "body" and data is PLAIN:
+        pytest.skip("a machine has no one body")
+    options = {"part": part, "contact": "mesh" if data is PLAIN else None}
+
+    def written(value):
+        table = with_value(data, key.split("."), value)
+        files = stribeck.export(Scenario(table), target, tmp_path / f"{value}", **options)
+        return b"".join(file.read_bytes() for file in files)
+
+    if TARGETS[target].started:
+        assert repr(z).encode() in written(z) or target in ("fmu", "table")
+        assert (written(z) == written(0.0)) is (target == "table")
+    else:
+        with pytest.raises(
+            InputError, match=f"^{re.escape(key)}: {z:g}.*would be lost: target '{target}' begins with 0"
+        ):
+            written(z)
+        written(0.0)
+
+
+@pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "body" in each.parts])
+def test_a_body_keeps_its_start_or_refuses_it_by_name(target, tmp_path):
+    data = with_value(ONE_BODY, ("plant", "initial"), {"y": 0.125, "v": -0.375})
+    if TARGETS[target].started:
+        files = stribeck.export(Scenario(data), target, tmp_path / "out", part="body")
+        text = b"".join(
+            x.read_bytes() if target != "fmu" else zipfile.ZipFile(x).read("modelDescription.xml") for x in files
+        )
+        assert b"0.125" in text
+        assert b"-0.375" in text
+    else:
+        with pytest.raises(InputError, match=r"plant.initial.y: 0.125: would be lost.*\n.*initial.v: -0.375: would"):
+            stribeck.export(Scenario(data), target, tmp_path / "out", part="body")
 
 
 def test_what_a_table_cannot_have_is_refused_by_name(tmp_path):

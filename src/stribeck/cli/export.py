@@ -137,6 +137,7 @@ class _Chosen:
     law: Law | None
     scenario: Scenario | None
     origin: str
+    contact: str | None
 
 
 def _chosen(
@@ -164,7 +165,7 @@ def _chosen(
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
-    return _Chosen(part, chosen, rig, origin)
+    return _Chosen(part, chosen, rig, origin, of.contact)
 
 
 def _write(chosen: _Chosen, target: str, out: Path, controller: str | None, tool: ToolOptions) -> list[Path]:
@@ -174,7 +175,7 @@ def _write(chosen: _Chosen, target: str, out: Path, controller: str | None, tool
     with progress(f"export to {target}"):
         return write(
             chosen.law, target, out, part=chosen.part, scenario=chosen.scenario, step=tool.step, self_test=tool.self_test,
-            origin=chosen.origin, fmi=tool.fmi, controller=controller, platforms=tool.platforms,
+            origin=chosen.origin, fmi=tool.fmi, controller=controller, contact=chosen.contact, platforms=tool.platforms,
         )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from stribeck import kinds
 from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, nearest, note
 from stribeck.exports import targets
-from stribeck.exports.contact import contact_law
+from stribeck.exports.contact import contact_law, deflection
 from stribeck.exports.controller.block import Block, block_of
 from stribeck.exports.machine.model import MachineModel
 from stribeck.exports.request import Content, Options, Request, Target
@@ -98,7 +98,9 @@ def export(
     elif part in SAMPLED:
         what = _block(law, scenario, part, controller, step, origin, options)
     else:
-        what = Request(_law(law, scenario, contact, chosen), part, scenario, step, origin, options)
+        exported = _law(law, scenario, contact, chosen)
+        z = _deflection(exported, part, scenario, contact, chosen)
+        what = Request(exported, part, scenario, step, origin, options, z)
     return _write(out, chosen, part, what)
 
 
@@ -142,6 +144,25 @@ def _law(law: Law | None, scenario: Scenario | None, contact: str | None, target
         text = f"would be lost: target '{target.name}' cannot be given them; {able} can"
         raise InputError(f"{', '.join(found.beside)}: {text}")
     return found
+
+
+def _deflection(law: Law, part: str, scenario: Scenario | None, contact: str | None, target: Target) -> float:
+    """The deflection of the contact's bristles at t = 0; 0 where it is not known which contact is meant.
+
+    Raises:
+        InputError: the target would lose it, or a body's position or velocity at t = 0.
+    """
+    if scenario is None or (contact is None and len(scenario.elements.contacts) != 1):
+        return 0.0
+    path, z = deflection(scenario, contact)
+    start = {path: z if law.has_z else 0.0}
+    if part == "body":
+        start |= {f"{path.removesuffix('z')}{name}": scenario.initial.get(name, 0.0) for name in "yv"}
+    if not target.started and (lost := [f"{key}: {show(x)}" for key, x in start.items() if x]):
+        able = ", ".join(name for name, each in TARGETS.items() if each.started and part in each.parts)
+        text = f"would be lost: target '{target.name}' begins with 0; {able} do not"
+        raise InputError([f"{each}: {text}" for each in lost])
+    return start[path]
 
 
 def _write_file(out: Path, content: Content) -> list[Path]:

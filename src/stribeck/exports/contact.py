@@ -47,6 +47,18 @@ def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
     return kind({**law.machine, **law.p.numbers, **law.p.words, **own}, law.rotary)
 
 
+def deflection(scenario: Scenario, contact: str | None = None) -> tuple[str, float]:
+    """The deflection of a contact's bristles at t = 0, m (rad), behind its key in the file.
+
+    Raises:
+        InputError: there is no such contact, or none is named where there are several.
+    """
+    path = scenario.called.to_machine(law_path(scenario, contact))
+    (part,) = (each for each in scenario.elements.system.contacts if each.law_path == path)
+    column = f"{part.name}.z" if part.name else "z"
+    return scenario.called.to_file(f"{part.path}.initial.z"), scenario.initial.get(column, 0.0)
+
+
 @dataclass(frozen=True)
 class _Instant:
     """What a contact asks the assembly of a machine for, from the law's inputs."""

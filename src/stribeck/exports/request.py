@@ -50,6 +50,7 @@ class Target:
         folder: False where the target is one file, ``out`` itself.
         self_test: whether a program that tests the result can be written beside it.
         loads: whether the tool can be given, at each step, what the level of a contact follows.
+        started: whether a law or body has the state of the scenario's start there, or no state at all.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Target:
     folder: bool = True
     self_test: bool = False
     loads: bool = False
+    started: bool = True
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,11 @@ PLAIN = Options()
 
 @dataclass(frozen=True)
 class Request:
-    """One export: the law with its constants, the part wanted, the scenario and the time step where they are given."""
+    """One export: the law with its constants, the part wanted, the scenario and the time step where they are given.
+
+    Attributes:
+        z: deflection at t = 0, m (rad).
+    """
 
     law: Law
     part: str = "law"
@@ -88,6 +94,7 @@ class Request:
     step: float | None = None
     origin: str = ""
     options: Options = PLAIN
+    z: float = 0.0
 
     @property
     def name(self) -> str:
@@ -105,6 +112,12 @@ class Request:
         if mass is None:
             raise InputError(f"{arg('scenario')}: part '{self.part}' needs one with a mass (plant.mass)")
         return float(mass)
+
+    @property
+    def start(self) -> dict[str, float]:
+        """Position, velocity and deflection of a body at t = 0."""
+        initial = {} if self.scenario is None else self.scenario.initial
+        return {"y": initial.get("y", 0.0), "v": initial.get("v", 0.0), "z": self.z}
 
     @property
     def constants(self) -> dict[str, float]:

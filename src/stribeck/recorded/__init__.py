@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -36,6 +37,7 @@ Numbers = NDArray[Any]  # of any type
 _WIDEST = 1000  # columns of a matrix: more are an image or a result, not signals
 _NUMBERS = ("int", "uint", "float", "double", "halffloat", "bool")  # Arrow's types that are numbers
 _LINKS = 16  # HDF5 follows no more soft links to one object
+_HEAD = 1 << 16  # bytes of an array's file in which its shape stands; NumPy takes heads of 10 000
 _SCALARS = 1  # size of a variable that is a constant of the file, not a column
 
 
@@ -474,10 +476,11 @@ def _npz(path: Path) -> Source:
             if not dot:
                 continue
             with archive.open(entry) as file:
-                version = np.lib.format.read_magic(file)
-                if version not in headers:  # 3.0 is for tables with named fields, which are no columns
-                    continue
-                shape, _, dtype = headers[version](file)
+                head = io.BytesIO(file.read(_HEAD))
+            version = np.lib.format.read_magic(head)
+            if version not in headers:  # 3.0 is for tables with named fields, which are no columns
+                continue
+            shape, _, dtype = headers[version](head)
             twice = "is there twice" if name in variables else ""
             variables[name] = Later(shape, "O" if dtype.hasobject else dtype.kind, partial(read, name), twice)
     return Source(path, variables)

@@ -92,7 +92,7 @@ def commas_twice(lines: Sequence[str], first: int) -> bool:
 # A mark before exactly three digits, such as that of 1,004 or 1.004, may be that of decimals or of thousands. It is that of
 # decimals if the mark stands otherwise anywhere in the file, as in 0,004 or 1,5: one program writes one decimal mark. In a
 # column, a whole number of a thousand or more without a mark shows the same of that column.
-_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}\.\d{3}", re.ASCII)
 
 
 def decimals_shown(x: Array) -> bool:
@@ -111,9 +111,10 @@ def thousands_without_mark(x: Array) -> bool:
 def mark_of(cell: str, decimal: str) -> Literal["either", "decimals", "none"]:
     """What a cell says of the mark that is read as the one of decimals."""
     text = cell.strip()
-    if decimal not in text or not _NUMBER.fullmatch(text.replace(decimal, ".", 1)):
+    if decimal not in text:
         return "none"
-    return "either" if _GROUPED.fullmatch(text) else "decimals"
+    text = text.replace(decimal, ".", 1)
+    return "either" if _GROUPED.fullmatch(text) else "decimals" if _NUMBER.fullmatch(text) else "none"
 
 
 def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:

@@ -52,6 +52,7 @@ def context(request: Request) -> dict[str, object]:
         "eq": equations,
         "smooth": law.differentiable and not inputs,
         "costs": costs(law),
+        "start": request.start,
         "with_body": request.part in ("law", "body"),
         "net_force": net_force(),
         "with_observer": equations.observable and request.part in ("law", "observer"),

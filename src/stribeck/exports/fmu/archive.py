@@ -52,11 +52,10 @@ def packed(part: str, model: str, of: Description, values: Mapping[str, object])
 def described(request: Request) -> tuple[Description, dict[str, object]]:
     """The FMU of a law or a body, and what its templates need beside."""
     law, body = request.law, request.part == "body"
-    values = c99.context(Request(law, "law", request.scenario, request.step, request.origin))
+    values = c99.context(Request(law, "law", request.scenario, request.step, request.origin, z=request.z))
     scales = law.scales(law.p)
     mass = request.mass if body else 1.0
-    initial = request.scenario.initial if request.scenario is not None and body else {}
-    variables = _variables(request, mass, initial, scales)
+    variables = _variables(request, mass, scales)
     by_name = {v.name: v.reference for v in variables}
     states = [v for v in variables if v.start is not None and v.name in ("y", "v", "z") and v.nominal is not None]
     model = f"{request.name}_{request.part}"
@@ -73,8 +72,8 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
     }  # fmt: skip
 
 
-def _variables(request: Request, mass: float, initial: dict[str, float], scales: Scales) -> list[Variable]:
-    law, body = request.law, request.part == "body"
+def _variables(request: Request, mass: float, scales: Scales) -> list[Variable]:
+    law, body, start = request.law, request.part == "body", request.start
     found: list[Variable] = []
 
     def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Unpack[Details]) -> int:
@@ -86,8 +85,8 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
     add("time", "s", "time", "independent", "m->time", settable=False)
     if body:
         u = add("u", "N", "force that drives the body", "input", "m->input", start=0.0)
-        y = add("y", "m", "position", "output", "m->x[0]", start=initial.get("y", 0.0), nominal=float(scales.length))
-        v = add("v", "m/s", "velocity", "output", "m->x[1]", start=initial.get("v", 0.0), nominal=float(scales.speed))
+        y = add("y", "m", "position", "output", "m->x[0]", start=start["y"], nominal=float(scales.length))
+        v = add("v", "m/s", "velocity", "output", "m->x[1]", start=start["v"], nominal=float(scales.speed))
     else:
         v = add("v", "m/s", "velocity", "input", "m->input", start=0.0)
     loads = tuple(
@@ -99,7 +98,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
     meaning = "mean bristle deflection"
     if law.has_z:
         slot = f"m->x[{2 if body else 0}]"
-        z = add("z", "m", meaning, "local", slot, start=initial.get("z", 0.0), nominal=float(scales.length))
+        z = add("z", "m", meaning, "local", slot, start=start["z"], nominal=float(scales.length))
     of = (v, *loads, z) if law.has_z else (v, *loads)
     force = "friction force, positive when it opposes positive velocity"
     add("F", "N", force, "output", "e.force", settable=False, calculated_from=of)

@@ -16,7 +16,7 @@ def files(request: Request) -> Content:
     text = "\n\n".join(inspect.getsource(part) for part in parts).rstrip()
     content = render(
         "isaaclab.txt", about=request.in_docstring(), name=request.name, eq=Written(request.law), stepping=text,
-        inputs=request.law.inputs,
+        inputs=request.law.inputs, start=request.z,
     )  # fmt: skip
     return {f"{request.name}_isaaclab.py": content}
 

@@ -255,4 +255,4 @@ def _bias(model, data, i):
 
 
 _LAW = Part(files, notes)
-TARGET = Target("mujoco", "a MuJoCo model, and a callback", {"law": _LAW, "body": _LAW}, loads=True)
+TARGET = Target("mujoco", "a MuJoCo model, and a callback", {"law": _LAW, "body": _LAW}, loads=True, started=False)

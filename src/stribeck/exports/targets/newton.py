@@ -8,8 +8,9 @@ from stribeck.exports.request import Content, Part, Request, Target
 
 def files(request: Request) -> Content:
     """The Python file; engines of learning compute in single precision."""
-    inputs = request.law.inputs
-    text = warp.text(request.law, "float32", "newton.txt", about=request.in_docstring(), inputs=inputs)
+    text = warp.text(
+        request.law, "float32", "newton.txt", about=request.in_docstring(), inputs=request.law.inputs, start=request.z
+    )
     return {f"{request.name}_newton.py": text}
 
 

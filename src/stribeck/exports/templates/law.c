@@ -202,7 +202,16 @@ int {{ P }}_check(const parameters *p)
     return {{ P }}_OK;
 }
 
-void {{ P }}_reset({{ P }}_state *s) { s->z = 0; }
+void {{ P }}_reset({{ P }}_state *s) { s->z = R({{ repr(start.z) }}); }
+{% if with_body %}
+
+void {{ P }}_body_reset({{ P }}_body *s)
+{
+    s->y = R({{ repr(start.y) }});
+    s->v = R({{ repr(start.v) }});
+    s->z = R({{ repr(start.z) }});
+}
+{% endif %}
 
 /* Gives the result out where it is finite. */
 static int give(real value, real *result)

@@ -77,8 +77,13 @@ void {{ P }}_defaults({{ P }}_parameters *p);
 /* {{ P }}_OK, or which constant is not allowed. Call it once: the other functions take what they are given. */
 int {{ P }}_check(const {{ P }}_parameters *p);
 
-/* At rest, not deflected. */
+/* The deflection of the start, {{ repr(start.z) }} {{ u("m") }}. */
 void {{ P }}_reset({{ P }}_state *s);
+{% if with_body %}
+
+/* The body at the start: y, v and z. */
+void {{ P }}_body_reset({{ P }}_body *s);
+{% endif %}
 
 /* Friction {{ w("force") }} in {{ u("N") }} at {{ w("velocity") }} v ({{ u("m/s") }}) and deflection z ({{ u("m") }}), positive when it opposes positive {{ w("velocity") }}. */
 int {{ P }}_force({{ call.declared }}, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *force);
