@@ -111,7 +111,7 @@ def _numbers(
 
 
 def _of(varied: Varied) -> str:
-    return ranges_in_words(varied.to_dict()) or "nothing"
+    return ranges_in_words(varied.to_dict(), varied.law) or "nothing"
 
 
 def _word(verdict: Verdict) -> str:

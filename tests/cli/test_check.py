@@ -164,6 +164,6 @@ def test_the_questions_that_it_answers(stribeck, tmp_path, monkeypatch):
     assert re.search(r"smooth +no +one-sided derivatives", damped)
     assert " ".join(proved.split()).count(", verified") == 5
     assert re.search(r"smooth +yes", own)
-    assert "for every history of F_c from 1 to 2, F_s from 1.5 to 3" in swung
+    assert "for every history of F_c from 1 to 2 N, F_s from 1.5 to 3 N" in swung
     assert re.search(r"passive +no +a cycle of held speeds and levels", swung)
     assert "passive at its ports (proved)" in joint

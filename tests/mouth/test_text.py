@@ -1,6 +1,7 @@
 """A user's words on a terminal and on pages: one line each, and nothing that a terminal obeys or a page turns round."""
 
 import json
+import math
 import re
 from html import unescape
 
@@ -9,6 +10,7 @@ import pytest
 from stribeck.errors import printable, unbroken
 from stribeck.explore import explore
 from stribeck.mouth import page, plots, terminal
+from stribeck.mouth.cells import human, percent
 from stribeck.mouth.document import Amount, Chapter, Document, Figure, Head, Table
 from stribeck.scenario import Scenario
 from tests.cli.conftest import stribeck  # noqa: F401
@@ -68,6 +70,20 @@ def test_a_page_and_its_figures_show_what_could_turn_it_round(tmp_path):
     read_off = json.loads(unescape(re.search(r'data-axes="([^"]*)"', whole)[1]))
     assert plain(json.dumps(read_off, ensure_ascii=False))
     assert plain(page.fragment(document(HOSTILE)))
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(0.0409969, "4.10 %"), (0.041, "4.1 %"), (0.5, "50 %"), (0.49999, "50.0 %"), (0.0, "0 %"), (1.00004, "100 %"),
+     (12.3456, "1.23e+03 %"), (1.9999e-7, "2.00e-05 %"), (-0.0409969, "-4.10 %"), (math.nan, "-"), (None, "-")],
+)  # fmt: skip
+def test_a_rounded_number_keeps_its_digits(share, text):
+    assert percent(share) == text
+
+
+def test_a_rounded_number_keeps_its_digits_in_its_unit():
+    assert [human(x, "m") for x in (0.0641999, 0.0999999, 0.01, 5.0)] == ["64.2 mm", "100 mm", "10 mm", "5 m"]
+    assert [human(x, "N") for x in (1.0004, 0.9996, 0.0)] == ["1.00 N", "1.00 N", "0 N"]
 
 
 @pytest.mark.pictures

@@ -10,6 +10,7 @@ from stribeck.mouth.document import Amount, Cell, Ends, Head, Share, Table, Unce
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
 _NOT_ABOVE_ONE = ("m", "s", "rad", "V")  # nobody reads kilometres, kiloseconds or kiloradians off a plot
 _PREFIXED = (*_NOT_ABOVE_ONE, "N", "Pa", "J", "W", "A", "Hz")
+_EXACT = 1e-12  # relative: what a factor of a unit or of percent leaves of a number that was short
 _LEAST = 0.5  # what the largest number of an axis is at least, in its unit
 
 
@@ -27,7 +28,15 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
 def human(x: float, unit: str, count: int = 3) -> str:
     """A number of so many digits in a unit that keeps it short: ``0.0642`` m is ``64.2 mm``."""
     factor, name = prefixed(unit, abs(x))
-    return f"{x / factor:.{count}g} {name}".rstrip()
+    return f"{significant(x / factor, count)} {name}".rstrip()
+
+
+def significant(x: float, count: int) -> str:
+    """A number with so many digits, zeros at the end too: ``4.10`` for 4.0997. One that is exact is short: ``4.1``."""
+    short = f"{x:.{count}g}"
+    if not math.isfinite(x) or math.isclose(float(short), x, rel_tol=_EXACT):
+        return short
+    return f"{x:#.{count}g}".replace(".e", "e").removesuffix(".")
 
 
 def in_prefix(unit: str, first: float, *others: float) -> tuple[float | str, ...]:
@@ -53,7 +62,7 @@ def percent(share: float | None, places: int | None = None) -> str:
     """A share as a percentage with three digits, or with so many places."""
     if share is None or not math.isfinite(share):
         return "-"
-    return f"{100 * share:.3g} %" if places is None else f"{100 * share:.{places}f} %"
+    return f"{significant(100 * share, 3)} %" if places is None else f"{100 * share:.{places}f} %"
 
 
 def in_places(x: float, value: float, interval: tuple[float, float]) -> str:

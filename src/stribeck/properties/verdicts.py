@@ -89,15 +89,17 @@ def accepted(verdict: Verdict, law: Law, name: str, v_max: float | None = None) 
     return undecided(f"a proof was found, but the independent checker rejects it: {refused[0]}") if refused else verdict
 
 
-def ranges_in_words(ranges: Mapping[str, Sequence[float | None]]) -> str:
-    """'F_c from 1 to 2, F_s from 1.5 up, sigma_2 held at 3'."""
+def ranges_in_words(ranges: Mapping[str, Sequence[float | None]], law: Law) -> str:
+    """'F_c from 1 to 2 N, F_s from 1.5 N up, sigma_2 held at 3 N s/m': ranges of the constants of a law."""
 
-    def words(low: float | None, high: float | None) -> str:
+    def words(unit: str, low: float | None, high: float | None) -> str:
         if low == high:
-            return f"held at {low:.6g}"
-        return f"from {low:.6g} " + ("up" if high is None else f"to {high:.6g}")
+            return f"held at {low:.6g}{unit}"
+        return f"from {low:.6g}" + (f"{unit} up" if high is None else f" to {high:.6g}{unit}")
 
-    return ", ".join(f"{name} {words(*ends)}" for name, ends in ranges.items())
+    units = {name: c.unit_for(law.rotary) for name, c in law.constants().items()}
+    shown = {name: f" {unit}" if unit not in ("", "1") else "" for name, unit in units.items()}
+    return ", ".join(f"{name} {words(shown[name], *ends)}" for name, ends in ranges.items())
 
 
 def undecided(reason: str, **evidence: Json) -> Verdict:
@@ -145,7 +147,7 @@ class Verdicts:
         units = {n: declared[n].unit_for(self.law.rotary) for n in self.law.p.numbers}
         values = {n: f"{x:g} {units[n]}".rstrip() for n, x in self.law.p.numbers.items()} | self.law.choices
         lines = [f"{self.law.name} with " + ", ".join(f"{n} = {x}" for n, x in values.items())]
-        return [*lines, f"for every history of {ranges_in_words(self.level)}"] if self.level else lines
+        return [*lines, f"for every history of {ranges_in_words(self.level, self.law)}"] if self.level else lines
 
     def document(self) -> Document:
         """What the verdicts say to people, for the terminal and for a page."""

@@ -19,6 +19,14 @@ _LAW_NAME = re.compile(r"(.+\.)?law\.name")
 _INSIDE = ".parameters."
 
 
+def unused_prefix(data: Mapping[str, object], prefix: str) -> str:
+    """A prefix with which no name in a machine's tables begins: elements that are added under it replace none."""
+    names = [name for section in SECTIONS if isinstance(table := data.get(section), Mapping) for name in table]
+    while any(name.startswith(prefix) for name in names):
+        prefix = f"_{prefix}"
+    return prefix
+
+
 def plain(value: object, path: str = "", depth: int = 0) -> object:
     """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists, a law its table.
 

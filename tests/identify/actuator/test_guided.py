@@ -13,6 +13,7 @@ from stribeck.identify.actuator.starts import prepared
 from tests.identify.actuator.recorded import NOISE, body
 from tests.machine.independent import solve
 
+WAVE = {"kind": "sine", "amplitude": 0.1, "frequency": 1.0}
 F_C, F_S, MASS = "contacts.guide.law.parameters.F_c", "contacts.guide.law.parameters.F_s", "bodies.a.mass"
 
 
@@ -39,6 +40,18 @@ def test_a_stiffer_guide_follows_closer(recording):
     errors = [left(*guides.with_guide(level)) for level in range(1, len(guides.bandwidths))]
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 0.02
+
+
+@pytest.mark.parametrize("taken", ["guide_", "guide_spring_a", "guide_pull_a"])
+def test_guides_replace_no_element_of_the_machine(recording, taken):
+    data = body(t_end=4.0)
+    spring = data["links"] = {taken: {"from": "a", "to": "ground", "stiffness": 3.0}}
+    data["loads"] |= {f"{taken}2": {"on": "a", "kind": "signal", "signal": WAVE}}
+    guided, ((_, played),) = Guides(Scenario(data), [(0, recording)]).with_guide(1)
+    assert guided.data["links"][taken] == spring[taken]
+    assert guided.data["loads"][f"{taken}2"]["signal"] == WAVE
+    assert (len(guided.data["links"]), len(guided.data["loads"])) == (2, 3)
+    assert len(played.inputs) == 1
 
 
 def test_the_bandwidths_reach_from_the_motion_to_the_sampling(recording):

@@ -17,6 +17,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.runs import roughness
 from stribeck.scenario import Scenario
+from stribeck.scenario.changes import unused_prefix
 
 _LOOSER = 3.0  # ratio of the bandwidths of two guides, half a decade
 _EXACT = 1e-9  # of a column's changes: least noise of a smoothing spline, against rounding
@@ -53,13 +54,14 @@ class Guides:
     def with_guide(self, level: int) -> tuple[Scenario, list[tuple[int, Recording]]]:
         """The machine with critically damped guides of a bandwidth, and its recordings."""
         bandwidth, changes = self.bandwidths[level], dict[str, object]()
+        prefix = unused_prefix(self._scenario.data, "guide_")
         found = list[tuple[int, Recording]]()
         for i, recording in self._recordings:
             inputs = dict(recording.inputs)
             for m in self._motions[i]:
                 stiffness = 0.0 if m.y is None else m.inertia * bandwidth**2
                 damping = 2 * m.inertia * bandwidth
-                spring, pull = f"guide_spring_{m.body}", f"guide_pull_{m.body}"
+                spring, pull = f"{prefix}spring_{m.body}", f"{prefix}pull_{m.body}"
                 changes[f"links.{spring}"] = {
                     "from": m.body, "to": "ground", "stiffness": stiffness, "damping": damping
                 }  # fmt: skip

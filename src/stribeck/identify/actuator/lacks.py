@@ -16,6 +16,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem, number_at
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.identify.core.library import LARGEST
+from stribeck.scenario.changes import unused_prefix
 
 BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # Stribeck velocities that are tried, of the fastest speed, by factors of 2.5
 CLOCK = 1e-3  # s/s: the drift of a computer's clock is smaller
@@ -135,11 +136,16 @@ def _ends(run: RecordedRun, contact: str) -> dict[str, tuple[str, float]]:
     return {end: x for end, x in found.items() if x[0] != "ground" and "velocity" not in data[x[0]]}
 
 
+def _on(run: RecordedRun) -> str:
+    """The prefix of the loads' names."""
+    return unused_prefix(run.scenario.data, f"{_ON}_")
+
+
 def _loads(run: RecordedRun) -> dict[str, object]:
     """The loads that apply the terms, one for each body at a contact."""
     still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
     return {
-        f"loads.{_ON}_{contact}_{end}": {"on": body, "kind": "signal", "signal": still}
+        f"loads.{_on(run)}{contact}_{end}": {"on": body, "kind": "signal", "signal": still}
         for contact in run.scenario.data["contacts"]
         for end, (body, _) in _ends(run, contact).items()
     }
@@ -147,7 +153,7 @@ def _loads(run: RecordedRun) -> dict[str, object]:
 
 def _played(run: RecordedRun, contact: str, force: Array) -> dict[str, Array]:
     """A friction force as signals of the loads on the bodies at a contact."""
-    return {f"loads.{_ON}_{contact}_{end}.signal": share * force for end, (_, share) in _ends(run, contact).items()}
+    return {f"loads.{_on(run)}{contact}_{end}.signal": share * force for end, (_, share) in _ends(run, contact).items()}
 
 
 def _bend(speed: float) -> Callable[[Array, Array], Array]:
