@@ -88,7 +88,7 @@ def _list(each: Check) -> Check:
     return check
 
 
-def row(*checks: Check) -> Check:
+def _row(*checks: Check) -> Check:
     """A list with an entry for each check."""
 
     def check(x: Json) -> None:
@@ -100,16 +100,25 @@ def row(*checks: Check) -> Check:
     return check
 
 
-def end(x: Json) -> None:
-    """A rational number, or ``inf``."""
+def _end(x: Json) -> None:
     if x != "inf":
         rational(x)
 
 
+def ends(x: Json) -> None:
+    """A rational number and one that is not below it, or ``inf``.
+
+    Raises:
+        Refused: it is something else.
+    """
+    _row(rational, _end)(x)
+    if x[1] != "inf" and rational(x[1]) < rational(x[0]):
+        raise Refused(f"no range: {x!r}")
+
+
 def _range(x: Json) -> None:
-    row(rational, end)(x)
-    lo, hi = rational(x[0]), None if x[1] == "inf" else rational(x[1])
-    if lo < 0 or (hi is not None and hi < lo):
+    ends(x)
+    if rational(x[0]) < 0:
         raise Refused(f"no range of numbers >= 0: {x!r}")
 
 
@@ -128,7 +137,7 @@ def _atom(x: Json) -> None:
         raise Refused(f"no atom: {str(x)[:80]}")
     expression, rule, *rest = x
     (_EITHER if rule == "either" else _EXPRESSION)(expression)
-    row(*_OF_RULE[rule])(rest)
+    _row(*_OF_RULE[rule])(rest)
 
 
 def tree(x: Json) -> None:
@@ -167,7 +176,7 @@ _OF_CLAIM: dict[str, dict[str, Check]] = {
 }  # fmt: skip
 _SWITCHING: dict[str, Check] = {  # of these the checker needs "there" alone: the forms it builds itself
     "a": _EXPRESSION, "b": _EXPRESSION, "condition": _formula("u", "w", condition=True), "axis": _one_of("v", "z"),
-    "side": _whole(-1, 1), "order": _whole(0, 1), "there": _list(row(_EXPRESSION, _EXPRESSION)),
+    "side": _whole(-1, 1), "order": _whole(0, 1), "there": _list(_row(_EXPRESSION, _EXPRESSION)),
 }  # fmt: skip
 _ANY: dict[str, Check] = {
     "about": _one_of(*_OF_CLAIM), "v": _whole(-1, 1), "z": _whole(-1, 1), "relation": _one_of(*RELATIONS)
@@ -198,7 +207,7 @@ def claim(data: Json) -> None:
 
 # -- theorems -------------------------------------------------------------------------------------------------------------
 
-_CELL = row(_sign, rational, rational, rational)
+_CELL = _row(_sign, rational, rational, rational)
 DATA = {  # what each theorem's data may have
     ("bounded", "outside"): Table({}, {}),
     ("bounded", "edge"): Table({}, {}),

@@ -12,6 +12,7 @@ from stribeck_verify import claims as of
 from stribeck_verify import fields, intervals, schema
 from stribeck_verify.claims import Claim, Law
 from stribeck_verify.expressions import (
+    CONDITIONS,
     PI,
     Json,
     Node,
@@ -99,7 +100,7 @@ def read_case(data: Json, depth: int = 0) -> Case:
     for value in fields.table(data, "constants").values():
         rational(value)
     for ends in fields.table(data, "level").values():
-        schema.row(schema.end, schema.end)(ends)
+        schema.ends(ends)
     kind = fields.text(data, "property", PROPERTIES), fields.text(data, "theorem")
     if kind not in schema.DATA:
         raise Refused(f"no theorem {kind[1]!r} for {kind[0]!r}")
@@ -127,6 +128,8 @@ def _read_law(data: Mapping[str, Json]) -> Law:
             raise Refused(f"{word!r} cannot be defined")
         known[word] = read(expression, known)
     law = Law(read(data.get("dz_dt"), known), read(data.get("force"), known))
+    if {law.dz_dt.op, law.force.op} & set(CONDITIONS):
+        raise Refused("the equations must be numbers, not conditions")
     if names(law.dz_dt) - {"v", "z", "pi"} or names(law.force) - {"v", "z", "dz_dt", "pi"}:
         raise Refused("the equations may depend on v and z only, the force on dz/dt too")
     return law

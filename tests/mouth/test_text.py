@@ -138,7 +138,8 @@ def rig(tmp_path):
 @pytest.mark.parametrize(
     "words",
     [("library", "mine.py:Mine"), ("run", "rig.toml", "--out", "out"), ("run", "rig.toml", "--show", "--out", "out"),
-     ("check", "mine.py:Mine", "--set", "c=2", "--out", "out"), ("run", "rig.toml", "--set", "law.c=-1")],
+     ("check", "mine.py:Mine", "--set", "c=2", "--out", "out"), ("run", "rig.toml", "--set", "law.c=-1"),
+     ("run", "rig.toml", "--keep-c", "rig.c")],
     ids=" ".join,
 )  # fmt: skip
 def test_a_users_law_and_scenario_are_shown_escaped(words, stribeck, rig, monkeypatch):  # noqa: F811
@@ -147,7 +148,7 @@ def test_a_users_law_and_scenario_are_shown_escaped(words, stribeck, rig, monkey
     assert outcome.status == (2 if "law.c=-1" in words else 0), outcome.err
     assert plain(outcome.out)
     assert plain(outcome.err)
-    for path in (rig.parent / "out").glob("*.[sht][vtmo][gml]*"):
+    for path in [*(rig.parent / "out").glob("*.[sht][vtmo][gml]*"), *rig.parent.glob("*.c")]:
         assert plain(path.read_text(encoding="utf-8")), path
 
 

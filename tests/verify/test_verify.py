@@ -304,7 +304,15 @@ FIELDS = {
     ("dz_dt",): [None, 5, ["add" + ESCAPE, "v", "z"], "\ud800", [["add"], "v", "z"]],
     ("hypotheses",): [None, []],
     ("data",): [None, []],
-    ("level",): [[], {"F_c": "1"}, {"F_c": ["nan", "inf"]}],
+    ("level",): [
+        [],
+        {"F_c": "1"},
+        {"F_c": ["nan", "inf"]},
+        {"F_c": ["inf", "inf"]},
+        {"F_c": ["2", "1"]},
+        {"F_c": ["1"] * 3},
+    ],
+    ("force",): [["both", ["lt", "v", "z"], ["lt", "v", "z"]]],
     ("remark",): ["a key that none has"],
 }
 

@@ -10,6 +10,7 @@ from importlib.resources import files
 from stribeck.codegen.collected import collect, hoist
 from stribeck.codegen.elimination import eliminate
 from stribeck.codegen.parts import in_parts, unused
+from stribeck.errors import unbroken
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import (
     ONE,
@@ -428,4 +429,4 @@ def _unique(names: Iterable[str]) -> list[str]:
 
 
 def _comment(text: str) -> str:
-    return " ".join(text.split()).replace("*/", "* /")
+    return unbroken(text).replace("*/", "* /")

@@ -9,7 +9,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from stribeck.constants import Constant, show
-from stribeck.errors import InputError, arg, nearest
+from stribeck.errors import InputError, arg, nearest, unbroken
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
 from stribeck.machine.elements.bodies import Body, Laden
@@ -87,7 +87,7 @@ class MachineVerdicts:
 
     def __repr__(self) -> str:
         contacts = [f"{name}: {verdicts!r}" for name, verdicts in self.contacts.items()]
-        return "\n".join([*contacts, f"{self.name}: {self.answer}"])
+        return "\n".join([*contacts, unbroken(f"{self.name}: {self.answer}")])
 
     def verify(self) -> bool:
         """Check every proof and replay every counterexample; True where all agree."""

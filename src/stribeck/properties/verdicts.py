@@ -8,6 +8,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from stribeck.constants import DECIDED
+from stribeck.errors import unbroken
 from stribeck.laws.base import Law
 from stribeck.properties.certificate import FORMAT, Certificate
 from stribeck.properties.plain import Json
@@ -160,7 +161,7 @@ class Verdicts:
             fill(f"  {name:11}{DECIDED[v.holds]:10}{v.reason}", 100, subsequent_indent=" " * 23)
             for name, v in self.properties.items()
         ]
-        return "\n".join([*self.headings(), *rows])
+        return "\n".join([*map(unbroken, self.headings()), *rows])
 
     def verify(self) -> bool:
         """Check every proof's certificate and replay every counterexample; True where all agree."""
