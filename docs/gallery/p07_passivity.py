@@ -1,9 +1,6 @@
 """
-========================================
-===
 A friction law that returns more energy than it took
 ====================================================
-===========================================
 
 The paper's law is bounded and smooth, but not passive. ``check`` finds a motion that returns the bristles to their initial
 deflection, while the contact has given more work than it took. Interval arithmetic proves the sign of this energy.

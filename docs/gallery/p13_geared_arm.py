@@ -1,18 +1,9 @@
 """
-===================
-
-Motor, gear with play, an arm, a cascade controller whose encoder sits on the motor. What the encoder cannot see is the
-play and the winding of the gear.
-===
 A geared arm with backlash
 ==========================
 
 A motor drives an arm through a gear with backlash. The encoder of the cascade controller is on the motor, so it does not
 measure the backlash and the twist of the gear.
-======================
-
-Motor, gear with play, an arm, a cascade controller whose encoder sits on the motor. What the encoder cannot see is the
-play and the winding of the gear.
 """
 
 import matplotlib.pyplot as plt

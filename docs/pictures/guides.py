@@ -53,6 +53,36 @@ def draw_hunts(file: Path) -> None:
     saved(figure, file)
 
 
+def draw_windup(file: Path) -> None:
+    """Position and controller's force of 'stribeck new axis-hunts': the force is a ramp while the slide sticks."""
+    with tempfile.TemporaryDirectory() as folder:
+        solution = stribeck.simulate(example("axis_hunts", Path(folder)))
+    shown = (solution.t > 4) & (solution.t < 6)
+    figure, (above, below) = plt.subplots(2, figsize=(6.4, 3.4), sharex=True, layout="constrained")
+    above.plot(solution.t[shown], 1e3 * solution["slide.y"][shown], color=RED, lw=1)
+    above.axhline(10, color=GREY, lw=0.8, ls="--")
+    above.set_ylabel("slide.y (mm)")
+    below.plot(solution.t[shown], solution["axis.u"][shown], color=BLUE, lw=1)
+    below.set(xlabel="time (s)", ylabel="axis.u (N)")
+    saved(figure, file)
+
+
+def draw_two_laws(file: Path) -> None:
+    """Stick-slip of 'stribeck new stick-slip' under two laws: the friction force, and the position's deviation."""
+    with tempfile.TemporaryDirectory() as folder:
+        first, second = (
+            stribeck.simulate(example("stick_slip", Path(folder), law__name=law)) for law in ("lugre", "lugre_sobczyk")
+        )
+    figure, (above, below) = plt.subplots(2, figsize=(6.4, 3.4), sharex=True, layout="constrained")
+    for solution, color, dashes, law in ((first, GREY, "-", "lugre"), (second, BLUE, "--", "lugre_sobczyk")):
+        above.plot(solution.t[::4], solution["F"][::4], dashes, color=color, lw=1.2, label=law)
+    above.set_ylabel("F (N)")
+    above.legend(frameon=False)
+    below.plot(first.t[::4], 1e3 * (second["y"] - first["y"])[::4], color=BLUE, lw=1)
+    below.set(xlabel="time (s)", ylabel="deviation of y (mm)")
+    saved(figure, file)
+
+
 def draw_joint(file: Path) -> None:
     """The held-out recording of 'stribeck new joint-from-log' beside the fitted machine's motion."""
     with tempfile.TemporaryDirectory() as name:
@@ -332,6 +362,8 @@ PICTURES = {
     "machine.svg": draw_machine,
     "fits_flow.svg": draw_fits_flow,
     "hunts.svg": draw_hunts,
+    "windup.svg": draw_windup,
+    "two_laws.svg": draw_two_laws,
     "joint.svg": draw_joint,
     "kv.svg": draw_kv,
     "creep.svg": draw_creep,

@@ -53,9 +53,7 @@ def choose_panels(machine: MachineSystem) -> tuple[Panel, ...]:
             own = followed.get(body.name)
             reads = [x.name for x in machine.elements.sensors.values() if x.on == body.name]
             beside = ((f"{own}.r",) if own else ()) + tuple(f"{name}.reading" for name in reads)
-            also = (f", and what {own} is to follow" if own else "") + "".join(
-                f", and what {name} reads" for name in reads
-            )
+            also = (f" and reference of {own}" if own else "") + "".join(f", reading of {name}" for name in reads)
             found.append(Panel(f"{body.name}.y", f"{title}: position", also=also, axis="position", beside=beside))
             if own in controllers:
                 found.append(Panel(f"{own}.e", f"{own}: tracking error"))
