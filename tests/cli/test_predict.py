@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stribeck import examples
+from stribeck.mouth.cells import percent
 from tests.pages import Page
 
 COLUMNS = ("--time", "t", "--velocity", "v", "--force", "F")
@@ -44,15 +45,11 @@ def test_a_fit_predicts_another_record(stribeck, fitted, tmp_path):
     page = Page(tmp_path / "page" / "prediction.html")
     assert (page.headings, page.pictures) == (["1. Errors", "2. Measured and predicted"], 2)
     shown = {(record, of): x for table in page.tables for record, of, x in table if record != "record"}
-    assert shown["this one", "force, rows in motion"] == f"{100 * data['relative_force_error']:.3g} %"
-    assert shown["this one", "constant force, rows in motion"] == f"{100 * data['constant_error']:.3g} %"
-    assert (
-        shown["the fit's", "force, rows in motion, held out"] == f"{100 * data['fit']['cross_validated_error']:.3g} %"
-    )
+    assert shown["this one", "force, rows in motion"] == percent(data["relative_force_error"])
+    assert shown["this one", "constant force, rows in motion"] == percent(data["constant_error"])
+    assert shown["the fit's", "force, rows in motion, held out"] == percent(data["fit"]["cross_validated_error"])
     printed = stribeck("predict", test, "--fit", fitted / "out").out
-    assert printed.startswith(
-        f"test.csv: coulomb_viscous, relative residual {100 * data['relative_force_error']:.3g} % ("
-    )
+    assert printed.startswith(f"test.csv: coulomb_viscous, relative residual {percent(data['relative_force_error'])} (")
 
 
 def test_the_record_of_the_fit_is_no_test(stribeck, fitted):
@@ -134,7 +131,7 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert errors["force"]["unit"] == "N"
     page = Page(tmp_path / "page" / "validation.html")
     assert page.pictures == 2
-    assert page.rows(["of", "rms error"])["position"][0] == f"{1e12 * errors['position']['rms']:.3g} pm"
+    assert page.rows(["of", "rms error"])["position"][0] == f"{1e12 * errors['position']['rms']:#.3g} pm"
     other = stribeck(
         "predict", log, "--machine", tmp_path / "rig.toml", *columns, "--set", "law.parameters.F_c=1.2", "--json"
     )
