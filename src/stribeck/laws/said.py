@@ -45,7 +45,7 @@ def shelf(found: Library) -> Document:
     return Document(
         "library",
         f"{len(laws)} laws, {len(sets)} parameter sets, {len(machines)} machines",
-        ["'stribeck library NAME' shows all that is known of one; of a machine --out FILE.toml writes it"],
+        ["'stribeck library NAME' shows the details; for a machine, --out FILE.toml writes its file"],
         [
             _listed("laws", "law", laws),
             _listed("sets", 'parameter set (parameters = "NAME")', sets),
@@ -55,7 +55,7 @@ def shelf(found: Library) -> Document:
 
 
 def _listed(key: str, what: str, rows: Sequence[Sequence[Cell]]) -> Chapter:
-    return Chapter(key, what.capitalize(), tables=[Table([what, "what it is"], rows, prose=True)])
+    return Chapter(key, what.capitalize(), tables=[Table([what, "description"], rows, prose=True)])
 
 
 def law(found: Mapping[str, Any]) -> Document:

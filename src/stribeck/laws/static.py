@@ -31,7 +31,7 @@ class CoulombViscous(StaticLaw):
 
 
 class Stribeck(StaticLaw):
-    """The Stribeck curve; its sign is exact unless k_v is given, and a body comes to rest only with k_v."""
+    """The Stribeck curve; its sign is exact unless k_v is given, and a body sticks only with k_v."""
 
     name = "stribeck"
     source = "Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7):1083-1138, 1994"
@@ -76,7 +76,7 @@ class Makkar(StaticLaw):
 
 
 class StribeckTanh(StaticLaw):
-    """The Stribeck curve with a hyperbolic tangent for its sign, as regressions of measured friction mostly have it."""
+    """The Stribeck curve with a hyperbolic tangent for its sign, as is common in regressions of measured friction."""
 
     name = "stribeck_tanh"
     source = "Andersson, Soderberg, Bjorklund, Tribology International 40(4):580-587, 2007"

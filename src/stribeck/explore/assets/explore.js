@@ -194,7 +194,7 @@ function answer(result, error) {
     claims(result.claims);
     return;
   }
-  complain(result.reason ? `The run failed: ${result.reason}; the part that was reached is shown.` : "");
+  complain(result.reason ? `The run failed: ${result.reason}. The curves end there.` : "");
   complete(result);
   state.latest = result;
   unread();
@@ -225,7 +225,7 @@ function summary(result) {
   if (slips.length > 3) {
     const periods = slips.slice(1).map((t, i) => t - slips[i]).slice(-Math.min(20, slips.length - 1));
     const mean = periods.reduce((a, b) => a + b) / periods.length;
-    return `Sticks and slips ${slips.length} times, lately every ${human(mean, "s")}.`;
+    return `Sticks and slips ${slips.length} times, mean period ${human(mean, "s")}.`;
   }
   if (slips.length) return `Slips ${slips.length === 1 ? "once, at" : `${slips.length} times, first at`} t = ${human(slips[0], "s")}.`;
   let far = 0;

@@ -26,6 +26,6 @@ function machineForm() { // no choice of a law; the numbers that stay, by name
   $("choice").hidden = $("guarantees").hidden = true;
   const { fixed } = data.machine;
   $("fixed").hidden = !fixed.length;
-  $("fixed").append(make("p", { className: "soft" }, "These change more than a number of the solver, so this page keeps them; 'stribeck explore --set PATH=VALUE' makes a page with others."),
+  $("fixed").append(make("p", { className: "soft" }, "These parameters change the equations or a signal's table and have no slider: 'stribeck explore --set PATH=VALUE' makes a page with another value."),
     ...fixed.map(({ path, value: x }) => make("div", { className: "kept" }, make("code", {}, path), ` ${show(x, 6)}`)));
 }
