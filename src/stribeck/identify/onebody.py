@@ -48,7 +48,6 @@ Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
 _MOST_ROWS = 100_000  # of a record; a longer one is reduced to even stretches, as in static fits
 _FEWEST = 8  # rows of a simulated run
-_A_PERIOD = 5.0  # rows in a period of the motion's cut-off: a spline through them errs by 1 % there, and less below
 _SIGN = 0.01  # of the largest speed: width of the smooth sign for initial values
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
 _STROKE = 5.0  # break-away distances: gross sliding begins after two or three
@@ -161,20 +160,10 @@ def simulated(
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
     logs = Logs(tuple(recordings if rough else _doubted(recordings, log, model)), sought)
     fitting = fitting_of(
-        _scenario(model, log.rotary), logs, starts=options.starts, seed=options.seed, progress=progress
+        _scenario(model, log.rotary), logs, starts=options.starts, seed=options.seed, progress=progress, advised=False
     )
     with threadpool_limits(1):
         return Simulated(log, model, names, fitting, fitting.estimated(rough))
-
-
-def at_filters_rate(log: Log) -> Log:
-    """The record with as few rows as hold its filtered motion; the same record if that has no filter or few rows."""
-    every = int(1 / (_A_PERIOD * log.bandwidth * log.step)) if log.bandwidth and log.step else 1
-    shortest = min(rows.stop - rows.start for rows in log.runs())
-    if min(every, shortest // _FEWEST) < 2:
-        return log
-    kept = np.concatenate([np.arange(rows.start, rows.stop, every) for rows in log.runs()])
-    return log.rows(kept).with_columns(step=every * log.step)
 
 
 def _scenario(model: OneBody, rotary: bool) -> Scenario:

@@ -74,9 +74,12 @@ def fit_machine(
 
 def fitting_of(
     scenario: Scenario, logs: Logs, *, starts: int, seed: int, progress: Callable[[float], None] | None = None,
-    folder: Path | None = None,
+    folder: Path | None = None, advised: bool = True,
 ) -> Fitting:  # fmt: skip
-    """A fit that has not begun; arguments as of :func:`fit_machine`.
+    """A fit that has not begun.
+
+    Args:
+        advised: whether recordings that would identify open parameters are looked for; the others as of :func:`fit_machine`.
 
     Raises:
         InputError: the logs or a path are invalid; a line for each problem.
@@ -84,7 +87,7 @@ def fitting_of(
     sought = checked(scenario, logs)
     if starts < 1:
         raise InputError(f"{arg('starts')}: {show(starts)}: must be a whole number >= 1")
-    return Fitting(scenario, logs, sought, starts, seed, Work(progress), folder)
+    return Fitting(scenario, logs, sought, starts, seed, Work(progress), folder, advised)
 
 
 def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
@@ -136,8 +139,9 @@ class Fitting:
 
     def __init__(
         self, scenario: Scenario, logs: Logs, sought: list[MachineCoordinate], starts: int, seed: int, work: Work,
-        folder: Path | None,
+        folder: Path | None, advised: bool,
     ) -> None:  # fmt: skip
+        self.advised = advised
         self.scenario, self.logs, self.sought = scenario, logs, sought
         self.starts, self.seed, self.work = starts, seed, work
         self.kept = Kept(folder, scenario, logs)
@@ -199,7 +203,7 @@ class Fitting:
             else:
                 doubts = self.doubts(best) if status == "done" else missed
                 notes += doubts if status == "done" else []
-                judged = judge.judged(best, self.scenario, not doubts)
+                judged = judge.judged(best, self.scenario, not doubts, self.advised)
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
             status, reason = "stopped", "Ctrl-C: the best numbers, without intervals"

@@ -7,6 +7,7 @@ another filter. These recordings are fitted again, and the shift of the estimate
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -17,6 +18,7 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import direction
 from stribeck.identify.features.filtering import typical_roughness
+from stribeck.waveforms import Signal
 
 ORDER = 6  # of the differences that estimate noise: a high order removes fast inputs
 PILOT, DRAWS = 4, 24  # draws that decide whether the noise matters; draws that give a deviation to 15 %
@@ -110,14 +112,19 @@ def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array 
         sizes.append({p: size for p, size in of.items() if size > 0})
     if not any(sizes):
         return None
-    rng, found = np.random.default_rng(0), list[Array]()
+    rng, signals = np.random.default_rng(0), [defaultdict[str, list[Signal]](list) for _ in problem.runs]
     for _ in range(draws):
-        runs = []
-        for run, size in zip(problem.runs, sizes, strict=True):
-            noisy = {p: run.inputs[p].x + s * rng.standard_normal(len(run.inputs[p].x)) for p, s in size.items()}
-            runs.append(run.driven({p: replace(run.inputs[p], x=x) for p, x in noisy.items()}))
-        found.append(_moved(problem, u, r, runs))
-    return np.array(found)
+        for run, size, own in zip(problem.runs, sizes, signals, strict=True):
+            for p, s in size.items():
+                drive = run.inputs[p]
+                own[p].append(replace(drive, x=drive.x + s * rng.standard_normal(len(drive.x))).signal())
+    found = np.zeros((draws, len(r)))
+    for k, (run, own) in enumerate(zip(problem.runs, signals, strict=True)):
+        at, columns = int(problem.first[k]), problem.predicted(run, k, np.repeat(u[None], draws, axis=0), signals=own)
+        for target, x in zip(run.targets, columns, strict=True):
+            rows = slice(at, at := at + len(target.t))
+            found[:, rows] = (x - target.x) / problem.noise[target.column] - r[rows]
+    return found
 
 
 def _by_gaps(problem: MachineProblem, u: Array, r: Array) -> Array | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.afar import GuidedSearch, Keep, kept
+from stribeck.identify.actuator.afar import SMALL_AFAR, GuidedSearch, Keep, kept
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
@@ -117,7 +117,7 @@ def estimate(
     noise, given = first_noise([r for _, r in recordings])
     asked, notes = any(r.window for _, r in recordings), list[str]()
     starts = starts if sought else 1  # the machine without friction may have no parameter to fit
-    near = GuidedSearch(scenario, recordings, sought, noise, work, keep).reached(starts, seed, first or {})
+    near = GuidedSearch(scenario, recordings, sought, noise, work, keep).reached(starts, seed, first or {}, rough)
     runs, own = prepared(scenario, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
     found = Found(problem.point(near.values), near.cost, near.agreeing, near.stopped)
@@ -125,7 +125,9 @@ def estimate(
         return BestPoint(problem, found.u, found, notes, asked)
     if not found.stopped:
         _weigh(problem, found.u, given)
-        found = replace(search(problem, 1, seed, found.u, kept(problem, keep)), agreeing=near.agreeing)
+        found = replace(
+            search(problem, 1, seed, found.u, kept(problem, keep), small=SMALL_AFAR), agreeing=near.agreeing
+        )
     whole = BestPoint(problem, found.u, found, notes, asked)
     if found.stopped or remembers(scenario, recordings):
         return _weighted(whole, given)
@@ -166,6 +168,8 @@ def _in_stretches(
     runs, own = prepared(scenario, recordings, named, window)
     problem = MachineProblem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
     found = search(problem, 1, 0, problem.point(begin), kept(problem, keep))
+    if not found.stopped:
+        found = replace(found, u=moved_over(problem, found.u))
     parts = BestPoint(problem, found.u, found, whole.notes, True)
     left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
     least = 1 / _AS_WELL if grows else _MUCH  # whole recordings may be the only information on unmeasured states
@@ -186,7 +190,7 @@ def _weighted(estimate: BestPoint, given: set[str]) -> BestPoint:
         if estimate.stopped or half_squares(problem.residuals(estimate.u[None]))[0] > 1e200:
             break
         try:
-            estimate.u = settled(problem, moved_over(problem, estimate.u))
+            estimate.u = settled(problem, estimate.u)
         except (KeyboardInterrupt, Stopped):
             problem.work.stop()
             estimate.found = replace(estimate.found, stopped=True)

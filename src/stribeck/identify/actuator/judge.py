@@ -37,10 +37,11 @@ class JudgedParameters:
     notes: list[str] = field(default_factory=list)
 
 
-def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParameters:
+def judged(best: BestPoint, scenario: Scenario, trusted: bool, advised: bool = True) -> JudgedParameters:
     """The estimates of a converged fit.
 
     Args:
+        advised: whether recordings that would identify open parameters are looked for.
         trusted: whether the model describes the recordings and no better minimum is suspected; if not, nothing is
             identified.
     """
@@ -61,7 +62,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
     open_ = [i for i in asked if found[problem.sought[i].name].state is EstimateState.NOT_IDENTIFIABLE]
     names = [c.name for c in lib.sought]
     relation = _relation(lib)
-    for i, text in advise.experiments(best, lib.J, open_).items():
+    for i, text in advise.experiments(best, lib.J, open_ if advised else []).items():
         name = problem.sought[i].name
         found[name] = replace(found[name], experiment=text)
     for i in open_:

@@ -14,6 +14,7 @@ from stribeck.identify.actuator.related import Relations
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
+from stribeck.waveforms import Signal
 
 STEP = 2e-4  # of a coordinate, for differences
 _SPEED = float(np.sqrt(12 / 12**3))  # deviation of a slope over twelve samples, by their deviation and distance
@@ -160,9 +161,12 @@ class MachineProblem:
 
     def predicted(
         self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = (), threads: int | None = None,
-        shift: Mapping[str, Array] | None = None,
+        shift: Mapping[str, Array] | None = None, signals: Mapping[str, Sequence[Signal]] | None = None,
     ) -> list[Array]:  # fmt: skip
-        """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` at its end."""
+        """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` at its end.
+
+        ``signals``: by path, inputs of each lane instead of the recorded ones.
+        """
         values: dict[str, Array] = {}
         sensors: dict[tuple[str, str], Array] = {}
         for i in np.flatnonzero(self.concerns[k]):
@@ -180,7 +184,7 @@ class MachineProblem:
             column: (sensors.get((column, "delay")), sensors.get((column, "clock")))
             for column, what in sensors if what in ("delay", "clock")
         }  # fmt: skip
-        found = run.predict(values, delays, threads or self.threads, ends, shift)
+        found = run.predict(values, delays, threads or self.threads, ends, shift, signals)
         for target, x in zip(run.targets, found, strict=False):
             gain, offset = (sensors.get((target.column, what)) for what in ("gain", "offset"))
             if gain is not None:

@@ -20,6 +20,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import backend
 from stribeck.simulation.lanes import LaneSolver
 from stribeck.simulation.variations import Variations, vary
+from stribeck.waveforms import Signal
 from stribeck.waveforms.piecewise import PointsSignal
 
 Late = tuple[Array | None, Array | None]  # of each lane: constant delay, s, and clock drift, s/s
@@ -68,6 +69,7 @@ class RecordedRun:
     inputs: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
     played: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)  # by name, a term's unit in each signal
     as_well: Mapping[str, Sequence[MeasuredRun]] = field(default_factory=dict)  # alternatives by cause of error
+    attempts: int = 0  # the most steps that the solver tried in a lane of the latest simulation
 
     def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
         """The run with other signals. A signal of another kind changes the structure, so the scenario is rebuilt."""
@@ -96,12 +98,12 @@ class RecordedRun:
 
     def predict(
         self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int, ends: Sequence[str] = (),
-        shift: Mapping[str, Array] | None = None,
+        shift: Mapping[str, Array] | None = None, signals: Mapping[str, Sequence[Signal]] | None = None,
     ) -> list[Array]:  # fmt: skip
         """For each target the simulated column at its times, (lanes, times); nan where a lane failed.
 
         The columns ``ends`` at the end of the run follow, (lanes, 1). ``shift`` is added to the initial states of each
-        lane; the run's own shift unless given.
+        lane; the run's own shift unless given. ``signals``: by path, inputs of each lane instead of the recorded ones.
         """
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
@@ -112,7 +114,7 @@ class RecordedRun:
                 "a number that is sought changes the form of the equations: it cannot be fitted in lanes"
             )
         scenario = variations.scenario
-        variations.played = self._signals(shares, count)
+        variations.played = self._signals(shares, count) | dict(signals or {})
         good = np.flatnonzero([text is None for text in variations.problems()])
         last = np.array([self.scenario.end])
         wanted = [*self.targets, *(Compared(name, last, last) for name in ends)]
@@ -127,6 +129,7 @@ class RecordedRun:
         grid: Array = np.arange(scenario.rows, dtype=float) * scenario.output.step
         with np.errstate(all="ignore"):
             columns = some.columns(grid, outcome.states[:, :, :width], outcome.states[:, :, width:])
+        self.attempts = int(np.max(outcome.counts["accepted"] + outcome.counts["rejected"]))
         whole = outcome.counts["status"] == 0
         for i, target in enumerate(wanted):
             x = np.where(whole[:, None], columns[target.column], np.nan)
@@ -136,20 +139,20 @@ class RecordedRun:
             found[i][good] = at_times(grid, x, target, late)
         return found
 
-    def _signals(self, shares: Mapping[str, Array], count: int) -> dict[str, list[PointsSignal]]:
+    def _signals(self, shares: Mapping[str, Array], count: int) -> dict[str, Sequence[Signal]]:
         """The signals with added terms in each lane: the sum of the terms, each times its coefficient."""
         if not shares:
             return {}
         grid: Array = np.arange(self.scenario.rows, dtype=float) * self.scenario.output.step
         paths = dict.fromkeys(path for name in shares for path in self.played[name])
-        found: dict[str, list[PointsSignal]] = {path: [] for path in paths}
+        found: dict[str, list[Signal]] = {path: [] for path in paths}
         for path, lane in product(paths, range(count)):
             total = np.zeros(len(grid))
             for name, x in shares.items():
                 if x[lane] and path in self.played[name]:
                     total += x[lane] * self.played[name][path]
             found[path].append(PointsSignal(grid, total))
-        return found
+        return dict(found)
 
 
 def at_times(grid: Array, x: Array, target: Compared, late: Late | None) -> Array:

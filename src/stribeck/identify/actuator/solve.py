@@ -158,7 +158,8 @@ def steps_of(J: Array, most: float) -> Array:
     less than its inverse.
     """
     size = np.sqrt(np.sum(J**2, axis=-2))
-    return np.asarray(np.clip(_CHANGE / np.maximum(size, 1e-300), _SHORTEST, most))
+    steps = 2.0 ** np.floor(np.log2(_CHANGE / np.maximum(size, 1e-300)))  # the same points again after a new weighting
+    return np.asarray(np.clip(steps, _SHORTEST, most))
 
 
 def fine_slopes(problem: MachineProblem, u: Array) -> Array:
@@ -188,18 +189,19 @@ def settled(problem: MachineProblem, u: Array) -> Array:
     if not problem.sought:
         return u
     asked = np.array([not c.nuisance for c in problem.sought])
-    cost, part = float(half_squares(problem.residuals(u[None]))[0]), _PARTS[1]
+    cost = float(half_squares(problem.residuals(u[None]))[0])
     for _ in range(_SETTLING):
         r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
         if np.all(abs(left_step(problem, u, r, J)) <= _CLOSE * spread(J, problem.high - problem.low), where=asked):
             break
-        parts = sorted({min(part / _PARTS[1] * x, 1.0) for x in _PARTS})
-        every = [_tried(problem, u[None], r[None], J[None], np.array([_FAINT]), x) for x in parts]
-        trials, costs = (np.concatenate([x[i][0] for x in every]) for i in (0, 1))
-        best = int(np.argmin(costs))
-        if not costs[best] < cost:
+        for part in _PARTS:
+            trials, costs = _tried(problem, u[None], r[None], J[None], np.array([_FAINT]), part)
+            best = int(np.argmin(costs))
+            if costs[0, best] < cost:
+                u, cost = trials[0, best], float(costs[0, best])
+                break
+        else:
             break
-        u, cost, part = trials[best], float(costs[best]), parts[best // len(_FAINT)]
     return u
 
 

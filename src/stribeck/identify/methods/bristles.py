@@ -14,7 +14,7 @@ from stribeck.identify.features.filtering import position_step
 from stribeck.identify.features.guess import reversals, sizes_of
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.models.memory import rows_together
-from stribeck.identify.onebody import Simulated, at_filters_rate, simulated
+from stribeck.identify.onebody import Simulated, simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import LogFit
 
@@ -39,7 +39,7 @@ def better(
 ) -> LogFit:
     """The best of laws that are simulated, by BIC; the static fit if it leaves less than twice as much in all rows.
 
-    Only the reported fit is judged. Beside a static fit, a law that misses the mark on few rows is not fitted to all.
+    Only the reported fit is judged. Beside a static fit, a law whose rough fit misses the mark is not fitted further.
 
     Raises:
         StribeckError: there is no static fit, and none of the laws could be simulated.
@@ -77,10 +77,9 @@ def better(
 
 
 def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: Progress | None) -> Simulated:
-    """A law's fit to all rows; to as few as hold the motion, if it then leaves too much to be chosen beside ``left``."""
-    few = at_filters_rate(log) if np.isfinite(left) else log
-    if few is not log:
-        rough = simulated(few, name, options, progress, rough=True)
+    """A law's fit; a rough one, if that leaves too much to be chosen beside ``left``."""
+    if np.isfinite(left):
+        rough = simulated(log, name, options, progress, rough=True)
         if rough.stopped or not rough.error < HALF * left:
             return rough
     return simulated(log, name, options, progress)
