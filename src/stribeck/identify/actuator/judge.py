@@ -67,7 +67,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool, advised: bool = T
         found[name] = replace(found[name], experiment=text)
     for i in open_:
         name = problem.sought[i].name
-        found[name] = replace(found[name], why=_why(found[name], name, names, relation))
+        found[name] = replace(found[name], why=found[name].why or _why(found[name], name, names, relation))
     levels = {n: found.pop(n) for n in lib.speeds}
     notes = [*_explained(choice), *_hanging(found)]
     return JudgedParameters(found, levels, lib.speeds, _groups(names, relation), (names, relation), notes)

@@ -114,13 +114,7 @@ class MachineLibrary(ModelLibrary):
         Without slow rows, F_s and v_s become one-sided bounds.
         """
         for c in self.sought:
-            e = found[c.name]
-            ends = [(max(a, c.low), min(b, c.high)) for a, b in (e.interval, e.range or e.interval)]
-            if all(a <= b for a, b in ends):
-                found[c.name] = replace(e, interval=ends[0], range=ends[1])
-                continue
-            whole, open_ = (c.low, c.high), EstimateState.NOT_IDENTIFIABLE
-            found[c.name] = replace(e, value=float(np.clip(e.value, *whole)), interval=whole, range=whole, state=open_)
+            found[c.name] = found[c.name].within(c.low, c.high)
         for contact, slowest in self.slow.items():
             law = f"contacts.{contact}.law.parameters."
             F_s, v_s = found.get(f"{law}F_s"), found.get(f"{law}v_s")

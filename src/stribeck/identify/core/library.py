@@ -213,8 +213,13 @@ class SteadyLibrary(ModelLibrary):
         return LARGEST * self.deviation
 
     def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
-        """Mark impossible values as model-dependent, and report bounds if the recorded speeds determine no more."""
+        """Keep values to what the law allows, and report bounds if the recorded speeds determine no more.
+
+        A mass below 0 is reported as it is, but never identified.
+        """
         for n, e in found.items():
+            if e.value < (least := self.curve.least(n)):
+                found[n] = e = e.within(least, np.inf)
             if e.state is EstimateState.IDENTIFIED and n in self.curve.positive and e.value < 0:
                 found[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
         return self.curve.judged(found, found[LEVELS[0]], self.at.speeds[0])

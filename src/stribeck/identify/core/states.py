@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -67,6 +67,15 @@ class Estimate:
     def high(self) -> float | None:
         """The upper end of the 95 % interval; None if it is open."""
         return self.interval[1] if np.isfinite(self.interval[1]) else None
+
+    def within(self, low: float, high: float) -> Estimate:
+        """The estimate of a number that lies between two bounds: not identifiable if its interval lies beyond one."""
+        value, wide = min(max(self.value, low), high), self.range or self.interval
+        ends = [(max(a, low), min(b, high)) for a, b in (self.interval, wide)]
+        if all(a <= b for a, b in ends):
+            return replace(self, value=value, interval=ends[0], range=ends[1])
+        why, state = "it comes out beyond its bounds: something stands in for it", EstimateState.NOT_IDENTIFIABLE
+        return replace(self, value=value, interval=(low, high), range=(low, high), state=state, why=why)
 
     def to_dict(self) -> dict[str, object]:
         """Plain data of the file format, with both uncertainties and the state."""

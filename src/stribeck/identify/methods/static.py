@@ -237,7 +237,7 @@ def _told(choice: Selection[SteadyLibrary], found: Mapping[str, Estimate], log: 
         e, unit = found[name], own[name].unit if name in own else TERMS[name].unit if name in TERMS else "N"
         e = replace(e, unit=rotary_unit(unit) if log.rotary else unit)
         if not e.usable or e.state is EstimateState.AT_LEAST:
-            e = replace(e, why=_why(e.state), experiment=_experiment(name, values, sizes, log.rotary))
+            e = replace(e, why=e.why or _why(e.state), experiment=_experiment(name, values, sizes, log.rotary))
         out[name] = e
     return out
 

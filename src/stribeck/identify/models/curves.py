@@ -63,6 +63,12 @@ class SteadyCurve(ABC):
     def sign(self, v: Array, shape: Mapping[str, float]) -> Array:
         """The direction of the friction."""
 
+    def least(self, name: str) -> float:
+        """The least value that the law allows a constant; -inf for what is none of its constants."""
+        constant = laws.find(self.law).constants().get(name)
+        bounds = () if constant is None else (constant.above, constant.at_least)
+        return max((x for x in bounds if x is not None), default=-np.inf)
+
     def coulomb(self, value: Mapping[str, float], otherwise: float) -> float:
         """The Coulomb level among estimates."""
         return value.get("F_c", otherwise)
