@@ -34,7 +34,7 @@ function fold(svg) {
   // half the figure at least: letters of narrower columns would grow beyond those of the text
   const width = Math.max(wide / 2, ...columns.map((some) => end(some) - start(some) + gap)), head = Math.min(...columns.flat().map(({ above }) => above));
   const across = panels.filter((each) => !columns.flat().includes(each));
-  const order = [...across.filter(({ above }) => above < head), ...columns.flat(), ...across.filter(({ above }) => above >= head)];
+  const order = [...across.filter(({ above }) => above < head + gap), ...columns.flat(), ...across.filter(({ above }) => above >= head + gap)];
   let place = Math.min(...panels.map(({ above }) => above));
   moved.set(svg, order.map(({ group, from, to, above, below }, k) => {
     const column = columns.find((some) => some.includes(order[k])), share = column ? 1 : Math.min(1, (width - gap) / (to - from));
