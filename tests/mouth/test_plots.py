@@ -166,3 +166,15 @@ def test_a_label_longer_than_its_panel_loses_its_middle():
     assert "…" in text
     assert all(end in text for end in ("spindlespin", "spindle: velocity<", ".v (mm/s)<", ">t (s)<"))
     assert name not in text
+
+
+def test_powers_of_ten_stand_at_an_axis_and_a_user_s_dollars_stay():
+    with plots.style():
+        figure, axes = plots.figure([["a"]], 2.6)
+        axes["a"].loglog([1e-3, 1e3], [1e-6, 1e6], label="$10^2$ of $x$")
+        axes["a"].set_ylabel("$10^3$ (N)")
+        plots.legend(figure, axes["a"])
+        text = plots.svg(figure)
+    drawn = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    assert "mathdefault" not in drawn
+    assert all(words in drawn for words in (">$10^2$ of $x$<", ">$10^3$ (N)<"))

@@ -105,11 +105,19 @@ def svg(figure: Figure) -> str:
 
 
 def _show_as_written(figure: Figure) -> None:
-    """Let every text stand as it was written: no formulae between dollars, and what is not printable as an escape."""
+    """Let every text stand as it was written: no formulae between dollars, and what is not printable as an escape.
+
+    Numbers at an axis are none of a user's words: powers of ten are formulae there.
+    """
+    from matplotlib.axis import Axis as Scale
     from matplotlib.text import Text
 
+    numbers = {text for axis in figure.findobj(Scale) for text in axis.findobj(Text)}
+    numbers -= {axis.label for axis in figure.findobj(Scale)}
     for each in figure.findobj(Text):
         assert isinstance(each, Text)
+        if each in numbers:
+            continue
         each.set_parse_math(False)
         each.set_text(printable(each.get_text().removeprefix(_SHOWN).replace(r"\$", "$"), but="\n"))
 
