@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.actuator import fit_machine
-from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck import Scenario
+from stribeck.identify.actuator import fit_machine, read_logs
+from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
 from stribeck.identify.actuator.related import Relations
 from tests.identify.actuator.recorded import body, logs, record
 
@@ -52,6 +53,13 @@ def test_laws_left_open_are_searched_again_from_those_that_they_contain(folder):
 def test_a_law_by_itself_is_searched_again_from_the_static_curve(folder):
     data = body(mass=3.3, F_c=0.5, sigma_2=5.6, sigma_0=260000.0, sigma_1=440.0, F_s=8.8, v_s=0.11)
     fitted(folder, data, ALL)
+
+
+def test_a_speed_among_a_laws_constants_bends_its_curve(tmp_path):
+    record(tmp_path / "run.csv", body(amplitude=5.0))
+    wanted = WANTED | {f"{LAW}v_s": {"low": 0.002, "high": 0.2}}
+    found = coordinates(Scenario(body()), read_logs(logs(tmp_path, [{"file": "run.csv"}], wanted)))
+    assert [c.name for c in found if c.bends] == [f"{LAW}v_s"]
 
 
 def test_an_elasto_plastic_law_left_open_stays_below_break_away(tmp_path):

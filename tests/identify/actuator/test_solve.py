@@ -19,7 +19,7 @@ class Problem:
 
     def __init__(self, formula):
         self.formula, self.work, self.asked = formula, Work(), 0
-        self.sought = [SimpleNamespace(nuisance=False, output=None, name=name) for name in ("height", "law.v_s")]
+        self.sought = [SimpleNamespace(nuisance=False, output=None, bends=bends) for bends in (False, True)]
         self._relations = SimpleNamespace(lower=list)
 
     def start(self):

@@ -12,7 +12,7 @@ import numpy as np
 from stribeck import laws as known_laws
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg, first_line, nearest
-from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
+from stribeck.identify.actuator.coordinates import SPEED, MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
@@ -129,7 +129,9 @@ def _constants(
             continue
         changes[place] = x
         if (name in PARAMETERS or name == "z_ba") and place not in places:
-            fresh.append(MachineCoordinate(place, x / 100, x * 100, x, None, {place: 1.0}))
+            fresh.append(
+                MachineCoordinate(place, x / 100, x * 100, x, None, {place: 1.0}, bends=constant.unit == SPEED)
+            )
     return changes, fresh
 
 

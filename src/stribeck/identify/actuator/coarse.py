@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import make_lsq_spline
+from scipy.interpolate import LSQUnivariateSpline
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.recordings import Channel, Recording
@@ -48,6 +48,4 @@ def _smoother(channel: Channel, t: Array) -> Channel:
     if channel.held:
         first = np.searchsorted(own, t - 0.5 * (own[1] - own[0]))
         return replace(channel, t=t, x=np.add.reduceat(x, first) / np.diff([*first, len(own)]))
-    order = 3 if channel.smooth else 1
-    knots = np.concatenate([[own[0]] * (order + 1), t[1:-1], [own[-1]] * (order + 1)])
-    return replace(channel, t=t, x=make_lsq_spline(own, x, knots, order)(t))
+    return replace(channel, t=t, x=LSQUnivariateSpline(own, x, t[1:-1], k=3 if channel.smooth else 1)(t))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from stribeck.constants import Constant
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator.recordings import Logs, Sought
 from stribeck.scenario import Scenario
@@ -16,6 +17,7 @@ _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
 _START = re.compile(r"initial\.(\w+)\.([yv])")
 _OUTPUT = re.compile(r"outputs\.(.+)\.(\w+)")
 _DECADES = 2.5  # positive bounds whose ratio exceeds this factor are searched in the logarithm
+SPEED = "m/s"  # the unit of a law's constants that are places of its curve
 NEUTRAL = {"offset": 0.0, "gain": 1.0, "delay": 0.0, "clock": 0.0}
 
 
@@ -30,6 +32,8 @@ class MachineCoordinate:
             coefficient of a further term.
         log: the recording that it belongs to, or None: all.
         nuisance: a nuisance parameter, such as the initial state of a recording.
+        piece: its stretch of a recording.
+        bends: whether it is a speed at which a law's curve bends: a fit may have minima at several.
     """
 
     name: str
@@ -41,7 +45,8 @@ class MachineCoordinate:
     output: tuple[str, str] | None = None
     log: int | None = None
     nuisance: bool = False
-    piece: str | None = None  # its stretch of a recording
+    piece: str | None = None
+    bends: bool = False
 
     @property
     def logarithmic(self) -> bool:
@@ -124,7 +129,15 @@ def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: i
         return f"unknown.{s.path}: must begin with log.*. or log.0.: a start belongs to a recording"
     if text := impossible(scenario, path, s.low, s.high):
         return f"unknown.{s.path}: {text}"
-    return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {path: 1.0}, None, log, s.nuisance)
+    constant = constant_at(scenario, path)
+    bends = constant is not None and constant.unit == SPEED
+    return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {path: 1.0}, None, log, s.nuisance, bends=bends)
+
+
+def constant_at(scenario: Scenario, path: str) -> Constant | None:
+    """The declaration of a law's constant at a path."""
+    owner, name = scenario.places.get(path, ("", ""))
+    return scenario.elements.laws[owner].constants().get(name) if owner in scenario.elements.laws else None
 
 
 def impossible(scenario: Scenario, path: str, *values: float) -> str | None:

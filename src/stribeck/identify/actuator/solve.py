@@ -206,7 +206,7 @@ def settled(problem: MachineProblem, u: Array) -> Array:
 
 
 def moved_over(problem: MachineProblem, u: Array) -> Array:
-    """A point at least as good: coordinates that lie at a bound, and v_s, are put at other places between their bounds.
+    """A point at least as good: coordinates that lie at a bound, or bend a law's curve, are put elsewhere in their bounds.
 
     From there, all coordinates make a step. The bend of a Stribeck curve has minima at several places, and a coordinate at
     its bound may belong to another minimum.
@@ -214,7 +214,7 @@ def moved_over(problem: MachineProblem, u: Array) -> Array:
     width = problem.high - problem.low
     for i, c in enumerate(problem.sought):
         inside = _AT_BOUND * width[i] < u[i] - problem.low[i] < (1 - _AT_BOUND) * width[i]
-        if c.nuisance or (inside and not c.name.endswith(".v_s")):
+        if c.nuisance or (inside and not c.bends):
             continue
         starts = np.repeat(u[None], _PLACES, axis=0)
         starts[:, i] = problem.low[i] + width[i] * (np.arange(_PLACES) + 0.5) / _PLACES

@@ -20,7 +20,6 @@ _FORGOTTEN = 1e-10
 _ENDS = 1.2  # periods of the cut-off
 _WHOLE = 1e-12  # of a sample: rounding
 _SIDE = 4  # samples to each side
-FARTHEST_SAMPLE = _SIDE  # that a value between two samples takes
 
 
 class Filter(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,14 +94,6 @@ def column(name: str, log: Log, values: Mapping[str, float]) -> Array:
     term = TERMS[name]
     assert term.column is not None
     return term.column(log, values[term.of]) if term.of else term.column(log)
-
-
-def complete(names: Sequence[str], held: Mapping[str, float]) -> list[str]:
-    """The terms with what each hangs on: of a ripple all three, whichever is named or given."""
-    found = list(dict.fromkeys(names))
-    if set(RIPPLE) & {*found, *held}:
-        found = list(dict.fromkeys([*found, *(n for n in RIPPLE if n not in held)]))
-    return found
 
 
 def problem(name: str, value: float | str) -> str:
