@@ -55,19 +55,19 @@ def optimum(
     Returns:
         Shapes, coefficients (the law's, then those of ``rest``), squared residual.
     """
-
-    size = np.maximum(np.linalg.norm(rest, axis=0), 1e-300)
-    basis, spread, _ = np.linalg.svd(rest / size, full_matrices=False)
-    basis = basis[:, spread > RANK * spread.max(initial=0.0)]
+    size = _sizes(rest)
+    basis, spread, back = np.linalg.svd(rest / size, full_matrices=False)
+    there = spread > RANK * spread.max(initial=0.0)
+    basis, back = basis[:, there], back[there] / spread[there, None]
 
     def beside(a: Array) -> Array:
         return np.asarray(a - basis @ (basis.T @ a))
 
     def solved(columns: Array, at: Mapping[str, float]) -> tuple[Array, float]:
         """The law's coefficients and the squared residual, with the coefficients of ``rest`` eliminated."""
-        d = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        d = _sizes(columns)
         left, target = beside(columns / d), beside(_target(law, at, force))
-        left[:, np.linalg.norm(left, axis=0) < RANK] = 0.0  # in the span of the others
+        left[:, _sizes(left) < RANK] = 0.0  # in the span of the others
         x = np.linalg.lstsq(left, target, rcond=RANK)[0] if len(d) else np.zeros(0)
         r = target - left @ x
         return x / d, float(r @ r)
@@ -86,8 +86,12 @@ def optimum(
                 break
         if sse > before * (1 - LITTLE):
             break
-    more = _target(law, shape, force) - law.at(shape) @ x
-    return shape, np.concatenate([x, np.linalg.lstsq(rest / size, more, rcond=RANK)[0] / size]), sse
+    further = back.T @ (basis.T @ (_target(law, shape, force) - law.at(shape) @ x)) / size
+    return shape, np.concatenate([x, further]), sse
+
+
+def _sizes(columns: Array) -> Array:
+    return np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), 1e-300)
 
 
 def _target(law: LawColumns, shape: Mapping[str, float], force: Array) -> Array:
