@@ -1,8 +1,8 @@
 """How long do fits take? Seconds on the wall and of the processor, which say on a busy machine what free cores would do.
 
-By simulation: LuGre's law from 25 s at 1 kHz with 20 starts, and a joint with play from recordings of 6 s at 200 Hz with
-8 unknown numbers and 20 starts. Static fits, whole commands: files of constant speed, and one long record, with a law and
-without.
+By simulation: LuGre's law from 25 s at 1 kHz with 20 starts, the same law by the positions of a body under a noisy force,
+and a joint with play from recordings of 6 s at 200 Hz with 8 unknown numbers and 20 starts. Static fits, whole commands:
+files of constant speed, and one long record, with a law and without.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import coverage_records as records
 import numpy as np
 from measure import environment, machine, options, say, table, write
 
+from stribeck import fit
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.log import Log
@@ -49,6 +50,12 @@ def lugre(seconds: float) -> Callable[[], object]:
     """A fit of LuGre's law."""
     log = lugre_log(seconds)
     return lambda: fit_simulated(log, "lugre", FitOptions(mass=0.0))
+
+
+def positions(seconds: float) -> Callable[[], object]:
+    """A fit of LuGre's law by the positions of a body, whose force is as noisy as a motor's current."""
+    columns, _ = records.body(records.Sensing(rate=1 / STEP, seconds=seconds, force_noise=0.03), 0)
+    return lambda: fit(columns, "lugre", time="t", position="y", force="F", method="dynamic", output="position")
 
 
 def joint(count: int) -> Callable[[], object]:
@@ -98,7 +105,9 @@ def main() -> None:
         v = sum(a * np.sin(2 * np.pi * f * t) for a, f in ((0.3, 0.31), (0.15, 0.83), (0.02, 2.9)))
         one = [saved(folder / "long.csv", np.asarray(v), 99)]
         jobs = {
-            f"lugre, {seconds:g} s at 1 kHz": lugre(seconds), f"joint, {recordings} recordings": joint(recordings),
+            f"lugre, {seconds:g} s at 1 kHz": lugre(seconds),
+            f"lugre by position, {seconds:g} s at 1 kHz": positions(seconds),
+            f"joint, {recordings} recordings": joint(recordings),
             f"stribeck, {files} files": static(folder, many, "stribeck"), f"any law, {files} files": static(folder, many, ""),
             f"stribeck, {long} rows": static(folder, one, "stribeck"), f"any law, {long} rows": static(folder, one, ""),
         }  # fmt: skip

@@ -91,7 +91,8 @@ def optimum(
 
 
 def _sizes(columns: Array) -> Array:
-    return np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), 1e-300)
+    """The norm of each column."""
+    return np.asarray(np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), 1e-300))
 
 
 def _target(law: LawColumns, shape: Mapping[str, float], force: Array) -> Array:
