@@ -153,7 +153,7 @@ def cost(repetitions: int) -> dict[str, float]:
     def every(scenario: stribeck.Scenario) -> Any:
         return np.ones(len(scenario.system.states), bool)
 
-    def one_pass(scenario: stribeck.Scenario, once: Any) -> Any:
+    def one_pass(scenario: stribeck.Scenario, once: Any, *_: Any) -> Any:
         return once(of_promise.first(scenario), scenario.solve.max_steps)[0]
 
     ratios = {}

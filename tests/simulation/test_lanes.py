@@ -75,7 +75,7 @@ def test_a_lane_without_a_trajectory_costs_no_more_than_one_with():
 
     def seconds(count):
         variations = Variations(scenario, {"law.k_v": np.full(count, 1e7)})
-        tolerances, taken = Tolerances(variations.atol(), rows_are_steps=True), []
+        tolerances, taken = Tolerances(variations.atol(), np.ones(count), rows_are_steps=True), []
         for _ in range(3):
             start = time.process_time()
             lanes.lane_solver(loaded, 1)(variations, None, tolerances)

@@ -96,7 +96,7 @@ GOLDEN = {
     "axis_hunts": "ed284801f2c45745",
     "belt": "f94cc2f1b8e8f90d",
     "break_away": "f2a155295cdbb90d",
-    "gear": "9295fc7baeaef450",
+    "gear": "c38d9f889a6fb978",
     "hysteresis": "9538387c83443781",
     "joint_from_log": "0a312fa2e90f1b14",
     "limit_cycle": "c3a2994562f9454a",

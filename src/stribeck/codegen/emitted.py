@@ -73,7 +73,7 @@ def tables() -> dict[str, list[list[float]]]:
     """The coefficients of the integration method, read from runtime/method.c."""
     text = re.sub(r"/\*.*?\*/", "", runtime_text("method.c"), flags=re.DOTALL)
     numbers: dict[str, list[list[float]]] = {}
-    for name in ("GAMMA", "NODE", "TIME", "A", "C", "DENSE"):
+    for name in ("GAMMA", "NODE", "TIME", "A", "C", "DENSE", "CARRY_GAMMA", "CARRY"):
         (body,) = re.findall(rf"static const double {name}(?:\[[^=]*)? = ([^;]*);", text)
         rows = re.findall(r"\{([^{}]*)\}", body) or [body]
         numbers[name] = [[float(x) for x in row.split(",")] for row in rows]
@@ -301,6 +301,7 @@ class Emitted:
             "linearise": self._linearise([*s.rates, *s.by_time, *s.jacobian.values()]),
             "attempt": _Attempt(self, solution).function(),
             "observe": self._observe(observed),
+            "carry": self._carry(solution),
             "dense": self._dense(),
             "within": self._within(),
             "may_cross": _MayCross(self).function(),
@@ -387,6 +388,27 @@ class Emitted:
         for (target, _), value in zip(observed, values, strict=True):
             array, _, place = target.rstrip("]").partition("[")
             f.code += store(names.split().index(array), 8 * int(place), value)
+        return f
+
+    def _carry(self, solution: Sequence[Expr]) -> Function:
+        """carry() of runtime/known.c."""
+        f, (gamma,), (of_a, of_b) = Function("di"), tables()["CARRY_GAMMA"][0], tables()["CARRY"][0]
+        inv_shift, shift = f.local(), f.local()
+        f.code += get(0) + f64(gamma) + MUL + put(inv_shift) + f64(1.0) + get(inv_shift) + DIV + put(shift)
+        where = self.where("h e") | {"shift": get(shift), "inv_shift": get(inv_shift)}
+        for name, node in self.code.factors.items():
+            local = f.local()
+            f.code += self.values(f, where, [node])[0] + put(local)
+            where[f"factor.{name}"] = get(local)
+        right, a, b = ([f.local() for _ in range(self.n)] for _ in range(3))
+        where |= {f"right.{name}": get(local) for name, local in zip(self.code.names, right, strict=True)}
+        solved = self.values(f, where, solution)
+        for begin, end in ((None, a), (a, b)):
+            for i in range(self.n):
+                f.code += get(shift) + (load(1, 8 * i) if begin is None else get(begin[i])) + MUL + put(right[i])
+            f.code += b"".join(value + put(local) for value, local in zip(solved, end, strict=True))
+        for i in range(self.n):
+            f.code += store(1, 8 * i, f64(of_a) + get(a[i]) + MUL + f64(of_b) + get(b[i]) + MUL + ADD)
         return f
 
     def _dense(self) -> Function:

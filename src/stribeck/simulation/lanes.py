@@ -21,7 +21,7 @@ from stribeck.machine.equations import Equations
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
-from stribeck.simulation.native import SolverInput, Solving, step_share
+from stribeck.simulation.native import SolverInput, Solving, finest_scale, step_share
 from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Promise, Tolerances, given, measures
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
@@ -103,11 +103,12 @@ class Arrays:
         pieces = slice(int(x["piece_first"][lane]), int(x["piece_end"][lane]))
         doubles = {name: x[name][lane] for name in _PER_LANE if name in x} | {
             "x": x["x0"][lane].copy(), "largest": np.zeros(x["largest"].shape[1]), "atol_now": np.zeros(len(system.states)),
+            "carried": np.zeros(len(system.states)),
             "piece_start": x["piece_start"][pieces], "piece_rows": x["piece_rows"][pieces], "held": np.zeros(len(system.held)),
             "memory": np.zeros(sum(map(len, system.memory.values()))), "noise": x["noise"],
         }  # fmt: skip
         numbers = {
-            "rtol": b.rtol,
+            "rtol": float(x["rtol"][lane]),
             "step": b.step,
             "h_limit": float(x["h_limit"][lane]),
             "rows_are_steps": b.rows_are_steps,
@@ -128,14 +129,14 @@ class Arrays:
 
 def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arrays:
     """The arrays that the compiled solver of the lanes reads and writes, with other ``tolerances`` than the lanes' if given."""
-    tolerances = tolerances or Tolerances(lanes.atol())
+    tolerances = tolerances or _first(lanes)
     scenario, count = lanes.scenario, len(lanes)
-    share, pieces, thresholds = step_share(scenario), lanes.pieces(), lanes.thresholds()
+    share, pieces, thresholds = step_share(scenario) * tolerances.scale, lanes.pieces(), lanes.thresholds()
     room, noise = held_back(scenario.end, lanes.sampling())
     held = len(scenario.system.held)
     numbers = {
-        "parameters": lanes.parameters(), "atol": share * tolerances.atol, "x0": lanes.initial(),
-        "fixed_atol": share * tolerances.atol * given(scenario),
+        "parameters": lanes.parameters(), "atol": share[:, np.newaxis] * tolerances.atol, "x0": lanes.initial(),
+        "rtol": share * scenario.solve.rtol, "fixed_atol": share[:, np.newaxis] * tolerances.atol * given(scenario),
         "thresholds": thresholds, "h_limit": lanes.longest_step(), "noise": noise, "queue": np.zeros((count, held, room)),
         "piece_start": pieces.whole.start, "piece_rows": pieces.whole.rows,
         "out": np.empty((count, scenario.rows, len(scenario.system.states) + held)), "t_reached": np.zeros(count),
@@ -149,7 +150,7 @@ def lane_arrays(lanes: Variations, tolerances: Tolerances | None = None) -> Arra
     numbers = {name: np.ascontiguousarray(x, float) for name, x in numbers.items()}
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
     batch.queue_room, batch.noise_room = room, noise.shape[1]
-    batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
+    batch.t_end, batch.step = scenario.end, scenario.output.step
     batch.groups, batch.rows_are_steps = 1, tolerances.rows_are_steps
     arrays = Arrays({**numbers, **integers, "piece_restart": restart}, batch)
     for name, x in arrays.by_name.items():
@@ -181,21 +182,29 @@ def compiled(system: Equations) -> ctypes.CDLL:
 def solve(once: LaneSolver, lanes: Variations, progress: Progress | None = None) -> Outcome:
     """Integrate every lane, and repeat lanes whose motion needs tighter tolerances for the promised accuracy
     (:mod:`stribeck.simulation.promise`)."""
-    result, promise, tolerances = once(lanes, progress, None), Promise(lanes.scenario), Tolerances(lanes.atol())
-    width = len(lanes.scenario.system.states)
-    loose, wrong = promise.broken(tolerances, MeasuredMotion(result.largest, width))
-    places = np.flatnonzero((result.counts["status"] == 0) & (loose.any(axis=1) | wrong.any(axis=1)))
+    scenario, tolerances = lanes.scenario, _first(lanes)
+    result, promise = once(lanes, progress, None), Promise(scenario, finest_scale)
+    width = len(scenario.system.states)
+    missed = promise.missed(tolerances, MeasuredMotion(result.largest, width))
+    where = places = np.flatnonzero((result.counts["status"] == 0) & promise.mends(tolerances, missed))
     for _ in range(MOST_PASSES):
         if not len(places):
             break
-        wanted = promise.tightened(promise.part(tolerances, places), MeasuredMotion(result.largest[places], width))
+        some, measured = promise.part(tolerances, places), MeasuredMotion(result.largest[places], width)
+        wanted = promise.tightened(some, measured, missed.part(where))
         again = once(lanes.part(places), progress, wanted)
         better = again.counts["status"] == 0
         result.put(places[better], again, better)
-        tolerances.atol[places[better]] = wanted.atol[better]
-        loose, wrong = promise.broken(wanted, MeasuredMotion(again.largest, width))
-        places = places[better & (loose.any(axis=1) | wrong.any(axis=1))]
+        tolerances.atol[places[better]], tolerances.scale[places[better]] = wanted.atol[better], wanted.scale[better]
+        missed = promise.missed(wanted, MeasuredMotion(again.largest, width))
+        where = np.flatnonzero(better & promise.mends(wanted, missed))
+        places = places[where]
     return result
+
+
+def _first(lanes: Variations) -> Tolerances:
+    """The tolerances of the lanes before their motion is known."""
+    return Tolerances(lanes.atol(), np.ones(len(lanes)))
 
 
 def lane_solver(library: ctypes.CDLL, threads: int) -> LaneSolver:

@@ -45,6 +45,11 @@ def step_share(scenario: Scenario) -> float:
     return float(larger(_wanted_share(scenario), smaller(1.0, _RTOL_SMALLEST / scenario.solve.rtol)))
 
 
+def finest_scale(scenario: Scenario) -> float:
+    """The least factor of the scenario's tolerances that rounding allows."""
+    return min(1.0, _RTOL_SMALLEST / (step_share(scenario) * scenario.solve.rtol))
+
+
 def doubts(scenario: Scenario) -> list[str]:
     """Notes on tolerances that cannot be reached, because rounding is the larger error."""
     rtol, finest = scenario.solve.rtol, _RTOL_SMALLEST / _wanted_share(scenario)
@@ -98,7 +103,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     def once(tolerances: Tolerances, most: int) -> tuple[Result, MeasuredMotion]:
         return _once(library, scenario, progress, tolerances, most)
 
-    return promise.solve_to_promise(scenario, once)
+    return promise.solve_to_promise(scenario, once, finest_scale)
 
 
 def _once(
@@ -138,13 +143,14 @@ class SolverInput:
 def solver_input(scenario: Scenario, tolerances: Tolerances | None = None) -> SolverInput:
     """A scenario as input of the compiled solver, with other tolerances than its own if given."""
     system, values, tolerances = scenario.system, scenario.elements.values, tolerances or promise.first(scenario)
-    share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
+    share, pieces, held = step_share(scenario) * float(tolerances.scale[0]), scenario.pieces(), len(system.held)
     room, noise = held_back(scenario.end, [scenario.elements.sampling()])
     doubles = {
         "parameters": np.array([values[key] for key in system.parameters]),
         "x": np.array([scenario.initial.get(state.name, 0.0) for state in system.states]),
         "atol": share * tolerances.atol[0], "fixed_atol": share * tolerances.atol[0] * promise.given(scenario),
         "atol_now": np.zeros(len(system.states)), "largest": np.zeros(promise.measures(scenario)),
+        "carried": np.zeros(len(system.states)),
         "thresholds": np.array(scenario.elements.thresholds()),
         "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
         "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),

@@ -4,6 +4,10 @@ The error of y and v is at most 100 solve.rtol of their peaks over the motion, t
 unknown before the motion, so the tolerances of a run follow its peaks so far, up to those of a motion of the machine's natural
 scales. The solver measures the errors of its steps and of its dense output in F, too. If these are too large, or a state moves
 far less than the others, the run is repeated with tolerances for the measured motion, and each row ends a step.
+
+The errors of all steps add up, and grow where neighboring motions part: of bodies that break away from each other, by many
+orders of magnitude. The solver carries them on by the linearised equations. If they exceed the promise, the run is repeated
+with tolerances as much smaller, or a note reports that rounding alone grows beyond it.
 docs/explanation/solver.md states the rule.
 """
 
@@ -30,6 +34,11 @@ _LEAST_PEAK, _LEAST_SIZE = 1e-3, 1e-9
 # keeps it, and the last term of the dense output ten times, for the terms that follow it (benchmarks/promise.py).
 _STEP_IN_FORCE, _DENSE_IN_FORCE = 1e2, 1e3  # times solve.rtol
 _ROUNDING = 1e3  # times solve.rtol: a tenth of the promised accuracy of F, as rounding of some steps adds up
+_MARGIN = 0.3  # the share of the promise that a pass with finer tolerances aims at
+_FALL = (
+    0.8  # the errors of all steps fall with this power of the tolerances: single ones in proportion, and there are more
+)
+_TOO_LARGE = 1e3  # times: by so much the errors carried on are too large at most (benchmarks/promise.py)
 # Passes with tighter tolerances: the first may measure a wrong peak of F, and the next one then starts from the right one.
 MOST_PASSES = 3
 _NOISE = 1e-12  # a motion of this share of the machine's largest, each in its natural scale, is rounding
@@ -41,11 +50,13 @@ class Tolerances:
 
     Attributes:
         atol: absolute tolerances of the states.
+        scale: factor of these and of the relative tolerance.
         force: the largest error of a step in each friction force; None: any.
         rows_are_steps: whether every row of the output ends a step.
     """
 
     atol: Array
+    scale: Array
     force: Array | None = None
     rows_are_steps: bool = False
 
@@ -59,8 +70,11 @@ class MeasuredMotion:
 
     def _of_forces(self, i: int) -> Array:
         behind = self.largest[:, self.states :]
-        forces = behind.shape[1] // 4
-        return behind[:, i * forces : (i + 1) * forces]
+        return behind[:, i * self._forces : (i + 1) * self._forces]
+
+    @property
+    def _forces(self) -> int:
+        return int(self.largest.shape[1] - 2 * self.states) // 5
 
     @property
     def peaks(self) -> Array:
@@ -87,10 +101,21 @@ class MeasuredMotion:
         """The largest sum of the magnitudes of the friction forces' terms."""
         return self._of_forces(3)
 
+    @property
+    def carried(self) -> Array:
+        """The largest errors of the states, by the errors of all steps before."""
+        begin = self.states + 4 * self._forces
+        return self.largest[:, begin : begin + self.states]
+
+    @property
+    def carried_in_force(self) -> Array:
+        """The same of the friction forces."""
+        return self.largest[:, 2 * self.states + 4 * self._forces :]
+
 
 def measures(scenario: Scenario) -> int:
     """The count of numbers that the compiled solver measures."""
-    return len(scenario.system.states) + 4 * len(scenario.system.contacts)
+    return 2 * len(scenario.system.states) + 5 * len(scenario.system.contacts)
 
 
 def given(scenario: Scenario) -> NDArray[np.bool_]:
@@ -106,10 +131,52 @@ def _moving(system: MachineSystem) -> NDArray[np.bool_]:
 
 
 @dataclass(frozen=True)
+class Missed:
+    """Where a run may miss the promise, with a row for each lane.
+
+    Attributes:
+        loose: the states whose tolerance is too loose for their motion.
+        wrong: the friction forces in which single steps err too much.
+        states: the errors of the states, by those of all steps, as shares of the promise; 0 if nothing is promised.
+        forces: the same of the friction forces.
+    """
+
+    loose: NDArray[np.bool_]
+    wrong: NDArray[np.bool_]
+    states: Array
+    forces: Array
+
+    def part(self, lanes: NDArray[np.int64]) -> Missed:
+        """The same of some lanes."""
+        return Missed(self.loose[lanes], self.wrong[lanes], self.states[lanes], self.forces[lanes])
+
+    @property
+    def share(self) -> Array:
+        """The largest error of each lane as a share of the promise."""
+        return np.asarray(
+            np.maximum(np.max(self.states, axis=1, initial=0.0), np.max(self.forces, axis=1, initial=0.0))
+        )
+
+    def corrected(self, by: float) -> Missed:
+        """The same with errors by that of the run before: it was ``by`` of its estimate."""
+        return replace(self, states=by * self.states, forces=by * self.forces)
+
+    @property
+    def lanes(self) -> NDArray[np.bool_]:
+        """Whether a lane misses anything."""
+        return np.asarray(self.loose.any(axis=1) | self.wrong.any(axis=1) | (self.share > 1))
+
+
+@dataclass(frozen=True)
 class Promise:
-    """The promised accuracy of a scenario."""
+    """The promised accuracy of a scenario. ``finest_scale`` finds the least scale of its tolerances that rounding allows."""
 
     scenario: Scenario
+    finest_scale: Callable[[Scenario], float]
+
+    @cached_property
+    def _finest(self) -> float:
+        return self.finest_scale(self.scenario)
 
     @property
     def _rtol(self) -> float:
@@ -127,8 +194,8 @@ class Promise:
             moved: Array = measured.peaks / tolerances.atol
         return np.asarray(moved <= _NOISE * np.max(moved, axis=1, keepdims=True))
 
-    def broken(self, tolerances: Tolerances, measured: MeasuredMotion) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """The states, and the friction forces, whose error may exceed the promise, in each lane."""
+    def missed(self, tolerances: Tolerances, measured: MeasuredMotion) -> Missed:
+        """What may miss the promise in each lane."""
         rtol, peaks, force = self._rtol, measured.peaks, measured.force
         sizes = rtol * peaks / tolerances.atol
         followed = np.max(sizes, axis=1, keepdims=True).clip(_LEAST_SIZE, 1.0)
@@ -138,39 +205,79 @@ class Promise:
         wrong = measured.step_in_force > _STEP_IN_FORCE * rtol * force
         if not tolerances.rows_are_steps:
             wrong |= measured.dense_in_force > _DENSE_IN_FORCE * rtol * force
-        return loose, wrong
+        return Missed(loose, wrong, *self._carried(tolerances, measured))
+
+    def _carried(self, tolerances: Tolerances, measured: MeasuredMotion) -> tuple[Array, Array]:
+        """The errors of states and friction forces as shares of the promise; 0 where a tolerance of the file decides them."""
+        rtol, states, forces = self._rtol, measured.carried, measured.carried_in_force
+        kept = (states <= MOTION * rtol * measured.peaks) | ~self._promised
+        kept_in_force = (forces <= FORCE * rtol * measured.force) | (measured.force == 0)
+        if (kept.all() and kept_in_force.all()) or given(self.scenario).any():
+            return np.zeros_like(states), np.zeros_like(forces)
+        kept |= self._at_rest(tolerances, measured)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            states = np.where(kept, 0.0, states / (MOTION * rtol * measured.peaks))
+            forces = np.where(kept_in_force, 0.0, forces / (FORCE * rtol * measured.force))
+        return np.nan_to_num(states, nan=np.inf), np.nan_to_num(forces, nan=np.inf)
 
     def rounded(self, measured: MeasuredMotion) -> NDArray[np.bool_]:
         """The friction forces, in each lane, that are so small a difference of large terms that rounding breaks the promise."""
         return measured.terms * np.finfo(float).eps > _ROUNDING * self._rtol * measured.force
 
-    def tightened(self, tolerances: Tolerances, measured: MeasuredMotion) -> Tolerances:
+    def _scale(self, tolerances: Tolerances, missed: Missed) -> Array:
+        """The scale with which the errors of all steps keep the promise; as it is where rounding allows none so small."""
+        share, now = missed.share, tolerances.scale
+        if not np.any(share > 1):
+            return now
+        reached = (share > 1) & (share * (self._finest / now) ** _FALL <= _TOO_LARGE)
+        with np.errstate(divide="ignore"):
+            return np.where(reached, np.maximum((_MARGIN / share) ** (1 / _FALL) * now, self._finest), now)
+
+    def mends(self, tolerances: Tolerances, missed: Missed) -> NDArray[np.bool_]:
+        """The lanes that another pass may mend."""
+        finer = self._scale(tolerances, missed) < tolerances.scale
+        return np.asarray(missed.loose.any(axis=1) | missed.wrong.any(axis=1) | finer)
+
+    def tightened(self, tolerances: Tolerances, measured: MeasuredMotion, missed: Missed) -> Tolerances:
         """The tolerances for the measured motion."""
         kept = given(self.scenario) | self._at_rest(tolerances, measured)
         wanted = np.where(kept, tolerances.atol, 0.1 * self._rtol * measured.peaks)
         force = np.where(measured.force > 0, 0.5 * _STEP_IN_FORCE * self._rtol * measured.force, np.inf)
-        return Tolerances(np.minimum(tolerances.atol, wanted), force, rows_are_steps=True)
+        return Tolerances(
+            np.minimum(tolerances.atol, wanted), self._scale(tolerances, missed), force, rows_are_steps=True
+        )
 
     def part(self, tolerances: Tolerances, lanes: NDArray[np.int64]) -> Tolerances:
         """The tolerances of some lanes."""
-        return replace(
-            tolerances, atol=tolerances.atol[lanes], force=None if tolerances.force is None else tolerances.force[lanes]
-        )
+        force = None if tolerances.force is None else tolerances.force[lanes]
+        return replace(tolerances, atol=tolerances.atol[lanes], scale=tolerances.scale[lanes], force=force)
 
-    def remark(self, loose: NDArray[np.bool_], wrong: NDArray[np.bool_]) -> str:
-        """The accuracy that one lane does not reach, in words."""
+    def measured_share(self, coarse: Result, fine: Result, measured: MeasuredMotion) -> float:
+        """The largest error of the rows of a run as a share of the promise, by a run with finer tolerances."""
+        off = np.max(abs(fine.states[:, : measured.states] - coarse.states[:, : measured.states]), axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = off / (MOTION * self._rtol * measured.peaks[0])
+        return float(np.max(share[self._promised & (measured.peaks[0] > 0)], initial=0.0))
+
+    def remark(self, missed: Missed, measured: MeasuredMotion) -> str:
+        """The accuracy that one lane does not reach, in words; empty if it reaches all."""
         system = self.scenario.system
+        loose = (missed.loose | (missed.states > 1))[0]
+        wrong = (missed.wrong | self.rounded(measured) | (missed.forces > 1))[0]
         names = [s.name for s, x in zip(system.states, loose, strict=True) if x]
         forces = [joined(c.name, "F") for c, x in zip(system.contacts, wrong, strict=True) if x]
-        missed = [f"{', '.join(names)} to {MOTION * self._rtol:g}"] if names else []
-        missed += [f"{', '.join(forces)} to {FORCE * self._rtol:g}"] if forces else []
-        return f"accuracy not reached: {' and '.join(missed)} of the peak; rounding allows no smaller steps"
+        words = [f"{', '.join(names)} to {MOTION * self._rtol:g}"] if names else []
+        words += [f"{', '.join(forces)} to {FORCE * self._rtol:g}"] if forces else []
+        if not words:
+            return ""
+        why = "small errors grow too much here, and " if missed.share[0] > 1 else ""
+        return f"accuracy not reached: {' and '.join(words)} of the peak; {why}rounding allows no smaller steps"
 
 
 def first(scenario: Scenario) -> Tolerances:
     """The tolerances of a scenario before its motion is known."""
     atol = scenario.atol()
-    return Tolerances(np.array([[atol[state.name] for state in scenario.system.states]]))
+    return Tolerances(np.array([[atol[state.name] for state in scenario.system.states]]), np.ones(1))
 
 
 def _most_attempts(accepted: int, rows: int) -> int:
@@ -182,28 +289,34 @@ def _most_attempts(accepted: int, rows: int) -> int:
     return 100 * (accepted + rows) + 10_000
 
 
-def solve_to_promise(scenario: Scenario, once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]]) -> Result:
+def solve_to_promise(
+    scenario: Scenario,
+    once: Callable[[Tolerances, int], tuple[Result, MeasuredMotion]],
+    finest_scale: Callable[[Scenario], float],
+) -> Result:
     """The result of a scenario, solved again if its motion needs tighter tolerances.
 
     Args:
         scenario: the scenario.
         once: solves it with given tolerances, in at most a number of attempted steps.
+        finest_scale: finds the least scale of its tolerances that rounding allows.
     """
-    promise, most, tolerances = Promise(scenario), scenario.solve.max_steps, first(scenario)
+    promise, most, tolerances = Promise(scenario, finest_scale), scenario.solve.max_steps, first(scenario)
     result, measured = once(tolerances, most)
-    loose, wrong = promise.broken(tolerances, measured)
-    if result.reason is not None or not (loose.any() or wrong.any()):
+    missed = promise.missed(tolerances, measured)
+    if result.reason is not None or not missed.lanes[0]:
         return result
     for _ in range(MOST_PASSES):
-        wanted = promise.tightened(tolerances, measured)
+        if not promise.mends(tolerances, missed)[0]:
+            break
+        wanted = promise.tightened(tolerances, measured, missed)
         finer, again = once(wanted, min(most, _most_attempts(result.stats["accepted"], scenario.rows)))
         if finer.reason is not None:
             break
-        result, measured, tolerances = finer, again, wanted
-        loose, wrong = promise.broken(tolerances, measured)
-        if not (loose.any() or wrong.any()):
-            break
-    wrong |= promise.rounded(measured)
-    if loose.any() or wrong.any():
-        result.remarks.append(promise.remark(loose[0], wrong[0]))
+        share, now = missed.share[0], promise.missed(wanted, again)
+        if wanted.scale[0] < tolerances.scale[0]:
+            now = now.corrected(promise.measured_share(result, finer, again) / share)
+        result, measured, tolerances, missed = finer, again, wanted, now
+    if remark := promise.remark(missed, measured):
+        result.remarks.append(remark)
     return result

@@ -26,7 +26,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.engine import Compiled, Instance, identity
 from stribeck.simulation.layout import struct_fields
-from stribeck.simulation.native import EVENT_ROOM, SolverInput, Solving, solver_input
+from stribeck.simulation.native import EVENT_ROOM, SolverInput, Solving, finest_scale, solver_input
 from stribeck.simulation.promise import MeasuredMotion, Tolerances, measures, solve_to_promise
 from stribeck.simulation.result import Result
 
@@ -106,7 +106,7 @@ def solve(code: Compiled, system: System, scenario: Scenario, progress: Progress
 
         return in_memory(code, system, scenario, solver_input(scenario, tolerances), run)
 
-    return solve_to_promise(scenario, once)
+    return solve_to_promise(scenario, once, finest_scale)
 
 
 def _instance(code: Compiled) -> Instance:

@@ -36,6 +36,7 @@ OF_SYSTEM(rates) void rates_of_system(AT, real *dx);
 OF_SYSTEM(linearise) void linearise_system(AT);
 OF_SYSTEM(attempt) real attempt_of_system(AT, real h, real *x_new, const real *atol, real rtol);
 OF_SYSTEM(observe) void observe_system(const real *e, real *F, real *F_error, real *F_terms);
+OF_SYSTEM(carry) void carry_of_system(real h, real *e);
 OF_SYSTEM(dense) void dense_of_system(real *d);
 OF_SYSTEM(within) void within_of_system(real s, const real *x, const real *x_new, const real *d, real *row);
 OF_SYSTEM(may_cross) int may_cross(AT, real h, const real *x_new, const double *thresholds);
@@ -49,6 +50,7 @@ OF_SYSTEM(find_timing) void find_timing_of_system(real *timing);
 #define linearise(p, c, piece, t, x, work) linearise_system(piece, t, x)
 #define attempt(p, c, piece, t, x, h, work, k, x_new, atol, rtol) attempt_of_system(piece, t, x, h, x_new, atol, rtol)
 #define observed(p, c, work, e, F, F_error, F_terms) observe_system(e, F, F_error, F_terms)
+#define carry(p, c, work, h, e) carry_of_system(h, e)
 #define all_dense(k, d) dense_of_system(&(d)[0][0])
 #define within_step(s, x, x_new, d, row) within_of_system(s, x, x_new, &(d)[0][0], row)
 #define watch(p, c, piece, t, x, w) watch_system(piece, t, x, w)

@@ -4,7 +4,7 @@
 static void restart(const Batch *b, Lanes *l)
 {
     prepare(&l->p, &l->c);
-    const real h = first_step(l->atol_now, b->rtol, &l->p, &l->c, &l->piece, l->t, l->x, l->t_stop - l->t);
+    const real h = first_step(l->atol_now, l->rtol, &l->p, &l->c, &l->piece, l->t, l->x, l->t_stop - l->t);
     for (int lane = 0; lane < LANES; lane++)
         if (l->restart[lane]) {
             const int output = l->restart[lane] == OUTPUT;
@@ -153,7 +153,7 @@ static mask stuck(const Batch *b, Lanes *l, mask looks)
 /* Begin an attempt at a step of each lane. */
 static inline void begin(const Batch *b, Lanes *l)
 {
-    follow(l->atol, l->fixed_atol, b->rtol, l->x, &l->size, l->atol_now);
+    follow(l->atol, l->fixed_atol, l->rtol, l->x, &l->size, l->atol_now);
     if (l->anew) restart(b, l);
     l->anew = 0;
     rates(&l->p, &l->c, &l->piece, l->t, l->x, l->now.f0);
@@ -165,13 +165,42 @@ static inline void begin(const Batch *b, Lanes *l)
     begin_attempt(&l->p, &l->c, h, &l->now);
 }
 
+/* See carry_errors() in run.c; of the lanes whose step was good. */
+static inline void carry_errors(Lanes *l, mask good)
+{
+    const real half = l->t - l->carried_to;
+    l->carried_steps -= good & (half > 0);
+    const mask now = l->carried_steps >= CARRIED_STEPS;
+    if (HELD || !lanes_in(now)) return;
+    l->carried_steps = l->carried_steps & ~now;
+    const real inv_shift = choose(now, 2 * half, splat(1)) * CARRY_GAMMA, shift = 1 / inv_shift;
+    real right[N], a[N], b[N], *largest = l->largest + N + 4 * FORCES;
+    Factors fac;
+    factorise(&l->p, &l->c, &l->now.jac, shift, inv_shift, &fac);
+    for (int n = 0; n < N; n++) right[n] = shift * l->carried[n];
+    solve(&l->p, &l->c, &l->now.jac, shift, inv_shift, &fac, right, a);
+    for (int n = 0; n < N; n++) right[n] = shift * a[n];
+    solve(&l->p, &l->c, &l->now.jac, shift, inv_shift, &fac, right, b);
+    for (int n = 0; n < N; n++) {
+        const real e = CARRY[0] * a[n] + CARRY[1] * b[n], rounding = ROUNDING * abs_of(l->x[n]);
+        l->carried[n] = choose(now, choose(e < 0, e - rounding, e + rounding), l->carried[n]);
+        largest[n] = choose(abs_of(l->carried[n]) <= largest[n], largest[n], abs_of(l->carried[n])); /* nan is kept, too */
+    }
+    l->carried_to = choose(now, l->t + half, l->carried_to);
+#if FORCES > 0
+    real F[FORCES], F_error[FORCES], F_terms[FORCES];
+    observe(&l->p, &l->c, &l->now.jac, l->carried, F, F_error, F_terms);
+    for (int q = 0; q < FORCES; q++) largest[N + q] = choose(now, larger(abs_of(F_error[q]), largest[N + q]), largest[N + q]);
+#endif
+}
+
 /* After its stages: accept or reject, each lane for itself, and choose the next step. */
 static inline void end(const Batch *b, Lanes *l)
 {
     real(*k)[N] = l->k;
     const real *x_new = l->x_new, h = l->now.h, t_new = l->t_new;
     const mask last = l->last;
-    real error = end_attempt(l->atol_now, b->rtol, l->x, l->k, l->x_new);
+    real error = end_attempt(l->atol_now, l->rtol, l->x, l->k, l->x_new);
 #if FORCES > 0
     real F[FORCES], F_error[FORCES], F_terms[FORCES];
     observe(&l->p, &l->c, &l->now.jac, k[STAGES - 1], F, F_error, F_terms);
@@ -203,6 +232,8 @@ static inline void end(const Batch *b, Lanes *l)
     const mask events = good & ~failed & look_out(l, h, k, x_new, w);
     if (lanes_in(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
 #endif
+    carry_errors(l, good);
+    for (int n = 0; n < N; n++) l->carried[n] = choose(good, l->carried[n] + k[STAGES - 1][n], l->carried[n]);
     for (int n = 0; n < N; n++) l->largest[n] = choose(good, larger(abs_of(x_new[n]), l->largest[n]), l->largest[n]);
 #if FORCES > 0
     for (int q = 0; q < FORCES; q++) {

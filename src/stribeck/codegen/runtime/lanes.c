@@ -7,7 +7,7 @@ typedef struct {
     const double *atol, *fixed_atol; /* absolute tolerances of the states: see run.c */
     const double *x0;             /* the state at t = 0 */
     const double *thresholds;     /* of the watched quantities, 0 for none */
-    const double *h_limit;
+    const double *h_limit, *rtol;
     const double *force_tolerance; /* how far a step may err in each friction force; NULL: as the states' tolerances say */
     double *largest;              /* MEASURES numbers of each trajectory: its largest states, ... (see run.c) */
     const double *noise;          /* standard normal numbers, noise_room for each sampled controller */
@@ -20,7 +20,7 @@ typedef struct {
     int64_t *happened;            /* how often each event came: four of every watched quantity */
     double *t_reached;
     int64_t *turn;                /* shared by all threads: the next trajectory, how many are finished, whether to stop */
-    double rtol, t_end, step;
+    double t_end, step;
     int64_t count, rows, most_attempts, queue_room, noise_room;
     int64_t rows_are_steps;       /* whether each row ends a step, so that none is interpolated */
     int64_t groups;               /* how many vectors a thread may take, at most GROUPS */
@@ -28,7 +28,7 @@ typedef struct {
 
 enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2, STALLED = -4 };
 
-enum { MEASURES = N + 4 * FORCES }; /* as in run.c */
+enum { MEASURES = 2 * N + 5 * FORCES }; /* as in run.c */
 
 EXPORT int64_t stribeck_batch_size(void) { return (int64_t)sizeof(Batch); }
 EXPORT int64_t stribeck_lanes(void) { return LANES; }
@@ -58,7 +58,9 @@ typedef struct {
     real threshold[WATCHES];               /* nan where nothing is looked out for */
 #endif
     real largest[MEASURES], force_tolerance[FORCES + 1];
-    real atol[N], fixed_atol[N], atol_now[N], size; /* see follow() */
+    real rtol, atol[N], fixed_atol[N], atol_now[N], size; /* see follow() */
+    real carried[N], carried_to;       /* see carry_errors() in run.c */
+    mask carried_steps;
     real x[N], t, h, h_limit, t_stop, last_h, last_root;
     real row_t;                        /* the time of the next row */
     real output_h;                     /* the step to begin with after an output; 0: not known yet */
@@ -233,6 +235,9 @@ static void refill(const Batch *b, Lanes *l, int lane)
     put_lane(l->atol, lane, b->atol + i * N, N);
     put_lane(l->fixed_atol, lane, b->fixed_atol + i * N, N);
     for (int n = 0; n < N; n++) l->atol_now[n][lane] = 0;
+    for (int n = 0; n < N; n++) l->carried[n][lane] = 0;
+    l->carried_to[lane] = l->carried_steps[lane] = 0;
+    l->rtol[lane] = b->rtol[i];
     l->size[lane] = LEAST_SIZE;
     if (b->force_tolerance) put_lane(l->force_tolerance, lane, b->force_tolerance + i * FORCES, FORCES);
     for (int m = 0; m < MEASURES; m++) l->largest[m][lane] = 0;

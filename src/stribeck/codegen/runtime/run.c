@@ -16,7 +16,8 @@ typedef struct {
     double *memory;             /* what sampled controllers remember */
     double *queue;              /* their outputs that do not act yet: queue_room for each */
     const double *force_tolerance; /* how far a step may err in each friction force; NULL: as the states' tolerances say */
-    double *largest;            /* MEASURES numbers: see measure(); NULL: not measured */
+    double *largest;            /* MEASURES numbers: see below; NULL: not measured */
+    double *carried;            /* what the errors of the steps so far amount to in each state: see carry_errors() */
     const double *noise;        /* standard normal numbers, noise_room for each controller */
     const int8_t *piece_restart; /* how the signals go on at the beginning of a row */
     int32_t *event_what;        /* which quantity (times 4), and what happened to it */
@@ -26,6 +27,8 @@ typedef struct {
     double h_smallest, h_largest;
     double last_h, last_root;   /* of the last accepted step; last_h 0: none yet */
     double output_h;            /* the step to begin with after an output; 0: not known yet */
+    double carried_to;          /* the time up to which they are carried on */
+    int64_t carried_steps;      /* the steps since then */
     int64_t pieces, piece, rows, row, event_room, events, queue_room, noise_room;
     int64_t accepted, rejected, rates, jacobians, attempts_left;
     int64_t held_back, restart; /* held_back: the last attempt was rejected */
@@ -159,11 +162,34 @@ static int act(Run *run, const double *timing, double t)
 #endif
 
 /* What the run's largest numbers are so far: of the states, of the friction forces, of what a step's error, and the last term of
-   the dense output within a step, amount to in them, and of the terms that they are sums of. */
-#define MEASURES (N + 4 * FORCES)
+   the dense output within a step, amount to in them, and of the terms that they are sums of; of the errors carried on, in the
+   states and in the friction forces. */
+#define MEASURES (2 * N + 5 * FORCES)
 static inline void keep_larger(double *largest, double x)
 {
-    if (fabs(x) > *largest) *largest = fabs(x);
+    if (!(fabs(x) <= *largest)) *largest = fabs(x); /* nan is kept, too */
+}
+
+/* Carry the errors of the steps so far on, from the last time to as far behind run->t, where the Jacobian is known: the errors
+   of many steps add up, and where neighboring motions part they grow. The outputs of sampled controllers, which would pull the
+   errors back, are held in these equations, so that they are not asked there. */
+static inline void carry_errors(Run *run, const Parameters *p, const Coefficients *c, const Work *work)
+{
+    const double half = run->t - run->carried_to;
+    double *carried = run->carried, *largest = run->largest + N + 4 * FORCES;
+    if (HELD || !(half > 0) || ++run->carried_steps < CARRIED_STEPS) return;
+    run->carried_steps = 0;
+    carry(p, c, work, 2 * half, carried);
+    run->carried_to = run->t + half;
+    for (int i = 0; i < N; i++) {
+        carried[i] += copysign(ROUNDING * run->x[i], carried[i]);
+        keep_larger(largest + i, carried[i]);
+    }
+#if MAY_OBSERVE
+    double F[FORCES + 1], F_error[FORCES + 1], F_terms[FORCES + 1];
+    observed(p, c, work, carried, F, F_error, F_terms);
+    for (int q = 0; q < FORCES; q++) keep_larger(largest + N + q, F_error[q]);
+#endif
 }
 
 /* The rows within the step from run->t that come before t_before or at t_new; h is the step's length. */
@@ -334,6 +360,8 @@ static NOINLINE int advance(Run *run)
 #endif
         if (run->largest) {
             for (int i = 0; i < N; i++) keep_larger(run->largest + i, x_new[i]);
+            carry_errors(run, p, c, work);
+            for (int i = 0; i < N; i++) run->carried[i] += k[STAGES - 1][i];
 #if MAY_OBSERVE
             for (int q = 0; q < FORCES; q++) {
                 keep_larger(run->largest + N + q, F[q]);

@@ -46,7 +46,7 @@ ALWAYS_INLINE static inline void stage(int s, const Parameters *p, const Coeffic
 }
 
 /* After the last stage: the new state, and its squared error against the tolerances. */
-static inline real end_attempt(const real *atol, double rtol, const real *x, real k[STAGES][N], real *x_new)
+static inline real end_attempt(const real *atol, real rtol, const real *x, real k[STAGES][N], real *x_new)
 {
     for (int i = 0; i < N; i++) x_new[i] += k[STAGES - 1][i];
     return scaled_square(atol, rtol, x, x_new, k[STAGES - 1]);

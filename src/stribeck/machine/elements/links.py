@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field
 
 from stribeck.constants import Column, kind_of, show
 from stribeck.expressions.graph import Expr, wrap
-from stribeck.expressions.ops import Value, clip
+from stribeck.expressions.ops import Value, clip, sign, where
 from stribeck.machine.element import (
     GROUND,
     NONE,
@@ -84,7 +84,8 @@ class Link(BetweenBodies, family=True):
             return f_c
         if self.gap is None:
             return f_c + self.damping * w
-        return f_c + clip(self.damping * w, -abs(f_c), abs(f_c))
+        f_d = self.damping * w  # limited to |f_c|; within the play both are 0, and so is the derivative by w
+        return f_c + where(abs(f_d) < abs(f_c), f_d, sign(w) * abs(f_c))
 
     def rates(self, d: Value, w: Value, x: Own) -> Own:
         """The time derivatives of its own states."""
