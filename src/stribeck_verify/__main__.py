@@ -1,6 +1,7 @@
 """``python -m stribeck_verify FILE``: check the certificates in a file, without the prover.
 
-The equations are taken from the file; it prints them, so that a reader can compare them with the law's.
+The equations are taken from the file; it prints them before the certificates
+that are about them, so that a reader can compare them with the law's.
 """
 
 from __future__ import annotations
@@ -72,12 +73,12 @@ def _group(data: dict[str, Json]) -> tuple[str, dict[str, Json]]:
 def _checked(where: str, law: str, certificates: dict[str, Json]) -> bool:
     """Print what is found of a law's certificates; whether one is refused."""
     print(fields.escaped(f"{where}law {law}"))
-    first = next(iter(certificates.values()), None)
-    if isinstance(first, dict):
-        for what in ("definitions", "dz_dt", "force", "Z"):
-            print(f"  {what}: {_expression(first.get(what))}")
-    refused = False
+    refused, shown = False, [""]
     for name, certificate in certificates.items():
+        equations = _equations(certificate)
+        if equations != shown:
+            print(*equations, sep="\n")
+            shown = equations
         problems = verify(certificate)
         for what, stated in (("property", name), ("law", law)):
             if not problems and certificate[what] != stated:
@@ -87,6 +88,12 @@ def _checked(where: str, law: str, certificates: dict[str, Json]) -> bool:
         words = "confirmed" if limit is None else f"confirmed for speeds up to {limit} m/s"
         print(fields.escaped(f"{where}{name}: {'; '.join(problems) if problems else words}"))
     return refused
+
+
+def _equations(certificate: Json) -> list[str]:
+    """What a certificate says the law is; each certificate of a file has equations of its own."""
+    given = certificate if isinstance(certificate, dict) else {}
+    return [f"  {what}: {_expression(given.get(what))}" for what in ("definitions", "dz_dt", "force", "Z")]
 
 
 def _expression(data: Json) -> str:

@@ -114,7 +114,7 @@ _ODD = """
 int main(void)
 {
     const double odd[] = {NAN, INFINITY, -INFINITY};
-    machine *m = malloc(machine_size());
+    machine_machine *m = malloc(machine_size());
     for (int place = -1; place < MACHINE_STATES; place++)
         for (int i = 0; i < 3; i++)
             for (int later = 0; later < 2; later++) {
@@ -214,9 +214,7 @@ def test_c_of_a_pressure_cascade(sampled, servo, tmp_path):
         (name,) = (path.stem.removesuffix("_run") for path in tmp_path.glob("*_run.c"))
         rtol = [1e-4, 1e-6, 1e-7, 1e-8, 1e-10]
         lines = "".join(f'{name}_tolerance(&m, {x!r}); printf("%.17g ", m.run.rtol);' for x in rtol)
-        main = (
-            f'#include "{name}.c"\n#include <stdio.h>\nstatic struct {name} m; int main(void) {{ {lines} return 0; }}'
-        )
+        main = f'#include "{name}.c"\n#include <stdio.h>\nstatic struct {name}_machine m; int main(void) {{ {lines} return 0; }}'
         (tmp_path / "asked.c").write_text(main)
         subprocess.run(["gcc", str(tmp_path / "asked.c"), "-o", str(tmp_path / "asked"), "-lm"], check=True)
         told = subprocess.run([str(tmp_path / "asked")], capture_output=True, text=True, check=True).stdout

@@ -23,6 +23,10 @@ HOSTILE = [
     "main",
     "x" * 80,
     "2nd",
+    "double_t",
+    "y0",
+    "fmu",
+    "fmi3",
     "\u00e9t\u00e9",
 ]
 
@@ -34,7 +38,15 @@ def test_a_machine_compiles(name, tmp_path):
     data = machine({"a": {"mass": 1.0}}, 0.1, energy=False, contacts=contacts, loads={"push": push()})
     for file in stribeck.export(Scenario({**data, "name": name}), "c", tmp_path):
         if file.suffix == ".c":
-            subprocess.run(["gcc", "-std=c99", "-fsyntax-only", "-Werror", str(file)], check=True)
+            for language in ("c99", "gnu17"):  # the second: all that the C library knows
+                subprocess.run(["gcc", f"-std={language}", "-fsyntax-only", "-Werror", str(file)], check=True)
+
+
+def test_a_column_has_another_name_than_a_state_or_constant(tmp_path):
+    need("gcc")
+    bodies = {name: {"mass": 1.0} for name in ("a", "X_a", "P_a")}
+    file = stribeck.export(Scenario(machine(bodies, 0.1, energy=False, loads={"push": push()})), "c", tmp_path)[0]
+    subprocess.run(["gcc", "-std=c99", "-fsyntax-only", "-Werror", str(file)], check=True)
 
 
 @pytest.mark.parametrize("name", ["net", "step", "force_law", "Given", "y" * 80])

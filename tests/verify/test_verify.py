@@ -425,6 +425,20 @@ def test_what_a_file_says_is_printed_as_one_line_of_ascii(tmp_path, capsys):
             assert max(len(line) for line in out.splitlines() if not line.startswith("  ")) < 1000
 
 
+def test_the_equations_of_each_certificate_are_shown_before_it(tmp_path, capsys):
+    """A certificate about other equations was confirmed below those of the first one."""
+    other = changed(by_hand.drift_free(), ("law",), "lugre")
+    data = {"format": 1, "law": "lugre", "certificates": {"bounded": by_hand.bounded(), "drift_free": other}}
+    (tmp_path / "c.json").write_text(json.dumps(data))
+    assert main([str(tmp_path / "c.json")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    shown = [json.loads(line.partition(":")[2]) for line in lines if line.startswith("  dz_dt: ")]
+    assert shown == [by_hand.bounded()["dz_dt"], other["dz_dt"]]
+    places = [lines.index(f"{name}: confirmed") for name in data["certificates"]]
+    assert lines[places[0] + 1].startswith("  definitions: ")
+    assert places[1] > places[0] + 4
+
+
 @pytest.mark.parametrize(
     "text",
     ["[]", "{}", '{"format": 1, "law": ["a"], "certificates": {}}', '{"format": 1, "law": "x", "certificates": []}',

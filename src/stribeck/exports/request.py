@@ -176,7 +176,8 @@ def identifier(name: str, kind: str = "machine") -> str:
     """A name that the exported files can begin theirs with, in every language.
 
     It is of ASCII, of bounded length, other than for other names of that length, and no word (nor the begin of one, up to
-    a "_") of C, C++, Python or the templates.
+    a "_") of C, C++, Python or the templates, nor that of a file beside them. What libraries call their functions and
+    types may change: no exported C calls anything by this name alone.
     """
     text = re.sub(r"\W", "_", name, flags=re.ASCII)
     if len(text) > _LONGEST:
@@ -194,9 +195,19 @@ def _begins(solver: bool) -> frozenset[str]:
     sources = [file for file in sources if solver or not file.name.startswith("machine")]
     code = "\n".join(file.read_text(encoding="utf-8") for file in sources)
     code = re.sub(r'/\*.*?\*/|"[^"\n]*"|\{[{%].*?[%}]\}', " ", code, flags=re.DOTALL)
-    words = {*re.findall(r"[A-Za-z_]\w*", code), *C_WORDS, *C_FUNCTIONS, *keyword.kwlist, *_CPP.split(), "main"}
+    words = {
+        *re.findall(r"[A-Za-z_]\w*", code),
+        *C_WORDS,
+        *C_FUNCTIONS,
+        *keyword.kwlist,
+        *_CPP.split(),
+        "main",
+        *_BESIDE,
+    }
     return frozenset(word[:i] for word in words for i in (*(m.start() for m in re.finditer("_", word)), len(word)))
 
+
+_BESIDE = ("fmu", "fmi2", "fmi3")  # files that an FMU has too
 
 # Of C++ alone, which reads the headers too.
 _CPP = """

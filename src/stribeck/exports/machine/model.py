@@ -166,19 +166,26 @@ class MachineModel:
         return []
 
     @cached_property
+    def state_names(self) -> dict[str, str]:
+        """The names of the states in C, after ``X_``."""
+        return _c_names(s.name for s in self.machine.states)
+
+    @cached_property
     def column_names(self) -> dict[str, str]:
-        """The names of the columns in C."""
-        return dict(zip((c.name for c in self.columns), c_names(c.name for c in self.columns), strict=True))
+        """The names of the columns in C; none is that of a state or constant, with the letter before it."""
+        others = [*(f"X_{name}" for name in self.state_names.values()), *(f"P_{each.name}" for each in self.parameters)]
+        return _c_names((c.name for c in self.columns), others)
 
 
-def c_names(names: Iterable[str]) -> list[str]:
-    """Names of columns as parts of identifiers, each once."""
-    found: list[str] = []
+def _c_names(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
+    """Names as parts of identifiers, each once."""
+    used, found = {*taken}, {}
     for name in names:
         text = re.sub(r"\W", "_", name)
-        while text in found:
+        while text in used:
             text += "_"
-        found.append(text)
+        used.add(text)
+        found[name] = text
     return found
 
 

@@ -13,7 +13,7 @@
 
 /* All that an instance is; nothing else is kept anywhere. */
 typedef struct {
-    {{ P }} s;
+    {{ P }}_machine s;
     double o[{{ P | upper }}_COLUMNS], rate[STATES], time, tolerance;
     int initialised, known; /* known: o and rate are of the present state */
 } Model;

@@ -28,7 +28,7 @@ static const double NOISE[] = { /* standard normal numbers, one a sample */
 #define ROOM {{ room }} /* outputs that wait at most, of each controller */
 #define MEMORY {{ memory }} /* numbers that sampled controllers remember */
 
-struct {{ P }} {
+struct {{ P }}_machine {
     Run run;
     double constants[PARAMETERS], acting[PARAMETERS];
     double x[N], atol[N], fixed_atol[N], atol_now[N], row[N + HELD + SHOWN];
@@ -44,9 +44,9 @@ const char *const {{ P }}_column_names[{{ P | upper }}_COLUMNS] = {
 {% endfor %}
 };
 
-size_t {{ P }}_size(void) { return sizeof({{ P }}); }
+size_t {{ P }}_size(void) { return sizeof({{ P }}_machine); }
 
-void {{ P }}_start({{ P }} *m)
+void {{ P }}_start({{ P }}_machine *m)
 {
     memset(m, 0, sizeof *m);
     memcpy(m->constants, DEFAULTS, sizeof m->constants);
@@ -62,7 +62,7 @@ void {{ P }}_start({{ P }} *m)
     m->run.event_room = stribeck_event_room();
 }
 
-void {{ P }}_tolerance({{ P }} *m, double rtol)
+void {{ P }}_tolerance({{ P }}_machine *m, double rtol)
 {
 {% if held %}
     const double share = fmin(fmax({{ low }} * pow(1e-6 / rtol, {{ power }}), {{ low }}), {{ high }}); /* that one step may err by */
@@ -77,7 +77,7 @@ void {{ P }}_tolerance({{ P }} *m, double rtol)
 }
 
 /* The pointers of a machine that may have been copied. */
-static void bind({{ P }} *m)
+static void bind({{ P }}_machine *m)
 {
     m->run.parameters = m->acting;
     m->run.atol = m->atol;
@@ -97,7 +97,7 @@ static void bind({{ P }} *m)
     m->run.acted = m->acted;
 }
 
-const char *{{ P }}_wrong(const {{ P }} *m)
+const char *{{ P }}_wrong(const {{ P }}_machine *m)
 {
     const Parameters *p = (const Parameters *)m->constants;
     (void)p;
@@ -111,7 +111,7 @@ const char *{{ P }}_wrong(const {{ P }} *m)
 }
 
 /* Constants that were changed, inputs among them, act from now on. */
-static void take_constants({{ P }} *m)
+static void take_constants({{ P }}_machine *m)
 {
     if (!memcmp(m->acting, m->constants, sizeof m->acting)) return;
 #if MOVED >= 0
@@ -129,7 +129,7 @@ static void take_constants({{ P }} *m)
     m->run.restart = JUMP;
 }
 
-int {{ P }}_advance({{ P }} *m, double t)
+int {{ P }}_advance({{ P }}_machine *m, double t)
 {
     bind(m);
     if ({{ P }}_wrong(m)) return {{ P | upper }}_BAD_CONSTANT;
@@ -144,7 +144,7 @@ int {{ P }}_advance({{ P }} *m, double t)
 }
 
 /* When a signal goes on, or a controller samples or acts, the next time. */
-static double next_of(const {{ P }} *m, const Parameters *p)
+static double next_of(const {{ P }}_machine *m, const Parameters *p)
 {
     double next = INFINITY;
     (void)p;
@@ -158,7 +158,7 @@ static double next_of(const {{ P }} *m, const Parameters *p)
     return next;
 }
 
-double {{ P }}_happen({{ P }} *m, double t)
+double {{ P }}_happen({{ P }}_machine *m, double t)
 {
     const Parameters *p = (const Parameters *)m->acting;
     Coefficients c;
@@ -175,16 +175,16 @@ double {{ P }}_happen({{ P }} *m, double t)
 }
 
 /* A machine as it is now: one that has not begun has taken the samples of its start. */
-static void settle(const {{ P }} *m, {{ P }} *now)
+static void settle(const {{ P }}_machine *m, {{ P }}_machine *now)
 {
     *now = *m;
     bind(now);
     if (!now->begun) {{ P }}_happen(now, m->run.t);
 }
 
-void {{ P }}_rates(const {{ P }} *m, double out[{{ P | upper }}_STATES])
+void {{ P }}_rates(const {{ P }}_machine *m, double out[{{ P | upper }}_STATES])
 {
-    {{ P }} now;
+    {{ P }}_machine now;
     settle(m, &now);
     const Run *run = &now.run;
     PRESENT(piece)
@@ -194,14 +194,14 @@ void {{ P }}_rates(const {{ P }} *m, double out[{{ P | upper }}_STATES])
     rates(p, &c, piece, now.run.t, now.x, out);
 }
 
-void {{ P }}_at({{ P }} *m, double t) { m->run.t = t; }
-double {{ P }}_time(const {{ P }} *m) { return m->run.t; }
-double *{{ P }}_states({{ P }} *m) { return m->x; }
-double *{{ P }}_constants({{ P }} *m) { return m->constants; }
+void {{ P }}_at({{ P }}_machine *m, double t) { m->run.t = t; }
+double {{ P }}_time(const {{ P }}_machine *m) { return m->run.t; }
+double *{{ P }}_states({{ P }}_machine *m) { return m->x; }
+double *{{ P }}_constants({{ P }}_machine *m) { return m->constants; }
 
-void {{ P }}_columns(const {{ P }} *m, double out[{{ P | upper }}_COLUMNS])
+void {{ P }}_columns(const {{ P }}_machine *m, double out[{{ P | upper }}_COLUMNS])
 {
-    {{ P }} now;
+    {{ P }}_machine now;
     settle(m, &now);
     const Run *run = &now.run;
     PRESENT(piece)

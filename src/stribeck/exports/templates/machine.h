@@ -20,7 +20,7 @@
 extern "C" {
 #endif
 
-typedef struct {{ P }} {{ P }};
+typedef struct {{ P }}_machine {{ P }}_machine;
 
 enum { {{ P | upper }}_DONE = 0, {{ P | upper }}_MORE = 1 /* too many steps were needed: call it again */,
        {{ P | upper }}_STEP_TOO_SMALL = -1, {{ P | upper }}_NOT_FINITE = -2, {{ P | upper }}_BAD_CONSTANT = -3,
@@ -37,7 +37,7 @@ enum {
 /* States, which {{ P }}_states gives by place. */
 enum {
 {% for state in m.machine.states %}
-    {{ P | upper }}_X_{{ state.name | replace(".", "_") }} = {{ loop.index0 }}, /* {{ (state.unit or "1") | plain }}: {{ state.meaning | plain }} */
+    {{ P | upper }}_X_{{ m.state_names[state.name] }} = {{ loop.index0 }}, /* {{ (state.unit or "1") | plain }}: {{ state.meaning | plain }} */
 {% endfor %}
     {{ P | upper }}_STATES = {{ m.machine.states | length }}
 };
@@ -51,19 +51,19 @@ enum {
 };
 
 size_t {{ P }}_size(void); /* of a machine, in bytes; its place must be aligned as for a double */
-void {{ P }}_start({{ P }} *m);
-int {{ P }}_advance({{ P }} *m, double t); /* {{ P | upper }}_DONE, or why it ended at an earlier time */
-double {{ P }}_time(const {{ P }} *m);
+void {{ P }}_start({{ P }}_machine *m);
+int {{ P }}_advance({{ P }}_machine *m, double t); /* {{ P | upper }}_DONE, or why it ended at an earlier time */
+double {{ P }}_time(const {{ P }}_machine *m);
 /* For a solver of your own, in the place of {{ P }}_advance: the time derivatives of the states at the time that {{ P }}_at
  * sets. At t = 0, and at each time that it returns, {{ P }}_happen lets signals go on and controllers sample and act. */
-void {{ P }}_rates(const {{ P }} *m, double out[{{ P | upper }}_STATES]);
-void {{ P }}_at({{ P }} *m, double t);
-double {{ P }}_happen({{ P }} *m, double t); /* the next such time, or infinity; it may change the state E_in */
-void {{ P }}_columns(const {{ P }} *m, double out[{{ P | upper }}_COLUMNS]);
-double *{{ P }}_states({{ P }} *m);
-double *{{ P }}_constants({{ P }} *m);
-void {{ P }}_tolerance({{ P }} *m, double rtol); /* the file's is {{ wanted }} */
-const char *{{ P }}_wrong(const {{ P }} *m); /* which constant is not allowed, and what is; or NULL */
+void {{ P }}_rates(const {{ P }}_machine *m, double out[{{ P | upper }}_STATES]);
+void {{ P }}_at({{ P }}_machine *m, double t);
+double {{ P }}_happen({{ P }}_machine *m, double t); /* the next such time, or infinity; it may change the state E_in */
+void {{ P }}_columns(const {{ P }}_machine *m, double out[{{ P | upper }}_COLUMNS]);
+double *{{ P }}_states({{ P }}_machine *m);
+double *{{ P }}_constants({{ P }}_machine *m);
+void {{ P }}_tolerance({{ P }}_machine *m, double rtol); /* the file's is {{ wanted }} */
+const char *{{ P }}_wrong(const {{ P }}_machine *m); /* which constant is not allowed, and what is; or NULL */
 extern const char *const {{ P }}_column_names[{{ P | upper }}_COLUMNS];
 
 #ifdef __cplusplus

@@ -9,7 +9,7 @@ int main(int count, char **words)
 {
     const double t_end = count > 1 ? atof(words[1]) : {{ t_end }}, step = count > 2 ? atof(words[2]) : {{ step }};
     double row[{{ P | upper }}_COLUMNS];
-    {{ P }} *m = malloc({{ P }}_size());
+    {{ P }}_machine *m = malloc({{ P }}_size());
     if (!m || !(step > 0)) return 2;
     {{ P }}_start(m);
     printf("t");
