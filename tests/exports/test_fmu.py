@@ -494,7 +494,7 @@ def test_our_header_says_what_the_standards_says(fmi, folder, tmp_path):
 
 @pytest.mark.skipif(not os.environ.get("STRIBECK_TEST_CROSS"), reason="minutes at first; STRIBECK_TEST_CROSS=1 runs it")
 def test_for_other_platforms(tmp_path, monkeypatch):
-    pytest.importorskip("ziglang", reason="ziglang, of the extra 'export', is not installed")
+    pytest.importorskip("ziglang", reason="ziglang, of the extra 'fmu', is not installed")
     monkeypatch.setattr(binaries, "_ACROSS", ("x86_64-windows", "aarch64-darwin"))
     (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu", fmi=3, platforms="all")
     with zipfile.ZipFile(path) as archive:

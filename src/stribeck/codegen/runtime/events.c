@@ -69,7 +69,7 @@ static inline void bernstein_of_dense(double v0, double v1, double d0, double d1
 }
 
 /* The same of the quartic through five values at equal distances. */
-static inline void bernstein_of_values(const double f[5], double b[5])
+UNUSED static inline void bernstein_of_values(const double f[5], double b[5])
 {
     b[0] = f[0];
     b[1] = (-13 * f[0] + 48 * f[1] - 36 * f[2] + 16 * f[3] - 3 * f[4]) / 12;
