@@ -1,6 +1,7 @@
 """What a machine file says without Python: springs of two stages, forces by position, sums of signals, an encoder that only
 measures; against SciPy on equations written here, in C, and wrong ones in a line each."""
 
+import shutil
 import subprocess
 from itertools import pairwise
 
@@ -103,6 +104,7 @@ def test_a_mass_that_varies():
     assert_balanced({n: found[n] for n in found})
 
 
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 @pytest.mark.parametrize("data", [MACHINE, LADEN], ids=["machine", "laden"])
 def test_exported(data, tmp_path):
     """The machine in C says the same in every column."""

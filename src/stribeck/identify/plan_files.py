@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.expressions.ops import Value
-from stribeck.files import write_text, write_with
+from stribeck.files import write_text
 from stribeck.identify.plan import SMALLEST, Limits, Test, motion, programme
 from stribeck.identify.synthetic import LABEL, Experiment, Sensors, experiment
 from stribeck.mouth import plots
@@ -71,7 +72,9 @@ def _position(v: Array) -> Array:
 
 def _write_columns(path: Path, columns: Mapping[str, Array]) -> None:
     data = np.column_stack(list(columns.values()))
-    write_with(path, lambda beside: np.savetxt(beside, data, "%.10g", ",", header=",".join(columns), comments=""))
+    text = io.StringIO()  # a file by its name would end its lines as the system does
+    np.savetxt(text, data, "%.10g", ",", header=",".join(columns), comments="")
+    write_text(path, text.getvalue())
 
 
 def figure(limits: Limits, tests: Sequence[Test]) -> FigureSvg:

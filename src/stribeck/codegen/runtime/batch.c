@@ -1,7 +1,7 @@
 /* ---- A batch of trajectories: attempts at steps of all lanes, and what becomes of each. ------------------------------- */
 
 /* Steps of lanes that start anew or come out of a breakpoint. */
-static void restart(const Batch *b, Lanes *l)
+static void restart(Lanes *l)
 {
     prepare(&l->p, &l->c);
     const real h = first_step(l->atol_now, l->rtol, &l->p, &l->c, &l->piece, l->t, l->x, l->t_stop - l->t);
@@ -154,7 +154,7 @@ static mask stuck(const Batch *b, Lanes *l, mask looks)
 static inline void begin(const Batch *b, Lanes *l)
 {
     follow(l->atol, l->fixed_atol, l->rtol, l->x, &l->size, l->atol_now);
-    if (l->anew) restart(b, l);
+    if (l->anew) restart(l);
     l->anew = 0;
     rates(&l->p, &l->c, &l->piece, l->t, l->x, l->now.f0);
     jacobian(&l->p, &l->c, &l->piece, l->t, l->x, &l->now.jac, l->now.df_dt);
