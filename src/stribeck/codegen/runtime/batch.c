@@ -151,7 +151,7 @@ static mask stuck(const Batch *b, Lanes *l, mask looks)
 }
 
 /* Begin an attempt at a step of each lane. */
-static inline void begin(const Batch *b, Lanes *l)
+static inline void begin(Lanes *l)
 {
     follow(l->atol, l->fixed_atol, l->rtol, l->x, &l->size, l->atol_now);
     if (l->anew) restart(l);
@@ -291,7 +291,7 @@ EXPORT void stribeck_solve_batch(const Batch *b)
         for (int g = groups; g-- > 0;)
             if (live[g]->alive == 0) live[g] = live[--groups];
         if (groups == 0) break;
-        for (int g = 0; g < groups; g++) begin(b, live[g]);
+        for (int g = 0; g < groups; g++) begin(live[g]);
         UNROLL for (int s = 0; s < STAGES; s++)
             for (int g = 0; g < groups; g++) {
                 Lanes *l = live[g];
