@@ -178,3 +178,15 @@ def test_powers_of_ten_stand_at_an_axis_and_a_user_s_dollars_stay():
     drawn = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
     assert "mathdefault" not in drawn
     assert all(words in drawn for words in (">$10^2$ of $x$<", ">$10^3$ (N)<"))
+
+
+def test_a_large_machine_has_a_figure_of_bounded_size():
+    """One of 200 bodies was drawn for ten minutes, and Ctrl-C lost its numbers."""
+    bodies = {f"b{i}": {"mass": 1.0} for i in range(30)}
+    data = {"schema": 2, "bodies": bodies, "solve": {"t_end": 1.0}, "output": {"step": 0.5}}
+    solution = simulate(Scenario(data, name="chain"))
+    text = svg(drawing.overview({"chain": solution}))
+    assert "chain: the first 40 of 60 panels" in text
+    assert text.count(">t (s)<") == 40
+    assert "b19.v" in text
+    assert "b20.y" not in text

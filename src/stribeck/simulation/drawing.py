@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _ROW = 2.15  # inches: height of a row of panels
 _FAST = 10.0  # Stribeck velocities: if the motion is faster, its part near rest is invisible on a linear axis
 _FAR = 0.05  # of a panel's width: a line between two rows that is longer would be a path that the motion did not take
+_MOST = 40  # panels of a figure: each takes 0.1 s, and nobody reads more at once
 _CURVE = 400  # points of a load's curve: across half a page, as fine as its line is wide
 _APART = 0.13  # of an axis' width, between two of its numbers: room for their digits
 
@@ -177,7 +178,12 @@ def drawn(shown: Mapping[str, Quantities], wanted: Sequence[Panel], title: str, 
         wanted: the panels in reading order.
         title: a title above all panels; empty for none.
         slow: a speed in SI units; ``near_rest`` stretches the axis below it.
+
+    Of many panels the first 40 are drawn, and the title says so.
     """
+    if len(wanted) > _MOST:
+        title = f"{f'{title}: ' if title else ''}the first {_MOST} of {len(wanted)} panels"
+        wanted = wanted[:_MOST]
     keys = [str(i) for i in range(len(wanted))]
     layout = [keys[i : i + 2] for i in range(0, len(keys), 2)]
     if len(layout[-1]) < 2:
