@@ -18,6 +18,9 @@ _GROUP = ("format", "law", "certificates")
 
 def main(arguments: list[str]) -> int:
     """Check a file; 0 where every certificate in it is confirmed, 1 where one is refused, 2 where it cannot be read."""
+    if arguments in (["-h"], ["--help"]):
+        print(__doc__)
+        return 0
     if len(arguments) != 1:
         print(__doc__, file=sys.stderr)
         return 2

@@ -475,3 +475,10 @@ def test_a_file_can_be_checked_by_others(tmp_path, capsys):
     assert main([str(file)]) == 1
     assert "passive: the claims do not cover" in capsys.readouterr().out
     assert main([]) == 2
+
+
+@pytest.mark.parametrize(("words", "status"), [(["--help"], 0), (["-h"], 0), ([], 2), (["a.json", "b.json"], 2)])
+def test_its_help_stands_where_it_is_asked_for(words, status, capsys):
+    assert main(words) == status
+    said = capsys.readouterr()
+    assert "check the certificates" in (said.err if status else said.out)
