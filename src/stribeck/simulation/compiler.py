@@ -65,10 +65,12 @@ class Compiler:
             command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
             limit = _FIRST_OF_ZIG if "ziglang" in self.command else _TIME_LIMIT
             result = called(command, self.command[0], limit, library.parent)
-            if result.returncode == 0 and library.is_file():
-                return
-            silent = f"exit status {result.returncode}, no message" if result.returncode else "it wrote no library"
-            complaint = first_complaint(result.stderr) or silent
+            complaint = first_complaint(result.stderr) or f"exit status {result.returncode}, no message"
+            if result.returncode == 0:  # nothing was rejected: other options would give the same
+                if library.is_file():
+                    return
+                complaint = "it wrote no library"
+                break
         raise BuildError(f"{Path(self.command[0]).name} failed: {complaint}")
 
 
