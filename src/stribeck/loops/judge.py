@@ -155,7 +155,7 @@ def _simulate_lanes(loop: Loop, values: Mapping[str, ArrayLike], length: float, 
     if not values:  # one lane: a batch needs a path, so any number is given its own value
         path, x = next(iter(some_parameter(loop.lean).items()))
         values = {path: np.full(count, x)}
-    return simulate_ensemble(loop.lean, values, t_end=end, step=step)
+    return simulate_ensemble(loop.lean, values, t_end=end, step=step, growth=False)
 
 
 class _LaneRecord:

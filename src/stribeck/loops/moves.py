@@ -169,9 +169,8 @@ def _simulate_lanes(
 ) -> Ensemble:
     """Simulate a move in lanes; also a single one, so that all remedies share compiled code."""
     scenario = scenario.with_changes({"solve.max_steps": loop.scenario.solve.max_steps})
-    return simulate_ensemble(
-        scenario, values or {p: [x] for p, x in some_parameter(scenario).items()}, t_end=end, step=end / _ROWS
-    )
+    values = values or {p: [x] for p, x in some_parameter(scenario).items()}
+    return simulate_ensemble(scenario, values, t_end=end, step=end / _ROWS, growth=False)
 
 
 def _reached_rows(lanes: Ensemble, controller: str) -> tuple[Array, Array, Array]:

@@ -87,7 +87,7 @@ def simulate(
     if several:
         from stribeck.simulation.ensemble import simulate_ensemble
 
-        return simulate_ensemble(what, vary, t_end=t_end, step=step, threads=threads, progress=progress, **solve)
+        return simulate_ensemble(what, vary, t_end=t_end, step=step, threads=threads, progress=progress, **solve)  # type: ignore[arg-type]
     if threads is not None:
         raise InputError(f"{arg('threads')}: {threads}: goes with vary, which is not given")
     return single.simulate_once(what, progress, t_end=t_end, step=step, **solve)  # type: ignore[arg-type]

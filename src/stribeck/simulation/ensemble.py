@@ -126,6 +126,7 @@ def simulate_ensemble(
     step: float | None = None,
     threads: int | None = None,
     progress: Callable[[float], None] | None = None,
+    growth: bool = True,
     **solve: object,
 ) -> Ensemble:
     """Simulate a scenario once for each value of some of its numbers (:func:`stribeck.simulate` with ``vary``).
@@ -141,6 +142,8 @@ def simulate_ensemble(
         values: values by path, as many for each path as there are lanes; a single number is used in all lanes.
         threads: number of threads; all cores unless given.
         progress: called from time to time with the share of the lanes done, 0 to 1.
+        growth: whether lanes whose errors grow beyond the promised accuracy are simulated again with finer tolerances. How a
+            motion ends can be judged without.
 
     Returns:
         The ensemble. A lane that fails, or whose values are invalid, has a ``reason``; the others continue.
@@ -160,7 +163,9 @@ def simulate_ensemble(
     if not isinstance(variations, Variations):
         return batch.ensemble(_simulate_singly(batch, threads, progress))
     possible = variations if batch.all_possible else variations.part(batch.possible)
-    batch.put(possible, lanes.solve(backend.lane_solver(variations.scenario.system, threads), possible, progress))
+    batch.put(
+        possible, lanes.solve(backend.lane_solver(variations.scenario.system, threads), possible, progress, growth)
+    )
     return batch.ensemble()
 
 

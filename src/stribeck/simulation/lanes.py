@@ -179,11 +179,11 @@ def compiled(system: Equations) -> ctypes.CDLL:
     return cache.library(source(system, lanes=True), chosen.for_lanes(), check)[0]
 
 
-def solve(once: LaneSolver, lanes: Variations, progress: Progress | None = None) -> Outcome:
+def solve(once: LaneSolver, lanes: Variations, progress: Progress | None = None, growth: bool = True) -> Outcome:
     """Integrate every lane, and repeat lanes whose motion needs tighter tolerances for the promised accuracy
-    (:mod:`stribeck.simulation.promise`)."""
+    (:mod:`stribeck.simulation.promise`); ``growth``: of errors that grow along it, too."""
     scenario, tolerances = lanes.scenario, _first(lanes)
-    result, promise = once(lanes, progress, None), Promise(scenario, finest_scale)
+    result, promise = once(lanes, progress, None), Promise(scenario, finest_scale, growth)
     width = len(scenario.system.states)
     missed = promise.missed(tolerances, MeasuredMotion(result.largest, width))
     where = places = np.flatnonzero((result.counts["status"] == 0) & promise.mends(tolerances, missed))
