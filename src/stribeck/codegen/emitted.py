@@ -391,7 +391,7 @@ class Emitted:
         return f
 
     def _carry(self, solution: Sequence[Expr]) -> Function:
-        """carry() of runtime/known.c."""
+        """The errors after a time (carry_for() of runtime/stages.c)."""
         f, (gamma,), (of_a, of_b) = Function("di"), tables()["CARRY_GAMMA"][0], tables()["CARRY"][0]
         inv_shift, shift = f.local(), f.local()
         f.code += get(0) + f64(gamma) + MUL + put(inv_shift) + f64(1.0) + get(inv_shift) + DIV + put(shift)

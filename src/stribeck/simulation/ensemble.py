@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from threading import Event
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +20,6 @@ from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import backend, lanes
 from stribeck.simulation.result import NOT_FINITE, failure
 from stribeck.simulation.single import simulate_once
-from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations, vary
 
 
@@ -163,9 +161,8 @@ def simulate_ensemble(
     if not isinstance(variations, Variations):
         return batch.ensemble(_simulate_singly(batch, threads, progress))
     possible = variations if batch.all_possible else variations.part(batch.possible)
-    batch.put(
-        possible, lanes.solve(backend.lane_solver(variations.scenario.system, threads), possible, progress, growth)
-    )
+    solver = backend.lane_solver(variations.scenario.system, threads)
+    batch.put(possible, lanes.solve(solver, possible, progress, growth))
     return batch.ensemble()
 
 
@@ -231,35 +228,20 @@ class _Lanes:
 
 def _simulate_singly(batch: _Lanes, threads: int, progress: Callable[[float], None] | None) -> dict[str, Array]:
     """Simulate the lanes as single runs; their columns."""
-    from concurrent.futures import ThreadPoolExecutor
-
-    variations, places, scenario = batch.variations, batch.possible, batch.variations.scenario
+    variations, scenario = batch.variations, batch.variations.scenario
     columns = {c.name: np.full(batch.states.shape[:2], np.nan) for c in scenario.system.columns}
-    stopped = Event()
 
-    def check_stopped(share: float) -> None:
-        if stopped.is_set():
-            raise KeyboardInterrupt
+    def run(lane: int, check_stopped: lanes.Progress) -> None:
+        solution = simulate_once(scenario.with_changes(variations.changes(lane)), check_stopped)
+        batch.states[lane, : len(solution.t), : solution.states.shape[1]] = solution.states
+        for name, x in columns.items():
+            x[lane, : len(solution.t)] = solution[name]
+        batch.reason[lane] = solution.reason
+        batch.counts["happened"][lane] = solution.counts
+        batch.counts["accepted"][lane] = solution.stats["accepted"]
+        batch.counts["rejected"][lane] = solution.stats["rejected"]
 
-    def run(lane: int) -> Solution:
-        return simulate_once(scenario.with_changes(variations.changes(lane)), check_stopped)
-
-    with ThreadPoolExecutor(threads) as pool:
-        try:
-            for done, (lane, solution) in enumerate(zip(places, pool.map(run, map(int, places)), strict=True)):
-                batch.states[lane, : len(solution.t), : solution.states.shape[1]] = solution.states
-                for name, x in columns.items():
-                    x[lane, : len(solution.t)] = solution[name]
-                batch.reason[lane] = solution.reason
-                batch.counts["happened"][lane] = solution.counts
-                batch.counts["accepted"][lane] = solution.stats["accepted"]
-                batch.counts["rejected"][lane] = solution.stats["rejected"]
-                if progress is not None:
-                    progress((done + 1) / len(places))
-        except BaseException:
-            stopped.set()
-            pool.shutdown(cancel_futures=True)
-            raise
+    lanes.one_by_one(run, batch.possible.tolist(), threads, progress)
     return columns
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_int64
 from dataclasses import dataclass
 from hashlib import sha256
-from threading import Thread
+from threading import Event, Thread
 from typing import Any
 
 import numpy as np
@@ -213,13 +213,42 @@ def lane_solver(library: ctypes.CDLL, threads: int) -> LaneSolver:
 
     def once(lanes: Variations, progress: Progress | None, tolerances: Tolerances | None) -> Outcome:
         arrays = lane_arrays(lanes, tolerances)
-        arrays.batch.groups = -(
-            -len(lanes) // (library.stribeck_lanes() * threads)
-        )  # groups are spread over all threads
+        share = library.stribeck_lanes() * threads  # groups are spread over all threads
+        arrays.batch.groups = -(-len(lanes) // share)
         _run(library, arrays, threads, progress)
         return outcome(arrays)
 
     return once
+
+
+def one_by_one(
+    run: Callable[[int, Progress], None], lanes: Sequence[int], threads: int, progress: Progress | None
+) -> None:
+    """Run lanes as single runs in threads.
+
+    Args:
+        run: runs a lane and stores its results; calls its second argument from time to time, which raises if Ctrl-C came.
+        lanes: the lanes' numbers.
+        threads: number of threads, which take lanes from one queue.
+        progress: called with the share of the lanes done.
+    """
+    from concurrent.futures import ThreadPoolExecutor
+
+    stopped = Event()
+
+    def check_stopped(share: float) -> None:
+        if stopped.is_set():
+            raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            for done, _ in enumerate(pool.map(lambda lane: run(lane, check_stopped), lanes)):
+                if progress is not None:
+                    progress((done + 1) / len(lanes))
+        except BaseException:
+            stopped.set()
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 def _run(library: ctypes.CDLL, arrays: Arrays, threads: int, progress: Progress | None) -> None:

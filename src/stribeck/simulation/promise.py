@@ -5,9 +5,9 @@ unknown before the motion, so the tolerances of a run follow its peaks so far, u
 scales. The solver measures the errors of its steps and of its dense output in F, too. If these are too large, or a state moves
 far less than the others, the run is repeated with tolerances for the measured motion, and each row ends a step.
 
-The errors of all steps add up, and grow where neighboring motions part: of bodies that break away from each other, by many
-orders of magnitude. The solver carries them on by the linearised equations. If they exceed the promise, the run is repeated
-with tolerances as much smaller, or a note reports that rounding alone grows beyond it.
+The errors of all steps add up, and grow where neighbouring motions part. Where bodies break away from each other, they grow by
+many orders of magnitude. The solver carries them on by the linearised equations. If they exceed the promise, the run is
+repeated with smaller tolerances. If rounding alone grows beyond the promise, a note says so.
 docs/explanation/solver.md states the rule.
 """
 

@@ -173,17 +173,12 @@ static inline void carry_errors(Lanes *l, mask good)
     const mask now = l->carried_steps >= CARRIED_STEPS;
     if (HELD || !lanes_in(now)) return;
     l->carried_steps = l->carried_steps & ~now;
-    const real inv_shift = choose(now, 2 * half, splat(1)) * CARRY_GAMMA, shift = 1 / inv_shift;
-    real right[N], a[N], b[N], *largest = l->largest + N + 4 * FORCES;
-    Factors fac;
-    factorise(&l->p, &l->c, &l->now.jac, shift, inv_shift, &fac);
-    for (int n = 0; n < N; n++) right[n] = shift * l->carried[n];
-    solve(&l->p, &l->c, &l->now.jac, shift, inv_shift, &fac, right, a);
-    for (int n = 0; n < N; n++) right[n] = shift * a[n];
-    solve(&l->p, &l->c, &l->now.jac, shift, inv_shift, &fac, right, b);
+    real e[N], *largest = l->largest + N + 4 * FORCES;
+    for (int n = 0; n < N; n++) e[n] = l->carried[n];
+    carry_for(&l->p, &l->c, &l->now.jac, choose(now, 2 * half, splat(1)), e);
     for (int n = 0; n < N; n++) {
-        const real e = CARRY[0] * a[n] + CARRY[1] * b[n], rounding = ROUNDING * abs_of(l->x[n]);
-        l->carried[n] = choose(now, choose(e < 0, e - rounding, e + rounding), l->carried[n]);
+        const real rounding = ROUNDING * abs_of(l->x[n]);
+        l->carried[n] = choose(now, choose(e[n] < 0, e[n] - rounding, e[n] + rounding), l->carried[n]);
         largest[n] = choose(abs_of(l->carried[n]) <= largest[n], largest[n], abs_of(l->carried[n])); /* nan is kept, too */
     }
     l->carried_to = choose(now, l->t + half, l->carried_to);

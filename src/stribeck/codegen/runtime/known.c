@@ -37,18 +37,10 @@ UNUSED static inline void observed(const Parameters *p, const Coefficients *c, c
     observe(p, c, &work->jac, e, F, F_error, F_terms);
 }
 
-/* Errors e of the states after a time h: see CARRY in method.c. */
+/* The same as carry_for(). Not inlined: it comes once in several steps, which it would slow down. */
 static NOINLINE void carry(const Parameters *p, const Coefficients *c, const Work *work, double h, double *e)
 {
-    const double inv_shift = h * CARRY_GAMMA, shift = 1 / inv_shift;
-    double right[N], a[N], b[N];
-    Factors fac;
-    factorise(p, c, &work->jac, shift, inv_shift, &fac);
-    for (int i = 0; i < N; i++) right[i] = shift * e[i];
-    solve(p, c, &work->jac, shift, inv_shift, &fac, right, a);
-    for (int i = 0; i < N; i++) right[i] = shift * a[i];
-    solve(p, c, &work->jac, shift, inv_shift, &fac, right, b);
-    for (int i = 0; i < N; i++) e[i] = CARRY[0] * a[i] + CARRY[1] * b[i];
+    carry_for(p, c, &work->jac, h, e);
 }
 
 /* The dense output's coefficients of every state, and the states after the share s of a step. */

@@ -170,9 +170,9 @@ static inline void keep_larger(double *largest, double x)
     if (!(fabs(x) <= *largest)) *largest = fabs(x); /* nan is kept, too */
 }
 
-/* Carry the errors of the steps so far on, from the last time to as far behind run->t, where the Jacobian is known: the errors
-   of many steps add up, and where neighboring motions part they grow. The outputs of sampled controllers, which would pull the
-   errors back, are held in these equations, so that they are not asked there. */
+/* Carry on the errors of the steps so far. The interval has the Jacobian's time, run->t, in its middle. Errors of many steps add
+   up, and grow where neighbouring motions part. Sampled controllers would pull them back, but their outputs are held in these
+   equations: such systems are left out. */
 static inline void carry_errors(Run *run, const Parameters *p, const Coefficients *c, const Work *work)
 {
     const double half = run->t - run->carried_to;

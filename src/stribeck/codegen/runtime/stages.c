@@ -51,3 +51,17 @@ static inline real end_attempt(const real *atol, real rtol, const real *x, real 
     for (int i = 0; i < N; i++) x_new[i] += k[STAGES - 1][i];
     return scaled_square(atol, rtol, x, x_new, k[STAGES - 1]);
 }
+
+/* The errors e of the states after a time h: see CARRY in method.c. */
+static inline void carry_for(const Parameters *p, const Coefficients *c, const Jacobian *jac, real h, real *e)
+{
+    const real inv_shift = h * CARRY_GAMMA, shift = 1 / inv_shift;
+    real right[N], a[N], b[N];
+    Factors fac;
+    factorise(p, c, jac, shift, inv_shift, &fac);
+    for (int i = 0; i < N; i++) right[i] = shift * e[i];
+    solve(p, c, jac, shift, inv_shift, &fac, right, a);
+    for (int i = 0; i < N; i++) right[i] = shift * a[i];
+    solve(p, c, jac, shift, inv_shift, &fac, right, b);
+    for (int i = 0; i < N; i++) e[i] = CARRY[0] * a[i] + CARRY[1] * b[i];
+}

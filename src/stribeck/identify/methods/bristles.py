@@ -52,7 +52,7 @@ def better(
             found.append(
                 (name, _simulated(log, name, options.of_law(name, known), left, _part(progress, i, len(names))))
             )
-        except StribeckError as error:  # no compiler, or no simulation that works
+        except StribeckError as error:  # no simulation that works
             if len(names) == 1 and static is None:
                 raise
             failed[name] = first_line(error)
