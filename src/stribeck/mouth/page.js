@@ -11,7 +11,7 @@ const moved = new Map(); // by picture: its panels from above, each with its fac
 const NS = "http://www.w3.org/2000/svg";
 function columnsOf(panels) { // panels whose plots overlap sideways, from the narrowest on; those across several are in none
   const columns = [];
-  for (const panel of panels.toSorted((a, b) => a.plot[1] - a.plot[0] - (b.plot[1] - b.plot[0]))) {
+  for (const panel of [...panels].sort((a, b) => a.plot[1] - a.plot[0] - (b.plot[1] - b.plot[0]))) {
     const [own, ...more] = columns.filter((column) => column.some(({ plot }) => plot[0] < panel.plot[1] && panel.plot[0] < plot[1]));
     if (own && !more.length) own.push(panel);
     else if (!own) columns.push([panel]);
