@@ -117,7 +117,7 @@ def _storage(made: Mapping[str, Law]) -> Printed:
         for name in names[4:]:
             axes[name].set_xlabel("z/Z")
         for name in (names[0], names[4]):
-            axes[name].set_ylabel("J/m, over sigma_0 Z")
+            axes[name].set_ylabel("slope / (sigma_0 Z)")
         plots.legend(figure, axes[names[0]])
         return finish(
             figure, "guarantees_storage",

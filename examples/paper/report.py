@@ -90,7 +90,8 @@ def _in_short(chapters: Sequence[Chapter]) -> str:
     cycle = numbers["limit_cycle"]
     verdicts = [str(verdict) for verdict in numbers["statements"].values()]
     return (
-        f"LuGre under PID hunts with {human(cycle['amplitude']['lugre'], 'm')} every {human(cycle['period']['lugre'], 's')}; "
+        f"LuGre under PID hunts: amplitude {human(cycle['amplitude']['lugre'], 'm')}, period "
+        f"{human(cycle['period']['lugre'], 's')}; "
         f"of {len(verdicts)} statements of the paper {sum(v.startswith('confirmed') for v in verdicts)} are confirmed."
     )
 

@@ -109,7 +109,7 @@ def failed(what: str, reason: str | None) -> None:
     print(one_line(f"stribeck: {what} failed: {reason}; the part that was reached is kept"), file=sys.stderr)
 
 
-def wrote(files: Iterable[object], more: str = "") -> None:
-    """Print a line for each file that was written, and more about it."""
+def wrote(files: Iterable[object], more: str = "", *, error: bool = False) -> None:
+    """Print a line for each file that was written, and more about it; on standard error if wanted."""
     for file in files:
-        print(printable(f"wrote {file}{more}"))
+        print(printable(f"wrote {file}{more}"), file=sys.stderr if error else sys.stdout)

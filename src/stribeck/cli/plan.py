@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import asdict, fields
 from pathlib import Path
 
 import typer
 
 from stribeck.cli.options import given_options
-from stribeck.cli.output import OutputFolder, print_json
-from stribeck.errors import InputError, printable
+from stribeck.cli.output import OutputFolder, print_json, wrote
+from stribeck.errors import InputError
 from stribeck.files import together
 from stribeck.identify import plan_files
 from stribeck.identify.plan import Limits, programme
@@ -49,8 +48,7 @@ def plan(
         print_json({"tests": [asdict(t) for t in tests], "synthetic": truth, "files": files})
     else:
         print(plan_files.csv(plan_files.HEAD, plan_files.table(tests)), end="")
-    for file in files:
-        print(printable(f"wrote {file}"), file=sys.stderr)
+    wrote(files, error=True)
     return 0
 
 

@@ -21,9 +21,8 @@ from stribeck.loops.shaken import frequency_for
 from stribeck.scenario import Scenario
 
 KINDS = ("none", "reference", "measured", "inner_loop", "dither")
-_SHARES = np.array(
-    [0.25, 0.5, 0.75, 1.0, 1.25, 1.5]
-)  # tried first: from a quarter of the friction to clear over-compensation
+# tried first: from a quarter of the friction to clear over-compensation
+_SHARES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
 _AMPLITUDES = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])  # of a dither, in shares of the friction
 _ROUNDS = 4  # of bisection between two shares: to 0.25/2**4 = 0.016
 MOST_STEPS = 50_000  # of one lane, of which there are hundreds: some 200 slowest time constants of a sampled axis

@@ -271,7 +271,8 @@ def errors_against_k_v(by_law: Mapping[str, Steepness]) -> Drawn:
         axis.axhline(wanted.tolerance, color=plots.GREY, linewidth=0.8)
         plots.logarithmic(axis)
         axis.set(xlabel=f"k_v ({'s/rad' if first.rotary else 's/m'})", title=wanted.name)
-        axis.set_ylabel((wanted.unit and f"({wanted.unit})") or "share")
+        quantity = wanted.name.partition(" ")[0]  # the creep, or an error; the title has the rest
+        axis.set_ylabel(f"{quantity} ({wanted.unit})" if wanted.unit else f"relative {quantity}")
     if shown:
         plots.legend(figure, axes[str(shown[0])])
     return figure
