@@ -118,7 +118,7 @@ def test_a_level_below_zero_is_not_reported_as_one_that_a_law_can_have():
     """F_c was "identified" as -0.5 [-0.5007, -0.4995], and parameters.toml held 2e-8 with that interval."""
     fit = stribeck.fit(record(6, F_c=-0.5, F_s=-0.5, sigma_2=30.0, noise=0.01), "coulomb_viscous", forms=False)
     assert fit["F_c"].state is EstimateState.NOT_IDENTIFIABLE
-    assert "beyond its bounds" in fit["F_c"].why
+    assert "beyond the bounds of the law" in fit["F_c"].why
     low, high = fit["F_c"].interval
     assert low <= fit["F_c"].value <= fit.used["F_c"] <= high
 
