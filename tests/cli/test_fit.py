@@ -65,7 +65,7 @@ def test_files_are_read_back_and_the_page_stands_alone(stribeck, log, tmp_path, 
     assert "\x1b" not in (out / "report.html").read_text()
     page = Page(out / "report.html")
     assert page.headings[1] == "2. Model"
-    assert page.headings[-2:] == ["6. Friction against velocity", "7. Residuals"]
+    assert page.headings[-2:] == ["5. Measured and fitted", "6. Friction against velocity"]
     shown = page.rows(HEAD)
     assert float(shown["F_c"][0]) == pytest.approx(law.values["F_c"], rel=1e-3)
     units = {"F_c": "N", "sigma_2": "N s/m", "mass": "kg", "offset": "N"}
@@ -101,7 +101,7 @@ def test_what_the_data_do_not_tell_is_marked(stribeck, tmp_path, monkeypatch):
     assert "not identifiable" in row
     written = tomllib.loads((out / "parameters.toml").read_text())
     assert written["parameters"]["sigma_2"]["determined"] is False
-    assert "constant speeds" in written["unknown"]["sigma_2"]["experiment"]
+    assert "constant speeds" in written["parameters"]["sigma_2"]["experiment"]
 
 
 def test_counts_of_an_encoder_are_an_angle_everywhere(stribeck, tmp_path):

@@ -140,13 +140,13 @@ def of_machine(status):
 
 def test_a_fit_over_one_of_another_kind(tmp_path, monkeypatch):
     """machine.toml of an older fit stood beside the numbers of another one."""
-    written.write_fit(LogFit("coulomb_viscous", "static", {}, {}, {"k_v": 1e9}, {}, 0.1, ""), tmp_path)
+    written.write_fit(LogFit("coulomb_viscous", "static", {}, {"k_v": 1e9}, ("k_v",), 0.1, ""), tmp_path)
     assert content(tmp_path).keys() == {"parameters.toml", "fit.json", "report.html"}
     written.write_fit(of_machine("done"), tmp_path)
     assert content(tmp_path).keys() == {"parameters.toml", "fit.json", "report.html", "machine.toml"}
     whole = content(tmp_path)
     with monkeypatch.context() as patch:
-        patch.setattr(written, "machine_toml", lambda *rest: 1 / 0)  # stopped half-way
+        patch.setattr(written, "toml", lambda *rest: 1 / 0)  # stopped half-way
         with pytest.raises(ZeroDivisionError):
             written.write_fit(of_machine("missed"), tmp_path)
     assert content(tmp_path) == whole

@@ -31,9 +31,9 @@ def test_every_parameter_is_written_and_what_is_open_is_marked(fitted):
     assert set(table["parameters"]) >= set(rig.TRUTH)
     for name, estimate in fit.estimates.items():
         row = table["parameters"][name]
-        assert row["value"] == pytest.approx(fit.used[name])
+        assert row["value"] == pytest.approx(fit.values[name])
         assert row.get("determined", True) is estimate.usable
-        assert (name in table.get("unknown", {})) is not estimate.usable
+        assert bool(row.get("experiment")) is not estimate.usable
 
 
 def commands(folder):

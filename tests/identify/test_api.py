@@ -87,8 +87,8 @@ def test_what_a_law_cannot_be_asked_for(law, options, said):
 def test_the_law_of_a_fit_is_the_law_of_its_curve():
     fit = stribeck.fit(log(), "coulomb_viscous", mass=2.0, forms=False)
     law = fit.law()
-    assert fit.fixed["k_v"] == law.values["k_v"] == 1e9  # steeper than the law's own default, as the curve is
-    p = fit.prediction
+    assert fit.values["k_v"] == law.values["k_v"] == 1e9  # steeper than the law's own default, as the curve is
+    p = fit.friction
     np.testing.assert_allclose(law.steady_force(p.velocity), p.fitted, rtol=1e-4)
 
 

@@ -77,7 +77,7 @@ def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(tmp_path):
     fit = stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES, terms=["stiffness"], mass=0.0)
     fit.save(tmp_path)
     kept = Fit.load(tmp_path)
-    assert kept.details["seen"]["position"] == pytest.approx((-0.2, 0.2), rel=0.01)
+    assert kept.seen["position"] == pytest.approx((-0.2, 0.2), rel=0.01)
     inside = kept.predict(read_log(rig(0.2), columns=NAMES))
     assert inside.beyond.rows == 0
     assert inside.beyond.error is None

@@ -69,7 +69,7 @@ def test_mass_spring_and_offset_are_told_apart():
     for name, truth in (("mass", 2.0), ("stiffness", 500.0), ("offset", 3.0)):
         assert fit.body[name].value == pytest.approx(truth, rel=0.03), name
         assert fit.body[name].low < truth < fit.body[name].high
-    friction, beside = parts("lugre", fit.used, log)
+    friction, beside = parts("lugre", fit.values, log)
     assert np.std(log.force - friction - beside) == pytest.approx(0.1, rel=0.1)
 
 
@@ -95,7 +95,7 @@ def test_a_level_that_is_given_moves_where_the_other_begins(given, other):
     level = {"F_s": 14.0, "F_c": 30.0}[given]
     held = {n: MACHINE[n] for n in ("sigma_0", "sigma_1", "v_s", "sigma_2")} | {"offset": 0.0, given: level}
     fit = fitted(logged(found, force, 1e-7), mass=2.0, constants=held, starts=1)
-    assert fit.used["F_c"] <= fit.used["F_s"]
+    assert fit.values["F_c"] <= fit.values["F_s"]
     assert fit[other].value == pytest.approx(level if given == "F_c" else MACHINE[other], rel=0.05)
 
 
@@ -134,8 +134,8 @@ def test_the_motion_under_a_measured_force_is_met(pushed, output):
     for name, truth in {**MACHINE, "mass": 2.0, "offset": 1.0}.items():
         assert fit[name].identifiable, name
         assert fit[name].value == pytest.approx(truth, rel=0.01), name
-    assert fit.details["output"] == output
-    assert fit.details["output_error"] < 3e-3
+    assert fit.output.column == output
+    assert fit.output_error < 3e-3
 
 
 def test_a_drive_that_runs_straight_between_samples_is_within_the_intervals():

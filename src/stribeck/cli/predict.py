@@ -85,7 +85,7 @@ def _by_fit(data: list[Path], fit: Path, given: Keywords, *, out: Path | None, j
         assert isinstance(prediction, Predicted)
         document = prediction.document()
         files = [] if out is None else _write(document, out, "prediction.html")
-    about = {"files": [str(p) for p in data], "rows": len(prediction.traces.time)}
+    about = {"files": [str(p) for p in data], "rows": len(prediction.force.t)}
     tell(
         lambda: document, {**prediction.to_dict(), "notes": prediction.notes(), "data": about} if json else None, files
     )

@@ -16,13 +16,12 @@ from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES, with_counts
-from stribeck.identify.details import RecordReading
 from stribeck.identify.log import Log
 from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
 from stribeck.identify.methods.static import LAWS, Setting, check_motion, fit_static
 from stribeck.identify.options import FitOptions
 from stribeck.identify.required import with_requirements
-from stribeck.identify.result import Fit, LogFit
+from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.recorded import is_table
 
 _READ = 0.05  # of the work

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from scipy.stats import norm
 from threadpoolctl import threadpool_limits
 
 from stribeck import laws
@@ -24,11 +23,10 @@ from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.identify.actuator.api import Fitting, fitting_of
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
-from stribeck.identify.actuator.result import MachineFit
+from stribeck.identify.actuator.result import MachineFit, Trace
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.filters import shifted
-from stribeck.identify.details import FitDetails
 from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of
 from stribeck.identify.features.rest import at_rest
@@ -38,7 +36,7 @@ from stribeck.identify.models import terms
 from stribeck.identify.models.static_problem import in_stretches
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import LogFit, Prediction
+from stribeck.identify.result import FrictionRows, LogFit
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
@@ -57,7 +55,6 @@ _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
 BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms available in a fit of the motion
 _LAW = "contacts.contact.law"
-_Q95 = float(norm.ppf(0.975))
 
 
 @dataclass(frozen=True)
@@ -360,38 +357,26 @@ def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, s
     friction, beside = parts(model.name, used, log, _deflections(found.nuisance, log))
     left = log.force - friction - beside
     missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)
-    details: FitDetails = {
-        "seen": seen(log, np.ones(len(log), bool)),
-        "missed": missed,
-        "speeds": {n.removeprefix("contact "): v for n, v in found.speeds.items()},
-    }
     words = _words(model, names)
     notes = [_in_names(text, words) for text in (*([found.reason] if found.reason else []), *found.notes)]
-    if model.output != "force":
-        met = [log_result.traces[0] for log_result in found.logs]
-        measured, fitted = (np.concatenate([getattr(x, side) for x in met]) for side in ("measured", "predicted"))
-        t = np.concatenate([x.t for x in met])
-        details |= {
-            "output": model.output,
-            "output_error": float(np.linalg.norm(measured - fitted)) / max(float(np.linalg.norm(measured)), 1e-300),
-            "output_trace": {
-                "time": t,
-                "velocity": np.interp(t, log.time - log.time[0], log.velocity),
-                "measured": measured,
-                "fitted": fitted,
-            },
-        }
     return LogFit(
-        law_name=model.name, method="dynamic",
-        estimates={n: estimates[n] for n in constants if n in estimates},
-        body={n: e for n, e in estimates.items() if n in TERMS},
+        law_name=model.name, method="dynamic", estimates={n: estimates[n] for n in constants if n in estimates} | estimates,
         levels={n.removeprefix("contact "): e for n, e in found.levels.items()},
-        fixed={**model.fixed, **model.held}, used=used,
-        names=tuple(estimates), covariance=_covariance(found, names),
-        relative_force_error=float(np.linalg.norm(left)) / max(float(np.linalg.norm(log.force)), 1e-300), data_hash=log.hash,
-        prediction=Prediction(log.time, log.position, log.velocity, log.force - beside, friction),
-        notes=tuple(notes), details=details, status="stopped" if found.status == "stopped" else "done", log=log,
+        speeds={n.removeprefix("contact "): v for n, v in found.speeds.items()},
+        values=used, given=(*model.fixed, *model.held), relation=_relation(found, names),
+        relative_force_error=float(np.linalg.norm(left)) / max(float(np.linalg.norm(log.force)), 1e-300), missed=missed,
+        friction=FrictionRows(log.time, log.velocity, log.force - beside, friction), data_hash=log.hash,
+        output=_output(model.output, [result.traces[0] for result in found.logs]), seen=seen(log, np.ones(len(log), bool)),
+        notes=tuple(notes), status="stopped" if found.status == "stopped" else "done", log=log,
     )  # fmt: skip
+
+
+def _output(name: str, runs: Sequence[Trace]) -> Trace | None:
+    """The fitted motion of all runs; None if the force was fitted."""
+    if name == "force":
+        return None
+    t, measured, predicted = (np.concatenate([getattr(x, n) for x in runs]) for n in ("t", "measured", "predicted"))
+    return Trace(name, runs[0].unit, t, measured, predicted)
 
 
 def _deflections(values: Mapping[str, float], log: Log) -> list[float | None]:
@@ -456,15 +441,13 @@ def _in_names(text: str, words: Mapping[str, str]) -> str:
     return text
 
 
-def _covariance(found: MachineFit, names: Mapping[str, str]) -> Array:
-    """The covariance of the fitted parameters, from their intervals and correlations."""
+def _relation(found: MachineFit, names: Mapping[str, str]) -> tuple[list[str], Array] | None:
+    """The correlation of the parameters' estimates."""
     if found.relation is None:
-        return np.full((len(names), len(names)), np.nan)
-    asked, relation = found.relation
-    which = [asked.index(path) for path in names]
-    half = np.array([(high - low) / 2 for low, high in (found.parameters[path].interval for path in names)])
-    half = np.where(np.isfinite(half), half, np.nan)
-    return np.asarray(relation[np.ix_(which, which)] * np.outer(half, half) / _Q95**2)
+        return None
+    paths, matrix = found.relation
+    which = [paths.index(path) for path in names]
+    return list(names.values()), matrix[np.ix_(which, which)]
 
 
 # -- the force of a model along a record -----------------------------------------------------------------------------------

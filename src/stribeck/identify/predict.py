@@ -10,18 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
+from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg
 from stribeck.identify import api
+from stribeck.identify.actuator.result import Trace
 from stribeck.identify.beyond import Beyond, beyond
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import with_counts
-from stribeck.identify.details import RecordReading
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
 from stribeck.identify.onebody import initial_deflections, parts
-from stribeck.identify.result import Fit, LogFit, Prediction
+from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.identify.validate import Validated, validate
 from stribeck.mouth.document import Document, Told
 from stribeck.scenario import Scenario
@@ -40,8 +41,8 @@ class Predicted(Told):
         constant_error: as the first, for a prediction by the mean force: a model must leave less to be of use.
         rest: the share of the rows at rest.
         beyond: rows beyond what the fit has seen; None where it tells no ranges.
-        traces: measured and predicted force against time; ``friction``: the same for friction alone.
-        title: the record; ``rotary``: whether it turns; ``fitted``: whether the fit was made from this very record.
+        force, friction: measured and predicted, against time.
+        title: the record; ``fitted``: whether the fit was made from this very record.
     """
 
     model: LogFit
@@ -51,11 +52,10 @@ class Predicted(Told):
     constant_error: float
     rest: float
     beyond: Beyond | None
-    traces: Prediction
-    friction: Prediction
-    title: str = "the record"
-    rotary: bool = False
-    fitted: bool = False
+    force: Trace
+    friction: Trace
+    title: str
+    fitted: bool
 
     def document(self) -> Document:
         """What the prediction says to people, for the terminal and for a page."""
@@ -155,23 +155,22 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
     if rest.all() and not simulated:
         raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
     if fit.predictor is None:
-        deflections = initial_deflections(fit.law_name, fit.of_curve, log)
-        modeled_friction, not_friction = parts(fit.law_name, fit.of_curve, log, deflections)
+        deflections = initial_deflections(fit.law_name, fit.values, log)
+        modeled_friction, not_friction = parts(fit.law_name, fit.values, log, deflections)
     else:
         modeled_friction, not_friction = fit.predictor.parts(log)
     force = modeled_friction + not_friction
     rows = np.ones(len(log), bool) if simulated else ~rest
     left = log.force - not_friction
-    traces = Prediction(log.time, log.position, log.velocity, log.force, force)
-    friction = Prediction(log.time, log.position, log.velocity, left, modeled_friction)
+    unit = rotary_unit("N") if log.rotary else "N"
     friction_error = float(np.linalg.norm((log.force - force)[rows])) / max(float(np.linalg.norm(left[rows])), 1e-300)
     mean = np.full(len(log), float(np.mean(log.force[rows])))
-    ranges = fit.details.get("seen")
-    outside = beyond(ranges, fit.hangs_on, log, rows, log.force - force) if ranges else None
     return Predicted(
         fit, _error(log.force, force, rows), friction_error, _error(log.force, force, np.ones(len(log), bool)),
-        _error(log.force, mean, rows), float(np.mean(rest)), outside, traces, friction, title,
-        log.rotary, log.hash == fit.data_hash,
+        _error(log.force, mean, rows), float(np.mean(rest)),
+        beyond(fit.seen, fit.hangs_on, log, rows, log.force - force) if fit.seen else None,
+        Trace("force", unit, log.time, log.force, force), Trace("friction", unit, log.time, left, modeled_friction),
+        title, log.hash == fit.data_hash,
     )  # fmt: skip
 
 

@@ -28,18 +28,16 @@ def with_requirements(fit: Kind, require: Mapping[str, float]) -> Kind:
     Raises:
         InputError: the fit has no such number.
     """
-    judged: dict[str, Estimate] = {}
-    notes: list[str] = []
+    judged, notes = fit.parameters, list[str]()
     for path, share in _paths(fit, require).items():
         e = _judged(fit[path], share)
         if e.state is not EstimateState.IDENTIFIED:
             e = replace(e, experiment=e.experiment or _experiment(fit, path))
             notes.append(_note(path, e, share))
         judged[path] = e
-    of = {"estimates": fit.estimates, "levels": fit.levels} | ({"body": fit.body} if isinstance(fit, LogFit) else {})
-    changed = {part: {n: judged.get(n, e) for n, e in numbers.items()} for part, numbers in of.items()}
-    own = [*notes, *fit.notes]
-    return replace(fit, **changed, notes=tuple(own) if isinstance(fit, LogFit) else own)  # type: ignore[arg-type]
+    estimates, levels = ({n: judged[n] for n in part} for part in (fit.estimates, fit.levels))
+    notes += fit.notes
+    return replace(fit, estimates=estimates, levels=levels, notes=notes)
 
 
 def unmet(fit: Fit, require: Mapping[str, float]) -> bool:
@@ -86,8 +84,8 @@ def _experiment(fit: Fit, name: str) -> str:
     """The motion that would identify a number of a log."""
     if not isinstance(fit, LogFit) or fit.log is None or name in fit.levels:
         return ""
-    used = {n: x for n, x in fit.used.items() if isinstance(x, int | float)}
-    return experiment_for(name, used, sizes_of(fit.log), fit.unidentified, rotary=fit.log.rotary)
+    known = {n: x for n, x in fit.values.items() if isinstance(x, int | float)}
+    return experiment_for(name, known, sizes_of(fit.log), fit.unidentified, rotary=fit.log.rotary)
 
 
 def _note(name: str, e: Estimate, share: float) -> str:

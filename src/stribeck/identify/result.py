@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.predictor import EXPECTED, Predictor
 from stribeck.identify.core.states import Estimate as Estimate
-from stribeck.identify.details import Candidate, FitDetails, RecordReading
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
@@ -25,29 +24,60 @@ from stribeck.mouth.document import Document, Told
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from stribeck.identify.actuator.result import Trace
     from stribeck.identify.predict import Predicted
 
-_TOLD = (
-    "forms",
-    "friction_error",
-    "missed",
-    "rest",
-    "output_error",
-    "nearest_stribeck",
-)
-_LIKE = {
-    "spring": "stiffness",
-    "weight": "gravity_sin",
-    "level by position": "F_c_by_position",
-}  # forms that act like terms
+_FURTHER = ("forms", "friction_error", "missed", "rest", "output_error", "nearest_stribeck")  # of JSON, where they are
+# Forms that act like terms.
+_LIKE = {"spring": "stiffness", "weight": "gravity_sin", "level by position": "F_c_by_position"}
+
+
+class Candidate(TypedDict):
+    """A model of the record: its law and forms, how many numbers it has, and its error; ``chosen``: it is the fit."""
+
+    name: str
+    law: str
+    forms: list[str]
+    numbers: int
+    relative_force_error: float
+    cross_validated_error: float | None
+    chosen: bool
 
 
 @dataclass(frozen=True)
-class Prediction:
-    """Measured friction and the fit's, row by row (SI): for plots and residuals."""
+class RecordReading:
+    """How a record was read.
+
+    Attributes:
+        files: the record's, if it is from files.
+        columns, units, force_gain, cutoff: as the user gave them.
+        output: what a simulation was to meet.
+        published: whether the record's last rows were kept, as in the published procedure.
+        simulated: whether the motion was filtered for a simulation, with a higher cut-off.
+    """
+
+    files: tuple[str, ...] = ()
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    force_gain: float | str | None = None
+    cutoff: float | None = None
+    output: str = "force"
+    published: bool = False
+    simulated: bool = False
+
+    @property
+    def title(self) -> str:
+        """The file's name, or how many there are."""
+        if not self.files:
+            return "the record"
+        return Path(self.files[0]).name if len(self.files) == 1 else f"{len(self.files)} files"
+
+
+@dataclass(frozen=True)
+class FrictionRows:
+    """Measured friction and the fit's, row by row (SI)."""
 
     time: Array
-    position: Array
     velocity: Array
     measured: Array
     fitted: Array
@@ -60,18 +90,19 @@ class Fit(Told, ABC):
 
     Attributes:
         status: "done", or why there is less; of Ctrl-C "stopped".
-        levels: friction at speeds that were seen.
+        estimates: the fitted parameters by name; ``levels``: friction at speeds that were seen.
         notes: what a reader should know, a sentence each, the most important one first.
     """
 
     status: str
+    estimates: dict[str, Estimate]
     levels: dict[str, Estimate]
     notes: Sequence[str]
 
     @property
-    @abstractmethod
     def parameters(self) -> dict[str, Estimate]:
-        """All estimates by name."""
+        """All estimates by name: fitted parameters and levels."""
+        return {**self.estimates, **self.levels}
 
     @property
     @abstractmethod
@@ -168,49 +199,59 @@ class LogFit(Fit):
     Attributes:
         law_name: the law's name.
         method: "static" or "dynamic".
-        estimates: the law's parameters; ``body``: what belongs to the rig: mass, offset, ...
-        levels: friction at speeds that were seen.
-        fixed: constants that were given, not fitted.
-        used: every number that the fitted curve uses; for plots, not to be quoted.
-        names: the parameters of ``covariance``, in its order; of fits by simulation.
+        estimates: the fitted parameters: the law's, then the rig's (mass, offset, ...).
+        values: every number of the fitted curve, and the law's words; those of ``given`` were not fitted.
         relative_force_error: norm(residual)/norm(force), a fraction.
         cross_validated_error: the same over blocks that were left out; None where it was not computed.
+        friction_error: norm(residual)/norm(friction); ``missed``: the residual as a share of the force's deviation.
         status: "done", or "stopped" where Ctrl-C ended it: the values are the best until then.
         candidates: the laws that were compared, and plainer models of the same record.
         predictor: of the force along other records; None for fits by simulation.
         log, reading: the record, and how it was read.
+        levels: friction at ``speeds`` that were seen, m/s or rad/s.
+        seen: the ranges of the record, which tell where a prediction goes beyond it.
+        friction: measured and fitted, row by row.
+        forms: the force of each form beside the law, N (rms); ``rest``: the share of the rows at rest.
+        nearest_stribeck: the Stribeck law nearest to a curve of forms.
+        output: the fitted motion, measured and simulated.
+        relation: names, and the correlation of their estimates; of fits by simulation.
     """
 
     law_name: str
     method: str
     estimates: dict[str, Estimate]
-    body: dict[str, Estimate]
-    fixed: dict[str, float]
-    used: dict[str, float]
+    values: Mapping[str, float | str]
+    given: tuple[str, ...]
     relative_force_error: float
     data_hash: str
     levels: dict[str, Estimate] = field(default_factory=dict)
-    names: tuple[str, ...] = ()
-    covariance: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    speeds: dict[str, float] = field(default_factory=dict)
     cross_validated_error: float | None = None
-    prediction: Prediction | None = None
-    notes: tuple[str, ...] = ()
-    details: FitDetails = field(default_factory=FitDetails)
+    friction_error: float | None = None
+    missed: float | None = None
+    notes: Sequence[str] = ()
     status: str = "done"
     candidates: tuple[Candidate, ...] = ()
     predictor: Predictor | None = None
     log: Log | None = None
     reading: RecordReading = field(default_factory=RecordReading)
+    seen: dict[str, tuple[float, float]] = field(default_factory=dict)
+    friction: FrictionRows | None = None
+    forms: dict[str, float] | None = None
+    rest: float | None = None
+    nearest_stribeck: dict[str, float] | None = None
+    output: Trace | None = None
+    relation: tuple[list[str], Array] | None = None
 
     @property
-    def parameters(self) -> dict[str, Estimate]:
-        """All estimates: of the law, of the rig, and the levels."""
-        return {**self.estimates, **self.body, **self.levels}
+    def body(self) -> dict[str, Estimate]:
+        """The estimates of the rig."""
+        return {n: e for n, e in self.estimates.items() if n in TERMS}
 
     @property
-    def speeds(self) -> Mapping[str, float]:
-        """The speed of each level, m/s or rad/s."""
-        return self.details.get("speeds", {})
+    def of_law(self) -> dict[str, Estimate]:
+        """The estimates of the law."""
+        return {n: e for n, e in self.estimates.items() if n not in TERMS}
 
     @property
     def title(self) -> str:
@@ -221,32 +262,22 @@ class LogFit(Fit):
     def lead(self) -> str:
         """The law, and what it leaves."""
         text = f"{self.law_name}, relative residual {percent(self.relative_force_error)}"
-        if "output" in self.details and (left := self.details.get("output_error")) is not None:
-            text += f" of the force and {percent(left)} of the {self.details['output']}"
+        if self.output is not None:
+            text += f" of the force and {percent(self.output_error)} of the {self.output.column}"
         return text if self.status == "done" else f"{self.status}: {text}"
 
     @property
-    def correlations(self) -> Array:
-        """The covariance scaled to a diagonal of ones."""
-        with np.errstate(all="ignore"):
-            deviation = np.sqrt(np.diag(self.covariance))
-            return np.asarray(self.covariance / np.outer(deviation, deviation))
-
-    @property
-    def values(self) -> dict[str, float]:
-        """The law's constants that are known: identified ones and given ones."""
-        return {**self.fixed, **{n: e.value for n, e in self.estimates.items() if e.identifiable}}
-
-    @property
-    def of_curve(self) -> dict[str, float]:
-        """The constants of the law, words too, and the terms of the body, as the fitted curve has them."""
-        known = laws.find(self.law_name).constants()
-        return {n: x for n, x in {**self.fixed, **self.used}.items() if n in known or n in TERMS}
+    def output_error(self) -> float | None:
+        """The residual of the fitted motion as a share of it."""
+        if self.output is None:
+            return None
+        left, size = np.linalg.norm(self.output.measured - self.output.predicted), np.linalg.norm(self.output.measured)
+        return float(left) / max(float(size), 1e-300)
 
     @property
     def terms(self) -> tuple[str, ...]:
         """The terms of the body that the curve has."""
-        return tuple(n for n in self.of_curve if n in TERMS)
+        return tuple(n for n in self.values if n in TERMS)
 
     @property
     def hangs_on(self) -> tuple[str, ...]:
@@ -264,7 +295,7 @@ class LogFit(Fit):
         """The errors of the fit itself, for comparison with those of a prediction."""
         return {
             "relative_force_error": self.relative_force_error, "cross_validated_error": self.cross_validated_error,
-            "friction_error": self.details.get("friction_error"), "missed": self.details.get("missed"),
+            "friction_error": self.friction_error, "missed": self.missed,
         }  # fmt: skip
 
     def law(self, *, accept: Sequence[str] = (), guessing: bool = False) -> Law:
@@ -277,16 +308,14 @@ class LogFit(Fit):
         Raises:
             InputError: a parameter that the law needs is not determined by the data, with the experiment that would.
         """
-        missing = [n for n, e in self.estimates.items() if not (e.usable or guessing or n in accept)]
+        missing = {n: e for n, e in self.of_law.items() if not (e.usable or guessing or n in accept)}
         if missing:
-            told = [(n, self.estimates[n]) for n in missing]
-            texts = [
+            raise InputError([
                 f"{n}: {e.state}{f': {e.why}' if e.why else ''}; {arg('accept')} takes it as it is; {e.experiment}"
-                for n, e in told
-            ]
-            raise InputError(texts)
-        found = laws.find(self.law_name)
-        return found({n: v for n, v in {**self.fixed, **self.used}.items() if n in found.constants()})
+                for n, e in missing.items()
+            ])  # fmt: skip
+        kind = laws.find(self.law_name)
+        return kind({n: x for n, x in self.values.items() if n in kind.constants()})
 
     def predict(self, data: object, **columns: str) -> Predicted:
         """The force that the fitted model predicts for another record, with its error.
@@ -296,19 +325,19 @@ class LogFit(Fit):
         """
         from stribeck.identify import predict
 
-        found = predict.predict(data, self, columns=columns)
-        assert isinstance(found, predict.Predicted)
-        return found
+        prediction = predict.predict(data, self, columns=columns)
+        assert isinstance(prediction, predict.Predicted)
+        return prediction
 
     def plot(self) -> Figure:
         """Measured friction and the fitted law against the velocity, as a Matplotlib figure."""
         from stribeck.identify import figures
         from stribeck.mouth import plots
 
-        if self.prediction is None:
+        if self.friction is None:
             raise InputError("fit: it holds no measured friction; there is nothing to plot")
         with plots.style():
-            return figures.curve(self, self.prediction)
+            return figures.curve(self, self.friction)
 
     def document(self) -> Document:
         """What the fit says to people, for the terminal and for a page."""
@@ -318,17 +347,15 @@ class LogFit(Fit):
 
     def to_dict(self) -> dict[str, object]:
         """What ``stribeck fit --json`` prints."""
-        told: Mapping[str, object] = {**self.details}
-        matrix = {"names": list(self.names), "matrix": self.covariance.tolist()}
-        of_simulation = {"covariance": matrix, "correlations": self.correlations.tolist()} if self.names else {}
+        further = {name: getattr(self, name) for name in _FURTHER}
         return {
             "law": self.law_name, "method": self.method, "status": self.status,
-            "parameters": {n: e.to_dict() for n, e in self.estimates.items()},
+            "parameters": {n: e.to_dict() for n, e in self.of_law.items()},
             "body": {n: e.to_dict() for n, e in self.body.items()},
             "levels": {n: e.to_dict() for n, e in self.levels.items()},
-            "fixed": self.fixed, **of_simulation,
+            "fixed": {n: self.values[n] for n in self.given},
             "relative_force_error": self.relative_force_error, "cross_validated_error": self.cross_validated_error,
             "unidentified": list(self.unidentified), "candidates": [dict(c) for c in self.candidates],
-            **{name: told[name] for name in _TOLD if told.get(name) is not None},
+            **{name: value for name, value in further.items() if value is not None},
             "data_hash": self.data_hash, "notes": list(self.notes),
         }  # fmt: skip

@@ -12,6 +12,7 @@ from stribeck import laws
 from stribeck.constants import DECIDED, rotary_unit
 from stribeck.errors import StribeckError
 from stribeck.identify import figures
+from stribeck.identify.actuator.result import Trace
 from stribeck.identify.formula import model_lines
 from stribeck.mouth.cells import human, percent
 from stribeck.mouth.document import (
@@ -31,7 +32,7 @@ from stribeck.mouth.document import (
 from stribeck.properties import check
 
 if TYPE_CHECKING:
-    from stribeck.identify.actuator.result import LogResult, MachineFit, Transfer
+    from stribeck.identify.actuator.result import MachineFit, Transfer
     from stribeck.identify.core.states import Estimate
     from stribeck.identify.predict import Predicted
     from stribeck.identify.result import LogFit
@@ -62,14 +63,13 @@ def _numbers(
     given: Sequence[list[Cell]],
     speeds: Mapping[str, float],
     notes: Sequence[str],
-    more: Sequence[Table] = (),
 ) -> list[Chapter]:
     """The table of estimates, the reasons why some are withheld, and the notes. A terminal prints only the first notes."""
     rows = [*(_row(n, e, speeds.get(n)) for n, e in estimates.items()), *given]
     why: list[list[Cell]] = [[n, e.why, e.experiment or "-"] for n, e in estimates.items() if e.why or e.experiment]
-    tables = [Table(HEAD, rows), *more]
+    tables = [Table(HEAD, rows)]
     if why:
-        tables.insert(1, Table(["not determined", "why", "what to measure"], why, prose=True, on=PAGE))
+        tables.append(Table(["not determined", "why", "what to measure"], why, prose=True, on=PAGE))
     text = [UNCERTAINTIES, *(["Levels are the friction at speeds that were seen."] if speeds else [])]
     return [
         Chapter("result", "Parameters", [*text, *notes], tables),
@@ -83,6 +83,25 @@ def _beside(lead: str, others: Mapping[str, float | None], words: str = "") -> s
     return f"{lead} ({words}{', '.join(f'{n} {percent(x)}' for x, n in known)})" if known else lead
 
 
+def _relation(relation: tuple[list[str], np.ndarray] | None) -> list[Chapter]:
+    """The correlation of the estimates."""
+    if relation is None or len(relation[0]) < 2:
+        return []
+    names, matrix = relation
+    rows: list[list[Cell]] = [
+        [f"{i} {n}", *(f"{x:.2f}" if np.isfinite(x) else "-" for x in row)]
+        for i, (n, row) in enumerate(zip(names, matrix.tolist(), strict=True), 1)
+    ]
+    table = Table([Head(""), *map(str, range(1, len(names) + 1))], rows)
+    return [Chapter("correlation", "Correlation", (), [table], on=PAGE)]
+
+
+def _overlay(key: str, title: str, shown: Sequence[Trace], words: tuple[str, str]) -> Chapter:
+    """Measured and computed columns against time."""
+    caption = f"{words[0].capitalize()} and {words[1]}, the part in which they differ most larger, and the difference."
+    return Chapter(key, title, figures=[Figure(key, caption, partial(figures.traces, shown, words))], on=PAGE)
+
+
 # -- a law fitted to a log -------------------------------------------------------------------------------------------------
 
 
@@ -94,8 +113,8 @@ def of_log(fit: LogFit) -> Document:
         _beside(fit.lead, others),
         (),
         [
-            *_numbers(fit.parameters, _given(fit), fit.speeds, fit.notes, _correlation(fit)), *_quality(fit), _model(fit),
-            *_candidates(fit), *_data(fit), *_traces(fit), *_curve(fit), *_properties(fit),
+            *_numbers(fit.parameters, _given(fit), fit.speeds, fit.notes), *_relation(fit.relation), *_quality(fit),
+            _model(fit), *_candidates(fit), *_data(fit), *_traces(fit), *_curve(fit), *_properties(fit),
         ],
     )  # fmt: skip
 
@@ -105,20 +124,10 @@ def _given(fit: LogFit) -> list[list[Cell]]:
     turns = fit.log is not None and fit.log.rotary
     units = {n: c.unit_for(turns) or "1" for n, c in laws.find(fit.law_name).constants().items()}
     return [
-        [n, v if isinstance(v, str) else f"{v:.6g}", "-", "-", units.get(n, ""), "given"]
-        for n, v in fit.fixed.items()
-        if n not in fit.parameters
+        [n, x if isinstance(x, str) else f"{x:.6g}", "-", "-", units.get(n, ""), "given"]
+        for n, x in fit.values.items()
+        if n in fit.given and n not in fit.parameters
     ]
-
-
-def _correlation(fit: LogFit) -> list[Table]:
-    if len(fit.names) < 2:
-        return []
-    rows: list[list[Cell]] = [
-        [n, *(f"{x:.2f}" if np.isfinite(x) else "-" for x in row)]
-        for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
-    ]
-    return [Table(["correlation", *fit.names], rows, on=PAGE)]
 
 
 def _quality(fit: LogFit) -> list[Chapter]:
@@ -162,34 +171,33 @@ def _data(fit: LogFit) -> list[Chapter]:
 
 
 def _traces(fit: LogFit) -> list[Chapter]:
-    found = figures.trace(fit)
-    if fit.log is None or found is None:
-        return []
-    text = ["What was measured and what the fit makes of it; the ends, where the motion's filter errs, are left out."]
-    words = f"The measured {found[0]} and the fit's, what is left, and a close look at reversals."
-    shown = Figure("traces", words, partial(figures.traces, fit.log, *found))
-    return [Chapter("traces", "Measured and fitted", text, figures=[shown], on=PAGE)]
+    """What was fitted against time: the motion, or friction."""
+    if (shown := fit.output) is None:
+        if (p := fit.friction) is None:
+            return []
+        unit = rotary_unit("N") if fit.log is not None and fit.log.rotary else "N"
+        shown = Trace("friction", unit, p.time, p.measured, p.fitted)
+    return [_overlay("traces", "Measured and fitted", [shown], ("measured", "fitted"))]
 
 
 def _curve(fit: LogFit) -> list[Chapter]:
-    if (p := fit.prediction) is None:
+    if (p := fit.friction) is None:
         return []
-    own = "Friction is the measured force less what belongs to the rig: inertia, offset and the like."
-    left = "What the fit leaves, in time and against the velocity. A pattern is something that the model lacks."
-    curve = Figure("curve", "Measured friction and the fitted law at held speeds.", partial(figures.curve, fit, p))
-    words = "Residuals of the force in time (above) and against the velocity (below)."
-    rest = Figure("residuals", words, partial(figures.residuals, fit, p))
-    return [
-        Chapter("curve", "Friction against velocity", [own], figures=[curve], on=PAGE),
-        Chapter("residuals", "Residuals", [left], figures=[rest], on=PAGE),
+    text = [
+        "Friction is the measured force less what belongs to the rig: inertia, offset and the like.",
+        "Below is what the fit leaves. A pattern is something that the model lacks.",
     ]
+    shown = Figure(
+        "curve", "Measured friction, the fitted law at held speeds, and the residuals.", partial(figures.curve, fit, p)
+    )
+    return [Chapter("curve", "Friction against velocity", text, figures=[shown], on=PAGE)]
 
 
 def _properties(fit: LogFit) -> list[Chapter]:
     try:
         law = fit.law()
     except StribeckError:
-        open_ones = ", ".join(n for n, e in fit.estimates.items() if not e.usable)
+        open_ones = ", ".join(n for n, e in fit.of_law.items() if not e.usable)
         text = [f"Not decided: they hang on {open_ones or 'constants'}, which the data do not determine."]
         return [Chapter("properties", "Properties of the result", text, on=PAGE)]
     if not law.has_z:
@@ -213,10 +221,12 @@ def of_machine(fit: MachineFit) -> Document:
     """A machine fitted to its recordings."""
     plainer = {n: b.get("held_out") or b.get("fitted") for n, b in list(fit.baselines.items())[1:]}
     chapters = [*_numbers(fit.parameters, (), fit.speeds, _of_machine(fit)), _errors(fit), *_other_friction(fit)]
-    chapters += [_recording(log, i) for i, log in enumerate(fit.logs) if log.traces]
-    return Document(
-        fit.title, _beside(fit.lead, plainer, "simpler friction: "), (), [*chapters, *_relation(fit), _paste(fit)]
-    )
+    for i, log in enumerate(fit.logs):
+        if log.traces:
+            title = f"{log.file}{' (held out)' if log.held_out else ''}"
+            chapters.append(_overlay(f"log{i}", title, log.traces, ("measured", "simulated")))
+    lead = _beside(fit.lead, plainer, "simpler friction: ")
+    return Document(fit.title, lead, (), [*chapters, *_relation(fit.relation)])
 
 
 def _of_machine(fit: MachineFit) -> list[str]:
@@ -275,37 +285,7 @@ def _other_friction(fit: MachineFit) -> list[Chapter]:
         rows = [[n, Share(x), fit.laws["numbers"][n]] for n, x in fit.laws["errors"].items()]
         text = [f"Picked: {fit.laws['picked']}."]
         found.append(Chapter("laws", "Which law", text, [Table(["law", "held out", "numbers"], rows)], on=PAGE))
-    if fit.transfer is not None:
-        rows = [[m["name"], _open(m["from"]["value"]), _open(m["to"]["value"])] for m in fit.transfer["moved"]]
-        text = [f"Moved beyond both intervals: {', '.join(m['name'] for m in fit.transfer['moved']) or 'nothing'}."]
-        table = Table(["number", "here", "there"], rows)
-        found.append(Chapter("transfer", "The other recordings", text, [table], on=PAGE))
     return found
-
-
-def _recording(log: LogResult, i: int) -> Chapter:
-    words = "Measured and simulated, a part of it larger, and what is left."
-    shown = Figure(f"log_{i}", words, partial(figures.recording, log.traces))
-    title = f"{log.file}{' (held out)' if log.held_out else ''}"
-    return Chapter(f"log{i}", title, figures=[shown], on=PAGE)
-
-
-def _relation(fit: MachineFit) -> list[Chapter]:
-    if fit.relation is None or len(fit.relation[0]) < 2:
-        return []
-    names, matrix = fit.relation
-    rows: list[list[Cell]] = [
-        [f"{i} {n}", *(f"{x:.2f}" for x in row)]
-        for i, (n, row) in enumerate(zip(names, matrix.tolist(), strict=True), 1)
-    ]
-    text = [] if fit.correlated else ["No two numbers can stand for each other."]
-    table = Table([Head(""), *map(str, range(1, len(names) + 1))], rows)
-    return [Chapter("correlation", "Correlation", text, [table], on=PAGE)]
-
-
-def _paste(fit: MachineFit) -> Chapter:
-    options = [f"--set {n}={e.value:.6g}" for n, e in fit.estimates.items() if not n.startswith("log.")]
-    return Chapter("paste", "To paste", ["As options:"], code=" \\\n".join(options), on=PAGE)
 
 
 # -- predictions -----------------------------------------------------------------------------------------------------------
@@ -313,11 +293,9 @@ def _paste(fit: MachineFit) -> Chapter:
 
 def of_prediction(prediction: Predicted) -> Document:
     """The force that a fit predicts of a record."""
-    model, traces, friction = prediction.model, prediction.traces, prediction.friction
-    unit = rotary_unit("N") if prediction.rotary else "N"
-    shown = {"force": (unit, traces.measured, traces.fitted), "friction": (unit, friction.measured, friction.fitted)}
+    model = prediction.model
     rows: list[list[Cell]] = [[record, of, Share(x)] for record, of, x in _residuals(prediction)]
-    about = f"{len(traces.time)} rows, {100 * prediction.rest:.0f} % at rest; fitted to {model.title}"
+    about = f"{len(prediction.force.t)} rows, {100 * prediction.rest:.0f} % at rest; fitted to {model.title}"
     in_fit = model.relative_force_error if model.predictor is None else model.cross_validated_error
     others = (
         [f"{percent(in_fit)} {'in' if model.predictor is None else 'held out in'} the fit"]
@@ -325,13 +303,14 @@ def of_prediction(prediction: Predicted) -> Document:
         else []
     )
     others.append(f"{percent(prediction.constant_error)} for a constant force")
+    shown = [prediction.force, prediction.friction]
     return Document(
         prediction.title,
         f"{model.law_name}, relative residual {percent(prediction.force_error)} ({', '.join(others)})",
         [about, *prediction.notes()],
         [
-            _table(rows, ["record", "of", "relative residual"]),
-            _overlay("prediction", traces.time, shown, ("measured", "predicted")),
+            Chapter("errors", "Errors", (), [Table(["record", "of", "relative residual"], rows)]),
+            _overlay("prediction", "Measured and predicted", shown, ("measured", "predicted")),
         ],
     )
 
@@ -363,37 +342,19 @@ def _residuals(prediction: Predicted) -> list[tuple[str, str, float]]:
     return [(record, of, x) for record, of, x in rows if x is not None]
 
 
-def of_validation(found: Validated) -> Document:
+def of_validation(comparison: Validated) -> Document:
     """A machine's motion beside a record."""
     rows: list[list[Cell]] = [
         [name, Amount(e["rms"], e["unit"]), Amount(e["largest"], e["unit"]), Share(e["relative"], _PLACES)]
-        for name, e in found.errors.items()
+        for name, e in comparison.errors.items()
     ]
-    off = [f"{name} by {percent(e['relative'], _PLACES)} of its changes" for name, e in found.errors.items()]
+    off = [f"{name} by {percent(e['relative'], _PLACES)} of its changes" for name, e in comparison.errors.items()]
     return Document(
-        found.title,
+        comparison.title,
         f"off: {'; '.join(off)}",
-        [f"{found.status}: {len(found.time)} rows"],
+        [f"{comparison.status}: {comparison.rows} rows"],
         [
-            _table(rows, ["of", "rms error", "largest", "rms over changes"]),
-            _overlay("validation", found.time, found.traces, ("measured", "simulated")),
+            Chapter("errors", "Errors", (), [Table(["of", "rms error", "largest", "rms over changes"], rows)]),
+            _overlay("validation", "Measured and simulated", comparison.traces, ("measured", "simulated")),
         ],
     )
-
-
-def _table(rows: list[list[Cell]], head: list[str]) -> Chapter:
-    return Chapter("errors", "Errors", (), [Table(head, rows)])
-
-
-def _overlay(name: str, time: np.ndarray, shown: figures.Traces, words: tuple[str, str]) -> Chapter:
-    """Measured and computed traces over the whole record and where they differ most; and the residuals."""
-    both = f"{words[0]}, {words[1]}, and the difference."
-    pictures = [
-        Figure(name, f"The whole record: {both}", partial(figures.overlay, time, shown, words)),
-        Figure(
-            f"{name}_zoom",
-            f"The tenth of it in which they differ most: {both}",
-            partial(figures.overlay, time, shown, words, worst=True),
-        ),
-    ]
-    return Chapter("overlay", f"{words[0].capitalize()} and {words[1]}", figures=pictures, on=PAGE)

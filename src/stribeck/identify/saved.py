@@ -17,15 +17,14 @@ from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.core.predictor import of_json
 from stribeck.identify.core.states import Estimate, Kept
 from stribeck.identify.data.quality import LARGEST
-from stribeck.identify.details import RecordReading
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import METHODS, OUTPUTS
-from stribeck.identify.result import Fit, LogFit
+from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario.trust import astray
 
 FILE, MACHINE = "fit.json", "machine.toml"
-_FORMAT = 5
+_FORMAT = 6
 _LOG, _MACHINE = "log", "machine"
 # -- writing ---------------------------------------------------------------------------------------------------------
 
@@ -47,10 +46,9 @@ def text_of(fit: Fit, folder: Path) -> str:
 def _of_log(fit: LogFit, folder: Path) -> dict[str, object]:
     """The model, the ranges that it has seen, and how its record was read."""
     return {
-        "law": fit.law_name, "method": fit.method, "values": fit.of_curve, "given": list(fit.fixed), "body": list(fit.body),
-        "levels": {n: fit.speeds.get(n) for n in fit.levels},
+        "law": fit.law_name, "method": fit.method, "values": fit.values, "given": list(fit.given), "levels": fit.speeds,
         "predictor": fit.predictor.to_json() if fit.predictor else None,
-        "candidates": [dict(c) for c in fit.candidates], "fit": fit.known, "seen": fit.details.get("seen", {}),
+        "candidates": [dict(c) for c in fit.candidates], "fit": fit.known, "seen": fit.seen,
         "data_sha256": fit.data_hash, **asdict(fit.reading),
         "files": [seen_from(folder, Path(name)) for name in fit.reading.files],
     }  # fmt: skip
@@ -135,8 +133,7 @@ _PARTS: dict[str, dict[str, _Part]] = {
         "method": _one_of(*METHODS),
         "values": (_table, "a table"),
         "given": (_list_of(_text), "a list of names"),
-        "body": (_list_of(_text), "a list of names"),
-        "levels": (_table_of(lambda x: x is None or _number(x)), "a table of speeds"),
+        "levels": (_table_of(_number), "a table of speeds"),
         "predictor": (
             lambda x: x is None or (_table(x) and _read_by(of_json)(x)),
             "nothing or the model of a static fit",
@@ -207,40 +204,38 @@ def _log_fit(data: Kept, path: Path, trust: bool) -> LogFit:
     texts = [*_wrong(data["law"], law.constants(), values), *_lacking(data["law"], values)]
     if texts:
         raise InputError([f"{place}: values.{text}" for text in texts])
-    every = {n: Estimate.of_dict(e) for n, e in data["estimates"].items()}
-    own = {n: e for n, e in every.items() if n not in data["body"] and n not in data["levels"]}
-    speeds = {n: x for n, x in data["levels"].items() if x is not None}
-    errors = {n: data["fit"][n] for n in ("friction_error", "missed") if data["fit"][n] is not None}
     known = data["fit"]["relative_force_error"]
     return LogFit(
-        law_name=law.name if ".py:" not in data["law"] else data["law"], method=data["method"], estimates=own,
-        body={n: every[n] for n in data["body"] if n in every}, levels={n: every[n] for n in data["levels"] if n in every},
-        fixed={n: x for n, x in values.items() if n in data["given"]},
-        used={n: x for n, x in values.items() if n not in data["given"]},
-        relative_force_error=float("nan") if known is None else known, data_hash=data["data_sha256"],
-        cross_validated_error=data["fit"]["cross_validated_error"], notes=tuple(data["notes"]),
-        details={"seen": data["seen"], "speeds": speeds, **errors},  # type: ignore[typeddict-item]
-        status=data["status"], candidates=tuple(data["candidates"]),
-        predictor=of_json(data["predictor"]) if data["predictor"] else None,
+        law_name=law.name if ".py:" not in data["law"] else data["law"], method=data["method"], values=values,
+        given=tuple(data["given"]), relative_force_error=float("nan") if known is None else known,
+        **{n: data["fit"][n] for n in ("cross_validated_error", "friction_error", "missed")},
+        data_hash=data["data_sha256"], notes=tuple(data["notes"]), status=data["status"], seen=data["seen"],
+        candidates=tuple(data["candidates"]), predictor=of_json(data["predictor"]) if data["predictor"] else None,
         reading=RecordReading(
             tuple(str(path.parent / name) for name in data["files"]), data["columns"], data["units"], data["force_gain"],
             data["cutoff"], data["output"], data["published"], data["simulated"],
         ),
+        **_estimates(data),
     )  # fmt: skip
 
 
 def _machine_fit(data: Kept, folder: Path, trust: bool) -> MachineFit:
     """The fit of a machine; the machine itself is the file beside it."""
-    every = {n: Estimate.of_dict(e) for n, e in data["estimates"].items()}
     machine = folder / MACHINE
     tables = read_toml(machine) if machine.is_file() and data["status"] == "done" else {}
     return MachineFit(
-        data["status"], data["reason"], {n: e for n, e in every.items() if n not in data["levels"]}, data["correlated"],
-        [_recording(log) for log in data["logs"]], data["notes"], data["noise"], tables,
-        {n: every[n] for n in data["levels"] if n in every}, data["levels"], data["baselines"], data["laws"],
-        name=data["name"], folder=folder, source=None if data["source"] is None else folder / data["source"],
-        trust=trust,
+        status=data["status"], reason=data["reason"], correlated=data["correlated"],
+        logs=[_recording(log) for log in data["logs"]], notes=data["notes"], noise=data["noise"], data=tables,
+        baselines=data["baselines"], laws=data["laws"], name=data["name"], folder=folder,
+        source=None if data["source"] is None else folder / data["source"], trust=trust, **_estimates(data),
     )  # fmt: skip
+
+
+def _estimates(data: Kept) -> Kept:
+    """The estimates, the levels among them, and their speeds."""
+    estimates = {n: Estimate.of_dict(e) for n, e in data["estimates"].items()}
+    levels = {n: estimates.pop(n) for n in data["levels"] if n in estimates}
+    return {"estimates": estimates, "levels": levels, "speeds": data["levels"]}
 
 
 def _unlike(data: Kept, parts: Mapping[str, _Part]) -> list[str]:

@@ -12,6 +12,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg, note
+from stribeck.identify.actuator.result import Trace
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.mouth.document import Document, Told
 from stribeck.scenario import Scenario
@@ -37,18 +38,24 @@ class Validated(Told):
 
     Attributes:
         status, reason: of the simulation; what it reached is compared.
-        time: s from the record's start.
-        traces: by what was measured: unit, measured, simulated.
-        errors: by the same: RMS and largest difference, and RMS over that of the measured trace about its mean.
+        traces: what was measured, and the same simulated.
         title: what was compared.
     """
 
     status: str
     reason: str | None
-    time: Array
-    traces: dict[str, tuple[str, Array, Array]]
-    errors: dict[str, Misfit]
+    traces: list[Trace]
     title: str
+
+    @property
+    def rows(self) -> int:
+        """How many rows of the record were reached."""
+        return len(self.traces[0].t)
+
+    @property
+    def errors(self) -> dict[str, Misfit]:
+        """By what was measured: RMS and largest difference, and RMS over that of the measured trace about its mean."""
+        return {x.column: _misfit(x) for x in self.traces}
 
     @property
     def success(self) -> bool:
@@ -68,7 +75,7 @@ class Validated(Told):
 
     def to_dict(self) -> dict[str, object]:
         """What ``stribeck predict --machine --json`` prints."""
-        return {"status": self.status, "reason": self.reason, "rows": len(self.time), "errors": self.errors}
+        return {"status": self.status, "reason": self.reason, "rows": self.rows, "errors": self.errors}
 
 
 def validate(
@@ -111,20 +118,19 @@ def validate(
             raise InputError(f"{arg('time')}: the recorded drive ends before the second row")
     solution = simulate(scenario.with_changes(_changes(scenario, raw, time)))
     reached = time <= float(solution.t[-1]) * (1 + 1e-9)
-    traces, errors = {}, dict[str, Misfit]()
+    traces = []
     for role in measured:
         name, unit = _COLUMNS[role]
         unit = rotary_unit(unit) if scenario.rotary else unit
         simulated = np.interp(time[reached], solution.t, solution[name])
-        x = raw[role][reached]
-        traces[role] = (unit, x, simulated)
-        left = x - simulated
-        spread = float(np.std(x)) if len(x) else 0.0
-        rms = float(np.sqrt(np.mean(left**2))) if len(x) else float("nan")
-        largest = float(np.max(abs(left), initial=0.0))
-        errors[role] = {"unit": unit, "rms": rms, "largest": largest, "relative": rms / spread if spread > 0 else None}
-    title = f"{scenario.name} against {data.name}"
-    return Validated(solution.status, solution.reason, time[reached], traces, errors, title)
+        traces.append(Trace(role, unit, time[reached], raw[role][reached], simulated))
+    return Validated(solution.status, solution.reason, traces, f"{scenario.name} against {data.name}")
+
+
+def _misfit(x: Trace) -> Misfit:
+    largest = float(np.max(abs(x.measured - x.predicted), initial=0.0))
+    relative = x.relative if np.isfinite(x.relative) else None
+    return {"unit": x.unit, "rms": x.rms, "largest": largest, "relative": relative}
 
 
 def _driven_until(scenario: Scenario) -> float:

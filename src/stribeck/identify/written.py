@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -53,126 +51,58 @@ def write_fit(fit: Fit, folder: Path, command: str = "", paths: list[str] | None
 def _write_numbers(fit: Fit, place: Path, folder: Path, command: str) -> list[str]:
     """Write the numbers into ``place``, as ``folder`` will hold them; their names."""
     write_text(place / FILE, text_of(fit, folder))
-    if isinstance(fit, LogFit):
-        write_text(place / PARAMETERS, toml(fit, command))
+    write_text(place / PARAMETERS, toml(fit, command, folder))
+    if not isinstance(fit, MachineFit) or fit.status != "done":
         return [PARAMETERS, FILE]
-    assert isinstance(fit, MachineFit)
-    write_text(place / PARAMETERS, machine_toml(fit, command, folder))
-    if fit.status != "done":
-        return [PARAMETERS, FILE]
-    tables = moved(fit.data, fit.folder, folder)
-    write_text(place / MACHINE, f"# Found by: {command}\n{tomli_w.dumps(tables)}")
+    write_text(place / MACHINE, f"# Found by: {command}\n{tomli_w.dumps(moved(fit.data, fit.folder, folder))}")
     return [PARAMETERS, FILE, MACHINE]
 
 
-# -- of a log --------------------------------------------------------------------------------------------------------
+def toml(fit: Fit, command: str, folder: Path | None = None) -> str:
+    """The numbers, each with both uncertainties and its state; those of a log are a parameter set.
+
+    A number that the data do not determine is marked ``determined = false``.
+    """
+    about: dict[str, object] = {"version": __version__, "command": command, "status": fit.status}
+    if isinstance(fit, LogFit):
+        about |= _of_log(fit, command)
+        tables = _tables_of_log(fit)
+    else:
+        assert isinstance(fit, MachineFit)
+        tables = {"parameters": {n: _row(e) for n, e in fit.estimates.items()}}
+        about |= {"reason": fit.reason} if fit.reason else {}
+        about |= {} if fit.source is None or folder is None else {"logs": seen_from(folder, fit.source)}
+    levels = {n: {"speed": fit.speeds[n], **_row(e)} for n, e in fit.levels.items()}
+    text = tomli_w.dumps({**about, **tables, "levels": levels})
+    return f"# SI units; intervals (low, high) and ranges at 95 %.\n{text}"
 
 
-def toml(fit: LogFit, command: str) -> str:
-    """The fit as a parameter set; what the data do not determine is marked in [parameters], and explained in [unknown]."""
+def _of_log(fit: LogFit, command: str) -> dict[str, object]:
+    """What was fitted."""
     data = ", ".join(Path(name).name for name in fit.reading.files) or fit.title
-    lines = [
-        "# Friction parameters from measured data, by 'stribeck fit'. SI units; intervals and ranges at 95 %.",
-        f"title = {_text(f'{fit.law_name} fitted to {data}')}",
-        f"source = {_text(f'stribeck {__version__}: {command}')}",
-        *(['motion = "rotary"'] if fit.log is not None and fit.log.rotary else []),
-        f"law = {_text(fit.law_name)}",
-        f"method = {_text(fit.method)}",
-        f"data = {_text(data)}",
-        f"data_sha256 = {_text(fit.data_hash)}",
-        f"version = {_text(__version__)}",
-        f"command = {_text(command)}",
-        f"status = {_text(fit.status)}",
-        f"relative_force_error = {_number(fit.relative_force_error)}",
-    ]
-    if fit.cross_validated_error is not None:
-        lines.append(f"cross_validated_error = {_number(fit.cross_validated_error)}")
-    lines.append("")
-    if any(not e.usable for e in fit.estimates.values()):
-        lines += [
-            "# determined = false: the data do not tell this number; it is the fitted curve's, and is refused",
-            "# unless --allow-undetermined is given. [unknown] says why, and what to measure.",
-        ]
+    about = {
+        "title": f"{fit.law_name} fitted to {data}", "source": f"stribeck {__version__}: {command}",
+        "motion": "rotary" if fit.log is not None and fit.log.rotary else None, "law": fit.law_name, "method": fit.method,
+        "data": data, "data_sha256": fit.data_hash, "relative_force_error": fit.relative_force_error,
+        "cross_validated_error": fit.cross_validated_error,
+    }  # fmt: skip
+    return {key: x for key, x in about.items() if x is not None}
+
+
+def _tables_of_log(fit: LogFit) -> dict[str, object]:
+    """The law's parameters as its curve has them, given ones too, and what belongs to the rig."""
     known = laws.find(fit.law_name).constants()
-    lines.append("[parameters]")
-    lines += [f"{name} = {_estimate(e, fit.used.get(name))}" for name, e in fit.estimates.items()]
-    lines += [f"{name} = {_given(value)}" for name, value in fit.fixed.items() if name in known]
-    if fit.body:
-        lines += ["", "# The rig, not the law", "[body]", *(f"{n} = {_estimate(e, None)}" for n, e in fit.body.items())]
-    lines += [*_levels(fit), *_unknown(fit), *_covariance(fit)]
-    return "\n".join(lines) + "\n"
+    fitted = {n: _row(e, fit.values.get(n)) for n, e in fit.of_law.items()}
+    given = {n: fit.values[n] for n in fit.given if n in known}
+    return {"parameters": {**given, **fitted}, "body": {n: _row(e) for n, e in fit.body.items()}}
 
 
-def _levels(fit: LogFit) -> list[str]:
-    if not fit.levels:
-        return []
-    lines = ["", "# Friction at speeds that were seen", "[levels]"]
-    for n, e in fit.levels.items():
-        speed = f"speed = {_number(fit.speeds[n])}, " if n in fit.speeds else ""
-        lines.append(f"{_text(n)} = {{ {speed}{_estimate(e, None)[2:]}")
-    return lines
-
-
-def _unknown(fit: LogFit) -> list[str]:
-    lines = []
-    for name, e in {**fit.estimates, **fit.body}.items():
-        if not e.usable:
-            lines += ["", f"[unknown.{name}]", f"unit = {_text(e.unit)}", f"why = {_text(e.why)}"]
-            lines += [f"experiment = {_text(e.experiment)}"]
-    return lines
-
-
-def _covariance(fit: LogFit) -> list[str]:
-    if not fit.names:
-        return []
-    rows = (", ".join(_number(x) for x in row) for row in fit.covariance.tolist())
-    lines = ["", "[covariance]", f"names = [{', '.join(map(_text, fit.names))}]"]
-    return [*lines, "matrix = [", *(f"  [{row}]," for row in rows), "]"]
-
-
-def _estimate(e: Estimate, used: float | None) -> str:
-    """The value as the curve uses it, with interval, range and state; marked if the data do not determine it."""
-    value = e.value if used is None else used
-    ends = "".join(f", {side} = {_number(x)}" for side, x in (("low", e.low), ("high", e.high)) if x is not None)
-    if e.range:
-        ends += f", range = [{_number(e.range[0])}, {_number(e.range[1])}]"
-    state = f", state = {_text(str(e.state))}" + (f", depends_on = {_text(e.depends_on)}" if e.depends_on else "")
-    mark = "" if e.usable else ", determined = false"
-    return f"{{ value = {_number(value)}{ends}, unit = {_text(e.unit)}{state}{mark} }}"
-
-
-def _given(value: float | str) -> str:
-    return _text(value) if isinstance(value, str) else _number(value)
-
-
-def _number(x: float) -> str:
-    return repr(float(x)) if math.isfinite(x) else "nan" if math.isnan(x) else "inf" if x > 0 else "-inf"
-
-
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
-
-
-# -- of a machine ------------------------------------------------------------------------------------------------------
-
-
-def machine_toml(fit: MachineFit, command: str, folder: Path) -> str:
-    """The numbers by path and the levels, each with both uncertainties and its state."""
-    told: dict[str, object] = {"version": __version__, "command": command, "status": fit.status}
-    if fit.reason:
-        told["reason"] = fit.reason
-    if fit.source is not None:
-        told["logs"] = seen_from(folder, fit.source)
-    rows = {name: _row(e) for name, e in fit.estimates.items()}
-    levels = {name: {"speed": fit.speeds[name], **_row(e)} for name, e in fit.levels.items()}
-    return tomli_w.dumps({**told, "parameters": rows, "levels": levels})
-
-
-def _row(e: Estimate) -> Mapping[str, object]:
-    """An estimate without what is open or empty."""
-    own = {
-        "value": e.value, "low": e.low, "high": e.high, "range": None if e.range is None else list(e.range), "unit": e.unit,
-        "identifiable": e.identifiable, "state": str(e.state), "depends_on": e.depends_on, "why": e.why,
+def _row(e: Estimate, used: float | str | None = None) -> Mapping[str, object]:
+    """An estimate without what is open or empty; ``used``: its value in a curve, which may differ."""
+    row = {
+        "value": e.value if used is None else used, "low": e.low, "high": e.high,
+        "range": None if e.range is None else list(e.range), "unit": e.unit, "identifiable": e.identifiable,
+        "state": str(e.state), "determined": None if e.usable else False, "depends_on": e.depends_on, "why": e.why,
         "experiment": e.experiment,
     }  # fmt: skip
-    return {k: x for k, x in own.items() if x is not None and x != ""}
+    return {key: x for key, x in row.items() if x is not None and x != ""}

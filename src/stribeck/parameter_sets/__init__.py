@@ -92,7 +92,7 @@ def load(name: str, folder: Path | None = None, needs: Container[str] | None = N
             raise InputError(
                 f"{name!r}: the data of this fit do not determine {', '.join(undetermined)}: give values of your own with "
                 "--set, allow the best ones with --allow-undetermined (stribeck.parameter_sets.allow_undetermined()), or measure "
-                "what [unknown] in it says"
+                "the experiment that the file names"
             )
         return parameter_set
     guess = nearest(name, parameters()) or f" (known: {', '.join(parameters())}; or a file NAME.toml)"

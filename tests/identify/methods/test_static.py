@@ -90,7 +90,7 @@ def test_a_rotary_joint_carries_weight_unless_that_is_denied():
 
 def test_a_curve_of_bends_has_the_nearest_stribeck_law_beside_it():
     fit = stribeck.fit(record(5), "coulomb_viscous")
-    near = fit.details["nearest_stribeck"]
+    near = fit.nearest_stribeck
     assert near["F_c"] == pytest.approx(TRUTH["F_c"], rel=0.2)
     assert near["F_s"] > near["F_c"]
 
@@ -120,7 +120,7 @@ def test_a_level_below_zero_is_not_reported_as_one_that_a_law_can_have():
     assert fit["F_c"].state is EstimateState.NOT_IDENTIFIABLE
     assert "beyond the bounds of the law" in fit["F_c"].why
     low, high = fit["F_c"].interval
-    assert low <= fit["F_c"].value <= fit.used["F_c"] <= high
+    assert low <= fit["F_c"].value <= fit.values["F_c"] <= high
 
 
 def test_presliding_is_fitted_by_a_law_with_bristles():

@@ -183,7 +183,7 @@ class MachineFit(Fit):
         if not traced:
             raise InputError("fit: it holds no recording; there is nothing to plot")
         with plots.style():
-            return figures.recording(traced[0].traces)
+            return figures.traces(traced[0].traces, ("measured", "simulated"))
 
     def document(self) -> Document:
         """The fit as a document for the terminal and for a page."""

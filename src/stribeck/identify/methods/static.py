@@ -23,7 +23,6 @@ from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
 from stribeck.identify.core.states import Estimate, EstimateState
-from stribeck.identify.details import Candidate
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
@@ -33,7 +32,7 @@ from stribeck.identify.models.curves import REACHED, SteadyCurve, curve_of
 from stribeck.identify.models.record import Record, record_of
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
-from stribeck.identify.result import LogFit, Prediction
+from stribeck.identify.result import Candidate, FrictionRows, LogFit
 
 LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates where no law is named
 PLAIN = "coulomb_viscous"
@@ -199,31 +198,22 @@ def _finished(
     """The fit with what a report shows."""
     lib, log, curve = choice.library, rows.log, choice.library.curve
     known = laws.find(curve.law).constants()
-    told = _told(choice, found, log)
-    estimates = {n: e for n, e in told.items() if n in known}
-    body = {n: e for n, e in told.items() if n in TERMS}
-    fixed = dict(setting.fixed) | _sharp_sign(curve, log)
-    used = _used(choice, found, float(np.max(abs(log.force)))) | {n: e.value for n, e in body.items()}
+    estimates = _told(choice, found, log)
+    fixed = {n: x for n, x in (dict(setting.fixed) | _sharp_sign(curve, log)).items() if n in known or n in TERMS}
+    body = {n: e.value for n, e in estimates.items() if n in TERMS}
     forms = _rms_of_forms(choice)
-    prediction, friction = _prediction(choice)
+    friction, friction_error = _friction(choice)
     r = lib.residual(choice.model, choice.coefficients)
-    nearest = (
-        {}
-        if "F_s" in known or not any(f.startswith(("bend", "pointed", "growth")) for f in forms)
-        else nearest_stribeck(choice)
-    )
+    of_bends = "F_s" not in known and any(f.startswith(("bend", "pointed", "growth")) for f in forms)
     return LogFit(
-        law_name=curve.law, method="static", estimates=estimates, body=body,
-        levels={n: e for n, e in told.items() if n in lib.levels},
-        fixed={n: x for n, x in fixed.items() if n in known or n in TERMS}, used=used,
+        law_name=curve.law, method="static", estimates={n: e for n, e in estimates.items() if n not in lib.levels},
+        levels={n: estimates[n] for n in lib.levels}, speeds=lib.levels,
+        values=fixed | _used(choice, found, float(np.max(abs(log.force)))) | body, given=tuple(fixed),
         relative_force_error=float(np.linalg.norm(r)) / max(_size(lib.record.column(lib.record.log.force)), 1e-300),
-        cross_validated_error=error, data_hash=rows.source.hash, prediction=prediction,
-        notes=tuple(_notes(choice, told, unused, forms, log)), candidates=tuple(_candidates(choice)), log=rows.source,
-        details={
-            "friction_error": friction, "rest": float(np.mean(rows.rest)), "seen": seen(log, ~rows.rest),
-            "decimation": rows.q, "forms": forms, "missed": missed(choice), "speeds": lib.levels,
-            **({"nearest_stribeck": nearest} if nearest else {}),
-        },
+        cross_validated_error=error, friction_error=friction_error, missed=missed(choice), data_hash=rows.source.hash,
+        friction=friction, notes=tuple(_notes(choice, estimates, unused, forms, log)), candidates=tuple(_candidates(choice)),
+        log=rows.source, rest=float(np.mean(rows.rest)), seen=seen(log, ~rows.rest), forms=forms,
+        nearest_stribeck=nearest_stribeck(choice) or None if of_bends else None,
     )  # fmt: skip
 
 
@@ -287,7 +277,7 @@ def _rms_of_forms(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     return out
 
 
-def _prediction(choice: Selection[SteadyLibrary]) -> tuple[Prediction, float]:
+def _friction(choice: Selection[SteadyLibrary]) -> tuple[FrictionRows, float]:
     """Friction, measured and fitted, at the rows that were compared; and norm(residual)/norm(measured friction)."""
     lib, record, x = choice.library, choice.library.record, choice.coefficients
     i, friction = lib.index(choice.model), np.zeros(len(record.at))
@@ -305,9 +295,8 @@ def _prediction(choice: Selection[SteadyLibrary]) -> tuple[Prediction, float]:
         if not lib.name[i[j]][0].startswith(("weight", "spring", "ripple", *OF_RECORD)):
             friction = friction + lib.columns[:, i[j]] * x[j]
     measured = friction + lib.residual(choice.model, x)
-    log, at = record.log, record.at
-    found = Prediction(log.time[at], log.position[at], log.velocity[at], measured, friction)
-    return found, _size(measured - friction) / max(_size(measured), 1e-300)
+    rows = FrictionRows(record.log.time[record.at], record.log.velocity[record.at], measured, friction)
+    return rows, _size(measured - friction) / max(_size(measured), 1e-300)
 
 
 def _size(x: Array) -> float:
