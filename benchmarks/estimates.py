@@ -25,12 +25,14 @@ from stribeck.identify.api import read_log
 from stribeck.identify.core.choice import chosen
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.states import Estimate
+from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
-from stribeck.identify.methods.static import LAWS, Setting, fit_static
+from stribeck.identify.methods.static import LAWS, fit_static
 from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import record_of
 from stribeck.identify.models.static_problem import rows_of
+from stribeck.identify.options import FitOptions
 
 PAGE = Path(__file__).parent.parent / "docs" / "evidence" / "static-fits.md"
 NAMES, SPEED = {"time": "t", "position": "y", "force": "F"}, {"time": "t", "velocity": "v", "force": "F"}
@@ -71,7 +73,7 @@ def truths(family: str, seed: int) -> Iterator[dict[str, Any]]:
         else:
             of = getattr(records, family)
             what, columns, truth, friction = of(seed)
-        log = read_log(columns, columns=NAMES)
+        log = read_log(columns, ColumnNames(NAMES))
         for law in FAMILIES[family]:
             found, speeds = estimates(log, law)
             told = {
@@ -96,7 +98,7 @@ def pairs(family: str, seed: int) -> Iterator[tuple[list[Log], str, dict[str, fl
     if family == "agree":
         m = records.speed_machine(draw, records.SPEED_FRICTION[seed % 6])
         motions = [records.speed_motion(draw, records.SPEED_MOTIONS[seed // 6 % 4]) for _ in range(2)]
-        logs = [read_log(records.speed_record(m, v, draw), columns=SPEED) for v in motions]
+        logs = [read_log(records.speed_record(m, v, draw), ColumnNames(SPEED)) for v in motions]
         middle = len(logs[0]) // 2
         yield [logs[0].rows(slice(None, middle)), logs[0].rows(slice(middle, None))], "stribeck_tanh", {}
         yield logs, "stribeck_tanh", {}
@@ -113,7 +115,7 @@ def pairs(family: str, seed: int) -> Iterator[tuple[list[Log], str, dict[str, fl
         seen = e * np.round((y + e * draw.uniform(-0.5, 0.5) + 0.3 * e * draw.standard_normal(len(y))) / e)
         t = np.arange(len(y)) * records.OTHER_STEP
         noise = m["noise"] * draw.standard_normal(len(y))
-        logs.append(read_log({"t": t, "y": seen, "F": force + noise}, columns=NAMES))
+        logs.append(read_log({"t": t, "y": seen, "F": force + noise}, ColumnNames(NAMES)))
     names = ("mass", "offset", "F_c", "sigma_2", *(("F_s", "v_s") if seed % 2 else ()))
     yield logs, "stribeck" if seed % 2 else "coulomb_viscous", {n: m[n] for n in names} if complete else {}
 
@@ -138,7 +140,8 @@ def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
     if family == "held":
         m, kind = records.speed_machine(draw, records.SPEED_FRICTION[seed % 6]), records.SPEED_MOTIONS[seed // 6 % 4]
         logs = [
-            read_log(records.speed_record(m, records.speed_motion(draw, kind), draw), columns=SPEED) for _ in range(2)
+            read_log(records.speed_record(m, records.speed_motion(draw, kind), draw), ColumnNames(SPEED))
+            for _ in range(2)
         ]
         rows = [np.flatnonzero(records.away_from_rest(log)) for log in logs]
         seen = [
@@ -153,7 +156,7 @@ def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
         kind = kinds[seed % len(kinds)]
         m = rig(draw, kind)
         made = [record(m, kind, draw) for _ in range(4)]
-        logs = [read_log(c, columns=NAMES) for c in made]
+        logs = [read_log(c, ColumnNames(NAMES)) for c in made]
         rows = [np.flatnonzero(~at_rest(log)) for log in logs]
         seen = []
         for c, log in zip(made, logs, strict=True):
@@ -164,7 +167,7 @@ def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
         for weigh in (False, True) if seen[0][3].shape[1] else (False,):
             v, a, force, w = seen[0]
             plain.append((weigh, way(v, a, force, w if weigh else w[:, :0])))
-    made_by = fit_static(logs[0], LAWS, Setting({})).predictor
+    made_by = fit_static(logs[0], LAWS, FitOptions()).predictor
     assert made_by is not None
     for log, r, (v, a, force, w) in zip(logs[1:], rows[1:], seen[1:], strict=True):
         best = min(np.linalg.norm(force - f(v, a, w if weigh else w[:, :0])) for weigh, f in plain if f)

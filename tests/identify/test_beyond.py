@@ -9,6 +9,7 @@ import stribeck
 from stribeck.errors import InputError
 from stribeck.identify.api import read_log
 from stribeck.identify.beyond import beyond, seen
+from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.result import Fit
 
@@ -78,10 +79,10 @@ def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(tmp_path):
     fit.save(tmp_path)
     kept = Fit.load(tmp_path)
     assert kept.seen["position"] == pytest.approx((-0.2, 0.2), rel=0.01)
-    inside = kept.predict(read_log(rig(0.2), columns=NAMES))
+    inside = kept.predict(read_log(rig(0.2), ColumnNames(NAMES)))
     assert inside.beyond.rows == 0
     assert inside.beyond.error is None
-    wide = kept.predict(read_log(rig(0.4), columns=NAMES))
+    wide = kept.predict(read_log(rig(0.4), ColumnNames(NAMES)))
     # of a sine twice as tall, 2/3 of the time beyond in the position, 2/3 in the speed, and never neither beyond
     assert wide.beyond.rows == pytest.approx(wide.beyond.of, rel=0.02)
     assert json.loads(json.dumps(wide.to_dict()))["beyond"]["what"]["position"]["seen"] == pytest.approx(

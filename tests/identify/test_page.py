@@ -9,6 +9,7 @@ import pytest
 
 import stribeck
 from stribeck.identify.api import read_log
+from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.formula import FACTORS, model_lines
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS, column
@@ -27,7 +28,7 @@ def record(**more):
 
 
 def fitted(terms=(), **constants):
-    log = read_log(record(), columns={"time": "t", "position": "y", "force": "F"})
+    log = read_log(record(), ColumnNames({"time": "t", "position": "y", "force": "F"}))
     return log, stribeck.fit(log, "coulomb_viscous", terms=terms, constants=constants)
 
 
@@ -84,7 +85,7 @@ def test_axes_are_in_units_that_a_person_would_use(tmp_path):
     """They were in metres: a stiffness of 2e6 N/m had its 1e6 beside the axis, a Stribeck velocity 0.00498 m/s."""
     small = record()
     small |= {"y": 1e-3 * small["y"], "F": 1e4 * small["F"]}
-    log = read_log(small, columns={"time": "t", "position": "y", "force": "F"})
+    log = read_log(small, ColumnNames({"time": "t", "position": "y", "force": "F"}))
     fit = stribeck.fit(log, "coulomb_viscous", terms=["stiffness"], constants={"k_v": 1e7}, forms=False)
     fit.report(tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")

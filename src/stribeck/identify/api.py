@@ -18,7 +18,7 @@ from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES, with_counts
 from stribeck.identify.log import Log
 from stribeck.identify.methods.bristles import LAW, STARTS, asked_for, better
-from stribeck.identify.methods.static import LAWS, Setting, check_motion, fit_static
+from stribeck.identify.methods.static import LAWS, check_motion, fit_static
 from stribeck.identify.options import FitOptions
 from stribeck.identify.required import with_requirements
 from stribeck.identify.result import Fit, LogFit, RecordReading
@@ -26,6 +26,7 @@ from stribeck.recorded import is_table
 
 _READ = 0.05  # of the work
 Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
+Progress = Callable[[float], None]
 Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None
 
 
@@ -38,7 +39,7 @@ def fit(
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
     unknown: Mapping[str, object] | None = None, require: Mapping[str, float] | None = None,
     folder: str | Path | None = None,
-    progress: Callable[[float], None] | None = None, **named: str,
+    progress: Progress | None = None, **named: str,
 ) -> Fit:  # fmt: skip
     """Fit a friction law to a measured log, or a machine to recordings of it.
 
@@ -98,32 +99,34 @@ def fit(
 
 def _fit_recorded(
     data: Data, logs: Logs | str | Path, law: Law, transfer: Logs | str | Path | None, options: FitOptions,
-    folder: str | Path | None, progress: Callable[[float], None] | None,
+    folder: str | Path | None, progress: Progress | None,
 ) -> MachineFit:  # fmt: skip
     """Fit a machine to its recordings."""
-    found = fit_machine(
+    of_machine = fit_machine(
         data, logs, laws=_by_contact(law), unknown=options.unknown, transfer_to=transfer, starts=options.starts,
         seed=options.seed, progress=progress, folder=None if folder is None else Path(folder),
     )  # fmt: skip
-    return with_requirements(found, options.require)
+    return with_requirements(of_machine, options.require)
 
 
 def _fit_read(
-    data: Data, law: Law, of_file: ColumnNames, options: FitOptions, cutoff: float | None,
-    progress: Callable[[float], None] | None,
-) -> LogFit:  # fmt: skip
+    data: Data, law: Law, named: ColumnNames, options: FitOptions, cutoff: float | None, progress: Progress | None
+) -> LogFit:
     """Read a log and fit it, with the share of both."""
     if isinstance(law, Mapping):
         raise InputError(f"{arg('law')}: {show(law)}: laws by contact need {arg('logs')}")
     names = [] if law is None else [law] if isinstance(law, str) else list(law)
     how = preparation(names, options, cutoff)
-    log = log_of(data, of_file, how)
+    log = read_log(data, named, how)
     rest = None
     if progress is not None:
         progress(_READ)
         rest = lambda share: progress(_READ + (1 - _READ) * share)  # noqa: E731
-    of_log = replace(fit_log(log, names, options, rest), reading=reading(data, of_file, how, options))
-    return with_requirements(of_log, options.require)
+    reading = RecordReading(
+        files_of(data), named.names, named.units, named.force_gain, how.cutoff, options.output, how.published,
+        how.simulated,
+    )  # fmt: skip
+    return with_requirements(replace(fit_log(log, names, options, rest), reading=reading), options.require)
 
 
 def _refuse_of_a_log(options: FitOptions, columns: ColumnNames, cutoff: float | None) -> None:
@@ -153,29 +156,13 @@ def _by_contact(law: Law) -> dict[str, Sequence[str]]:
     raise InputError(f"{arg('law')}: {show(law)}: must be laws by contact with {arg('logs')}")
 
 
-def reading(data: Data, columns: ColumnNames, how: Preparation, options: FitOptions) -> RecordReading:
-    """How a record was read, as fit.json has it."""
-    return RecordReading(
-        files_of(data),
-        columns.names,
-        columns.units,
-        columns.force_gain,
-        how.cutoff,
-        options.output,
-        how.published,
-        how.simulated,
-    )
-
-
 def files_of(data: Data) -> tuple[str, ...]:
     """The files of a record that is from files."""
     sources = data if isinstance(data, list | tuple) else [data]
     return tuple(str(Path(each).resolve()) for each in sources if isinstance(each, str | Path))
 
 
-def fit_log(
-    log: Log, names: Sequence[str], options: FitOptions, progress: Callable[[float], None] | None = None
-) -> LogFit:
+def fit_log(log: Log, names: Sequence[str], options: FitOptions, progress: Progress | None = None) -> LogFit:
     """Fit one law to a log; or several, or for no name the static ones, and report the best; as :func:`fit` says."""
     if options.output != "force" and len(names) != 1:
         raise InputError(f"{arg('output')}: laws are compared by the force they predict; must be given with one law")
@@ -184,76 +171,39 @@ def fit_log(
         raise InputError(f"{arg('law')}: {twice!r}: given twice; must differ from the others")
     if not names:
         options.check_without_law()
-        found = fit_static(log, LAWS, _setting(options))
-        if options.method is not None or not asked_for(log, found):
-            return found
-        return better(log, found, [LAW], replace(options, starts=STARTS), progress)
+        static_fit = fit_static(log, LAWS, options)
+        if options.method is not None or not asked_for(log, static_fit):
+            return static_fit
+        return better(log, static_fit, [LAW], replace(options, starts=STARTS), progress)
     known = {constant for name in names for constant in laws.find(name).constants()}
     for name in names:
         options.of_law(name, known).check(name)
     static = [n for n in names if options.method_for(laws.find(n)) == "static"]
     simulated = [n for n in names if n not in static]
-    best = fit_static(log, static, _setting(options)) if static else None
-    if not simulated:
-        assert best is not None
+    best = fit_static(log, static, options) if static else None
+    if best is not None and not simulated:
         return best
     check_motion(log)
     return better(log, best, simulated, options, progress)
 
 
-def is_simulated(names: Sequence[str], method: str | None) -> bool:
-    """Whether a fit of these laws simulates them."""
-    return method == "dynamic" or (method is None and any(laws.find(name).has_z for name in names))
-
-
 def preparation(names: Sequence[str], options: FitOptions, cutoff: float | None) -> Preparation:
     """How a fit of these laws reads its record."""
-    return Preparation(cutoff, None, is_simulated(names, options.method), options.filter == "published")
+    simulated = any(options.method_for(laws.find(name)) == "dynamic" for name in names)
+    return Preparation(cutoff, simulated, options.published)
 
 
-def read_log(
-    data: Data,
-    columns: Mapping[str, str],
-    units: Mapping[str, str] | None = None,
-    counts: float | None = None,
-    force_gain: float | str | None = None,
-    cutoff: float | None = None,
-    trim: int | None = None,
-    simulated: bool = False,
-) -> Log:
-    """The log in files, ready to be fitted; a log as it is.
-
-    Args:
-        data: a file (CSV, Parquet, MAT, NPZ), a data frame or a mapping of names to arrays, or several of one layout.
-        columns: the file's column for each role: ``{"time": "t", "velocity": "v", "force": "F"}``, and position,
-            acceleration, ...; a TOML file of the data's name beside it may hold them.
-        units: the unit of a column by its name; SI unless given.
-        counts: an encoder's counts a turn, for columns whose unit is counts.
-        force_gain: force per unit of the force column: a number, or the name of a constant in the file.
-        cutoff: of the low-pass filter, Hz; chosen from the data unless given.
-        trim: rows left out at both ends, where the filter rings; chosen unless given.
-        simulated: for laws with bristles, which are simulated: the filter rounds break-away less.
-
-    Returns:
-        A :class:`stribeck.identify.log.Log` in SI units, for :func:`stribeck.fit`.
+def read_log(data: Data, columns: ColumnNames, how: Preparation | None = None) -> Log:
+    """The log in files or tables of one layout, in SI units, ready to be fitted; a log as it is.
 
     Raises:
-        InputError: the file cannot be read, a column is missing or has no unit; one line for each problem.
+        InputError: a file cannot be read, a column is missing or has no unit; one line for each problem.
     """
-    named = ColumnNames(dict(columns), with_counts(units or {}, counts), force_gain)
-    return log_of(data, named, Preparation(cutoff, trim, simulated))
-
-
-def log_of(data: Data, columns: ColumnNames, how: Preparation | None = None) -> Log:
-    """The log in files, ready to be fitted; a log as it is."""
     names, how = columns.names, how or Preparation()
     if unknown := [n for n in names if n not in ROLES]:
         raise InputError([f"{n}: {show(names[n])}: unknown argument{nearest(n, ROLES)}" for n in unknown])
     if isinstance(data, Log):
-        asked = {
-            **names, "units": columns.units or None, "force_gain": columns.force_gain, "cutoff": how.cutoff,
-            "trim": how.trim,
-        }  # fmt: skip
+        asked = {**names, "units": columns.units or None, "force_gain": columns.force_gain, "cutoff": how.cutoff}
         if given := [name for name, value in asked.items() if value is not None]:
             raise InputError(
                 [f"{arg(n)}: {show(asked[n])}: is for columns of a file; a Log is taken as it is" for n in given]
@@ -261,18 +211,3 @@ def log_of(data: Data, columns: ColumnNames, how: Preparation | None = None) -> 
         return data
     sources = [data] if isinstance(data, str | Path) or is_table(data) else list(data)
     return load_log(sources, columns, how)
-
-
-def _setting(options: FitOptions) -> Setting:
-    fixed = {n: float(x) for n, x in options.constants.items() if not isinstance(x, str)}
-    fixed |= {} if options.mass is None else {"mass": options.mass}
-    return Setting(
-        fixed,
-        options.free,
-        options.terms,
-        not options.forms,
-        options.filter == "published",
-        options.weight,
-        options.speeds,
-        {n: (x.low, x.high) for n, x in options.sought.items()},
-    )

@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
-from stribeck.errors import InputError, StribeckError, arg, nearest
+from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.actuator.api import Fitting, fitting_of
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
@@ -182,8 +182,7 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
         InputError: constants or terms are unknown, missing, or not allowed here; a line for each problem.
     """
     law, output = laws.find(name), options.output
-    held = {n: float(x) for n, x in options.constants.items() if n in TERMS}
-    held |= {} if options.mass is None else {"mass": options.mass}
+    held = {n: x for n, x in options.numbers.items() if n in TERMS}
     fixed = {n: x for n, x in options.constants.items() if n not in TERMS}
     free = _free(law, name, fixed, options.free)
     wanted = [n for n in dict.fromkeys(("mass", "offset", *options.terms)) if n not in held]
@@ -214,9 +213,6 @@ def _free(law: type[Law], name: str, fixed: Mapping[str, object], more: Sequence
         f"{n}: missing: give its value ({c.meaning}, {c.allowed}), or fit it"
         for n, c in known.items() if c.required and n not in (*wanted, *fixed)
     ]  # fmt: skip
-    problems += [
-        f"{n}: law '{name}' has no such constant{nearest(n, known)}" for n in (*more, *fixed) if n not in known
-    ]
     if problems:
         raise InputError(problems)
     if not wanted:

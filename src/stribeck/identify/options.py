@@ -71,6 +71,27 @@ class FitOptions:
             raise InputError(problems)
         return {x.path: x for x in found}
 
+    @cached_property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """The search ranges that the user gives, by name."""
+        return {n: (x.low, x.high) for n, x in self.sought.items()}
+
+    @cached_property
+    def numbers(self) -> dict[str, float]:
+        """The given constants and terms that are numbers, and the mass."""
+        mass = {} if self.mass is None else {"mass": self.mass}
+        return {n: float(x) for n, x in self.constants.items() if not isinstance(x, str)} | mass
+
+    @property
+    def published(self) -> bool:
+        """Whether the published procedure is asked for."""
+        return self.filter == "published"
+
+    @property
+    def alone(self) -> bool:
+        """Whether a static fit has the law without forms."""
+        return self.published or not self.forms
+
     def of_law(self, law: str, known: Collection[str]) -> FitOptions:
         """The options without the constants, of those ``known``, that only other laws have."""
         foreign = set(known) - set(laws.find(law).constants())

@@ -131,7 +131,7 @@ def predict(
     model = fit if isinstance(fit, Fit) else Fit.load(str(fit), trust)
     if not isinstance(model, LogFit):
         raise InputError(f"{arg('fit')}: {model.title}: is a fit of a machine: its machine.toml is simulated by 'run'")
-    log = data if isinstance(data, Log) else api.log_of(data, _columns(model, names), how_to_read(model, cutoff))
+    log = data if isinstance(data, Log) else api.read_log(data, _columns(model, names), _preparation(model, cutoff))
     return force_along(model, log, RecordReading(api.files_of(data)).title)
 
 
@@ -174,10 +174,10 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
     )  # fmt: skip
 
 
-def how_to_read(fit: LogFit, cutoff: float | None = None) -> Preparation:
+def _preparation(fit: LogFit, cutoff: float | None) -> Preparation:
     """How another record is prepared for a model: as the fit's was."""
     chosen = cutoff if cutoff is not None else fit.reading.cutoff
-    return Preparation(chosen, None, fit.reading.simulated, fit.reading.published, True)
+    return Preparation(chosen, fit.reading.simulated, fit.reading.published, predicted=True)
 
 
 def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:

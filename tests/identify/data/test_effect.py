@@ -143,14 +143,14 @@ def test_a_slow_record_keeps_its_speeds():
     """At 50 samples a second the filter and central differences left the speed off by 0.4 %, and friction was missed near
     each reversal: another record's force by half as much again as by a fit of SciPy."""
     given, v = two_tones(0.02, 1e-6)
-    log = read_log(given, columns={"time": "t", "position": "y", "force": "F"})
+    log = read_log(given, ColumnNames({"time": "t", "position": "y", "force": "F"}))
     rows = np.searchsorted(given["t"], log.time - 1e-9)[:-20]  # the filter goes astray at the end
     assert np.sqrt(np.mean((log.velocity[:-20] - v[rows]) ** 2)) < 3e-4 * np.sqrt(np.mean(v**2))
     assert "cubic spline" in log.sources["velocity"]
 
 
 def test_noise_keeps_the_cut_off_where_it_is():
-    log = read_log(two_tones(0.002, 1e-4)[0], columns={"time": "t", "position": "y", "force": "F"})
+    log = read_log(two_tones(0.002, 1e-4)[0], ColumnNames({"time": "t", "position": "y", "force": "F"}))
     assert not any("stays below" in note for note in log.quality)
     assert "central differences" in log.sources["velocity"]
 

@@ -10,7 +10,7 @@ from stribeck.identify.data.read import ColumnNames
 def test_a_simulation_follows_what_moves_at_a_tenth_of_the_sampling_rate():
     t, rate = np.arange(400) * 2e-3, 2 * np.pi * 50
     table = {"t": t, "x": np.sin(rate * t), "F": np.cos(rate * t)}
-    log = load_log([table], ColumnNames({"time": "t", "position": "x", "force": "F"}), Preparation(0.0, None, True))
+    log = load_log([table], ColumnNames({"time": "t", "position": "x", "force": "F"}), Preparation(0.0, True))
     inside = slice(50, -50)
     assert log.velocity[inside] == pytest.approx(rate * np.cos(rate * t[inside]), abs=2e-3 * rate)
     assert log.acceleration[inside] == pytest.approx(-(rate**2) * np.sin(rate * t[inside]), abs=4e-3 * rate**2)

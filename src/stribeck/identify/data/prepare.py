@@ -43,7 +43,6 @@ class Preparation:
 
     Attributes:
         cutoff: of the zero-phase Butterworth filter (order 4, there and back), Hz; 0 takes the motion as it is.
-        trim: samples dropped at the start of each run, where the filter has not settled.
         simulated: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
             cut-off chosen from the data is raised.
         published: for plain least squares as published, which keeps the last rows of a run.
@@ -52,7 +51,6 @@ class Preparation:
     """
 
     cutoff: float | None = None
-    trim: int | None = None
     simulated: bool = False
     published: bool = False
     predicted: bool = False
@@ -121,9 +119,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
             )
     else:
         notes += _given(cutoff, parts, measured, step)
-    trim = how.trim if how.trim is not None else max(round(SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
-    if trim < 0:
-        raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
+    trim = max(round(SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, spline)
     notes += _too_short(parts, lengths, trim)
     again = chosen if chosen and "acceleration" not in roles else None
@@ -136,7 +132,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if spline else "central differences")
     sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
-    if how.trim is None and cutoff > 0:
+    if cutoff > 0:
         lowest = again or cutoff  # the acceleration's filter goes astray too
         rows_kept, said = _without_ends(columns, lengths, round(_ENDS / (lowest * step)), how)
         notes += said
@@ -206,7 +202,7 @@ def _too_short(parts: Sequence[Clean], lengths: Sequence[int], trim: int) -> lis
         return []
     return [
         f"{len(lost)} of {len(runs)} runs, {sum(lost)} rows, are left out: each has no more than the {trim} rows in which the "
-        "filter settles; a higher cut-off or a smaller trim keeps them"
+        "filter settles; a higher cut-off keeps them"
     ]
 
 
@@ -264,7 +260,7 @@ def _enough(rows: int, trim: int) -> int:
     if rows - trim < FEWEST:
         raise InputError(
             f"{arg('data')}: {rows} rows in the longest run, of which {trim}, where the filter settles, are dropped: less than "
-            f"{FEWEST} are left; a longer record, a higher {arg('cutoff')} or a smaller {arg('trim')} leaves more"
+            f"{FEWEST} are left; a longer record or a higher {arg('cutoff')} leaves more"
         )
     return rows - trim
 

@@ -7,7 +7,7 @@ nearly independent rows (Gautier; Janot, Gautier, Brunot 2019).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -32,6 +32,7 @@ from stribeck.identify.models.curves import REACHED, SteadyCurve, curve_of
 from stribeck.identify.models.record import Record, record_of
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
+from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, FrictionRows, LogFit
 
 LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates where no law is named
@@ -46,29 +47,7 @@ _SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: the steepness o
 _LEAST = 1e-9  # of the largest force: the least level of a law that is to be simulated
 
 
-@dataclass(frozen=True)
-class Setting:
-    """What a static fit is asked for.
-
-    Attributes:
-        fixed: constants and terms that are given, the mass too; ``free``: constants of the laws' own that are fitted.
-        terms: that every model has beside inertia, viscous friction and offset.
-        alone: the law without forms; ``published``: that, with the rows and the filter of the published procedure.
-        weight: whether a rotary joint's weight is in the model.
-        speeds: of further levels; ``bounds``: of shapes.
-    """
-
-    fixed: Mapping[str, float]
-    free: Sequence[str] = ()
-    terms: Sequence[str] = ()
-    alone: bool = False
-    published: bool = False
-    weight: bool = True
-    speeds: Sequence[float] = ()
-    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-
-
-def fit_static(log: Log, names: Sequence[str], setting: Setting | None = None) -> LogFit:
+def fit_static(log: Log, names: Sequence[str], options: FitOptions) -> LogFit:
     """Fit static laws to a record and report the best one.
 
     Args:
@@ -77,56 +56,57 @@ def fit_static(log: Log, names: Sequence[str], setting: Setting | None = None) -
     Raises:
         InputError: constants or terms are unknown or missing; the data do not move enough, or against the force.
     """
-    setting = setting or Setting({})
-    terms.check(tuple(setting.terms), log)
+    terms.check(tuple(options.terms), log)
     check_motion(log)
     rows = rows_of(log)
-    body, unused = _terms(log, setting)
+    body, unused = _terms(log, options)
     with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
-        choice = _chosen(rows, names, body, setting)
-        found = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, setting))
+        choice = _chosen(rows, names, body, options)
+        found = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, options))
         wide = rows_of(log, to_choose=True)  # another record is met at all frequencies
-        same = wide.q == rows.q or setting.published
-        made = predictor(choice if same else _chosen(wide, names, body, setting), rows.source)
-    return replace(_finished(rows, choice, found, unused, setting, made.error), predictor=made)
+        same = wide.q == rows.q or options.published
+        made = predictor(choice if same else _chosen(wide, names, body, options), rows.source)
+    return replace(_finished(rows, choice, found, unused, options, made.error), predictor=made)
 
 
 def _filtered_lower(
-    rows: Rows, choice: Selection[SteadyLibrary], body: Sequence[str], setting: Setting
+    rows: Rows, choice: Selection[SteadyLibrary], body: Sequence[str], options: FitOptions
 ) -> dict[str, float] | None:
     """The estimates of the reported law on the motion behind a lower cut-off; None of a motion that no filter changed."""
-    if rows.log.bandwidth is None or setting.published:
+    if rows.log.bandwidth is None or options.published:
         return None
     smooth = replace(rows, log=smoother_log(rows.log))
-    again = _chosen(smooth, [choice.library.curve.law], body, setting)
+    again = _chosen(smooth, [choice.library.curve.law], body, options)
     return again.library.parameters(again.model, again.coefficients)
 
 
-def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], setting: Setting) -> Selection[SteadyLibrary]:
+def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], options: FitOptions) -> Selection[SteadyLibrary]:
     """The best model on the rows of a band."""
-    records = [_compared(rows, name, body, setting) for name in names]
-    return chosen(records, setting.alone or setting.published, setting.speeds)
+    records = [_compared(rows, name, body, options) for name in names]
+    return chosen(records, options.alone, options.speeds)
 
 
-def _compared(rows: Rows, name: str, body: Sequence[str], setting: Setting) -> tuple[Record, SteadyCurve]:
+def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -> tuple[Record, SteadyCurve]:
     """A law's columns, and the rows that it is compared on."""
     own = laws.find(name).constants()
-    curve = curve_of(name, {n: x for n, x in setting.fixed.items() if n in own}, [n for n in setting.free if n in own])
-    curve.bounds = {n: x for n, x in setting.bounds.items() if n in own or n in TERMS}
+    curve = curve_of(
+        name, {n: x for n, x in options.numbers.items() if n in own}, [n for n in options.free if n in own]
+    )
+    curve.bounds = {n: x for n, x in options.bounds.items() if n in own or n in TERMS}
     if wrong := [n for n in curve.bounds if n not in curve.shapes]:
         text = "is found by linear least squares, which has one optimum: no bounds, but a value"
         raise InputError([f"{arg('unknown')}: {n}: {text} ({arg('constants')})" for n in wrong])
-    return record_of(rows, body, setting.fixed, curve.sigma_2, setting.published), curve
+    return record_of(rows, body, options.numbers, curve.sigma_2, options.published), curve
 
 
-def _terms(log: Log, setting: Setting) -> tuple[list[str], list[str]]:
+def _terms(log: Log, options: FitOptions) -> tuple[list[str], list[str]]:
     """The terms of every model, and the measured columns that no model uses.
 
     A rotary joint carries weight. A column that was measured is in the model if its own levels can find its coefficient.
     """
-    given = [n for n in setting.fixed if n in TERMS]
-    found = list(dict.fromkeys(["offset", *setting.terms]))
-    if setting.weight and log.rotary and not {*WEIGHT} & {*found, *given}:
+    given = [n for n in options.numbers if n in TERMS]
+    found = list(dict.fromkeys(["offset", *options.terms]))
+    if options.weight and log.rotary and not {*WEIGHT} & {*found, *given}:
         found += WEIGHT
     unused = []
     for column, term in MEASURED.items():
@@ -192,14 +172,14 @@ def _finished(
     choice: Selection[SteadyLibrary],
     found: Mapping[str, Estimate],
     unused: Sequence[str],
-    setting: Setting,
+    options: FitOptions,
     error: float,
 ) -> LogFit:
     """The fit with what a report shows."""
     lib, log, curve = choice.library, rows.log, choice.library.curve
     known = laws.find(curve.law).constants()
     estimates = _told(choice, found, log)
-    fixed = {n: x for n, x in (dict(setting.fixed) | _sharp_sign(curve, log)).items() if n in known or n in TERMS}
+    fixed = {n: x for n, x in (dict(options.numbers) | _sharp_sign(curve, log)).items() if n in known or n in TERMS}
     body = {n: e.value for n, e in estimates.items() if n in TERMS}
     forms = _rms_of_forms(choice)
     friction, friction_error = _friction(choice)
