@@ -22,7 +22,7 @@ def test_step(name, own):
     law = st.law(name, **own, parameters=P)
     friction = Friction(type(law), law.form, type(law).symbolic(lambda n: symbol(f"law.{n}"), law.form))
     z, v, period, called = symbol("z"), symbol("v"), symbol("period"), Names()
-    rate = type(law).dz_dt(friction.told(called.term), v, z)
+    rate = type(law).dz_dt(friction.with_named_terms(called.term), v, z)
     after = observed(friction, rate, z, v, period, called)
     step = python_function(("z", "v", "period", *(f"law.{n}" for n in law.p.numbers)), [after])
     rates = independent.friction(name, {**P, **own})

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import Json, Out, Trust, Undetermined, command, load_scenario, place
+from stribeck.cli.options import Json, Out, Trust, Undetermined, command, load_scenario, output_path
 from stribeck.cli.output import OutputFolder, check_file, command_line, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, arg, note
@@ -97,7 +97,7 @@ def check(
         bool, typer.Option("--verify", help="Check each proof by an independent program, and replay each counterexample.")
     ] = False,
     certificate: Annotated[
-        Path | None, typer.Option(metavar="FILE", parser=place, help="Write the proofs to this JSON file.")
+        Path | None, typer.Option(metavar="FILE", parser=output_path, help="Write the proofs to this JSON file.")
     ] = None,
     out: Out = None,
     trust: Trust = False,
@@ -112,12 +112,12 @@ def check(
     of_law = {"parameters": parameters, "level": level, **tolerances.given()}
     asked: _Machine | _Law
     if what.lower().endswith(".toml"):
-        asked = _Machine.of(what, set_ or [], force or [], of_law, trust)
+        asked = _Machine.from_options(what, set_ or [], force or [], of_law, trust)
     elif force:
         text = "needs a machine's FILE.toml: it bounds a link, a load or a motor there"
         raise InputError(f"--force: {force[0]!r}: {text}")
     else:
-        asked = _Law.of(what, parameters, set_ or [], level, tolerances.given(), trust)
+        asked = _Law.from_options(what, parameters, set_ or [], level, tolerances.given(), trust)
     _decide(asked, v_max, out, certificate, verify=verify, json=json)
     return 0
 
@@ -134,7 +134,9 @@ def _decide(
         if verify:
             verdicts.verify()
         files, pages = _write(verdicts, out, certificate)
-    more = asked.more | {name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None}
+    more = asked.json_extras | {
+        name: paths for name, paths in (("files", files), ("report", pages)) if paths is not None
+    }
     tell(
         verdicts.document,
         {**verdicts.to_dict(), **more} if json else None,
@@ -169,7 +171,7 @@ class _Machine:
     forces: dict[str, float]
 
     @classmethod
-    def of(
+    def from_options(
         cls, file: str, assignments: list[str], forces: list[str], of_law: Mapping[str, object], trust: bool
     ) -> _Machine:
         """The machine with its bounds.
@@ -188,7 +190,7 @@ class _Machine:
         return self.scenario.name
 
     @property
-    def more(self) -> dict[str, object]:
+    def json_extras(self) -> dict[str, object]:
         """What the JSON has beside the verdicts."""
         return {"forces": self.forces}
 
@@ -211,7 +213,7 @@ class _Law:
     from_file: bool  # of a user
 
     @classmethod
-    def of(
+    def from_options(
         cls, name: str, parameters: str | None, assignments: list[str], level: str | None, tolerated: dict[str, object],
         trust: bool,
     ) -> _Law:  # fmt: skip
@@ -243,7 +245,7 @@ class _Law:
         return self.law.name
 
     @property
-    def more(self) -> dict[str, object]:
+    def json_extras(self) -> dict[str, object]:
         """What the JSON has beside the verdicts."""
         return {}
 

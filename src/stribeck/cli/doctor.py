@@ -76,12 +76,14 @@ def doctor(json: Json = False) -> int:
     kept = f"{cache['folder']}, {state}, {cache['systems']} systems, {cache['bytes'] / 1e6:.1f} MB"
     rows = {
         "python": python, "machine": machine,
-        "packages": ", ".join(f"{name} {found or 'not installed'}" for name, found in packages.items()),
+        "packages": ", ".join(f"{name} {version or 'not installed'}" for name, version in packages.items()),
         "compiler": none if compiler["command"] is None else f"{compiler['command']}: {compiler['version']}",
         "backend": {"c": "C", "wasm": "WebAssembly"}.get(backend, f"none: {why_none}"),
         "cache": f"unknown: {unknown}" if unknown else kept,
     }  # fmt: skip
-    tell(lambda: _document(f"stribeck {stribeck.__version__}", _told(test), rows), data if json else None, None)
+    tell(
+        lambda: _document(f"stribeck {stribeck.__version__}", _self_test_line(test), rows), data if json else None, None
+    )
     return 0 if test["passed"] else 1
 
 
@@ -172,7 +174,7 @@ def _self_test() -> SelfTest:
     }  # fmt: skip
 
 
-def _told(t: SelfTest) -> str:
+def _self_test_line(t: SelfTest) -> str:
     verdict = "passed" if t["passed"] else "FAILED"
     if t["deviation"] is None:
         return f"self-test {verdict}: {t['reason']}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import Json, Set, Trust, Undetermined, command, place
+from stribeck.cli.options import Json, Set, Trust, Undetermined, command, output_path
 from stribeck.cli.output import check_file, command_line, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError
@@ -27,7 +27,7 @@ def explore(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE.html", parser=place, help="Page to write; NAME.html unless given."),
+        typer.Option("--out", metavar="FILE.html", parser=output_path, help="Page to write; NAME.html unless given."),
     ] = None,
     law: Annotated[
         list[str] | None,

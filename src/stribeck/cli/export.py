@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import ADVANCED, ControllerName, Json, Trust, Undetermined, command, load_scenario, place
+from stribeck.cli.options import (
+    ADVANCED,
+    ControllerName,
+    Json,
+    Trust,
+    Undetermined,
+    command,
+    load_scenario,
+    output_path,
+)
 from stribeck.cli.output import check_file, print_json, wrote
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, note
@@ -85,10 +94,10 @@ def export(
     out: Annotated[
         Path,
         typer.Option(
-            "--out", metavar="PATH", parser=place, help="Folder for c, mujoco and mujoco_plugin; a file for other targets."
+            "--out", metavar="PATH", parser=output_path, help="Folder for c, mujoco and mujoco_plugin; a file for other targets."
         ),
     ],
-    of: PartOptions,
+    selection: PartOptions,
     tool: ToolOptions,
     law: Annotated[
         str | None,
@@ -111,7 +120,7 @@ def export(
     """Write a law, a controller or a machine for another tool: C, FMU, MuJoCo, Isaac Lab, Newton, a table."""
     from stribeck.exports import TARGETS
 
-    scenario = of.scenario
+    scenario = selection.scenario
     if law is not None and law.endswith(".toml"):
         if scenario is not None:
             raise InputError(f"LAW: {law!r}: must be left out, or a law: --scenario names a scenario already")
@@ -119,8 +128,8 @@ def export(
     if (known := TARGETS.get(target)) is not None and not known.folder:
         named = (str(scenario or ""), (law or "").rpartition(":")[0], parameters or "")
         check_file("--out", out, *map(Path, named), parents=True)
-    chosen = _chosen(law, parameters, set_ or [], scenario, of, trust)
-    files = _write(chosen, target, out, of.controller, tool)
+    chosen = _chosen(law, parameters, set_ or [], scenario, selection, trust)
+    files = _write(chosen, target, out, selection.controller, tool)
     if json:
         names = [str(file) for file in files]
         print_json(_summary(chosen.law, chosen.scenario) | {"target": target, "part": chosen.part, "files": names})
@@ -141,7 +150,12 @@ class _Chosen:
 
 
 def _chosen(
-    law: str | None, parameters: str | None, assignments: list[str], scenario: Path | None, of: PartOptions, trust: bool
+    law: str | None,
+    parameters: str | None,
+    assignments: list[str],
+    scenario: Path | None,
+    selection: PartOptions,
+    trust: bool,
 ) -> _Chosen:
     """What the options name.
 
@@ -151,21 +165,26 @@ def _chosen(
     from stribeck.exports import SAMPLED
     from stribeck.parameter_sets import read_toml
 
-    part = of.part
+    part = selection.part
     if part is None:
-        whole = scenario is not None and law is None and of.contact is None and read_toml(scenario).get("schema") == 2
+        whole = (
+            scenario is not None
+            and law is None
+            and selection.contact is None
+            and read_toml(scenario).get("schema") == 2
+        )
         part = "machine" if whole else "law"
     chosen: Law | None = None
     if part == "machine" or part in SAMPLED:
-        _refuse_of_a_law(part, {"LAW": law, "--parameters": parameters, "--contact": of.contact})
+        _refuse_of_a_law(part, {"LAW": law, "--parameters": parameters, "--contact": selection.contact})
         rig = load_scenario(scenario, assignments, trust) if scenario is not None else None
     else:
         rig = load_scenario(scenario, [], trust) if scenario is not None else None
-        chosen = _law(law, parameters, assignments, rig, of.contact)
+        chosen = _law(law, parameters, assignments, rig, selection.contact)
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
-    return _Chosen(part, chosen, rig, origin, of.contact)
+    return _Chosen(part, chosen, rig, origin, selection.contact)
 
 
 def _write(chosen: _Chosen, target: str, out: Path, controller: str | None, tool: ToolOptions) -> list[Path]:
@@ -206,7 +225,7 @@ def _law(
     from stribeck.exports import contact_law
     from stribeck.scenario import parse_assignments
 
-    own_law, rotary_body = _of(rig, contact) if rig is not None else (None, False)
+    own_law, rotary_body = _contact_law(rig, contact) if rig is not None else (None, False)
     if name is not None:
         kind = laws.find(name)
     elif own_law is not None:
@@ -245,7 +264,7 @@ def _at_contact(law: Law, given: dict[str, Toml]) -> Law:
     return law.replace(**given)
 
 
-def _of(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
+def _contact_law(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
     """The law of a scenario, of a machine that of a contact, and whether it turns there."""
     from stribeck.simulation.comparison import law_path
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.options import command, place
+from stribeck.cli.options import command, output_path
 from stribeck.cli.output import check_file, wrote
 from stribeck.constants import show
 from stribeck.errors import InputError
@@ -19,7 +19,8 @@ def import_(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="bam (m1 to m6, a JSON file) or mujoco (an XML model).")],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read; a machine (.toml) is converted back.")],
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="File to write; printed unless given.")
+        Path | None,
+        typer.Option("--out", metavar="FILE", parser=output_path, help="File to write; printed unless given."),
     ] = None,
 ) -> int:
     """Convert a machine from another program's file, or back."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import Json, command, place
+from stribeck.cli.options import Json, command, output_path
 from stribeck.cli.output import check_file, print_json
 from stribeck.errors import InputError
 
@@ -23,7 +23,9 @@ def library(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE.toml", parser=place, help="Write the named machine as a scenario file."),
+        typer.Option(
+            "--out", metavar="FILE.toml", parser=output_path, help="Write the named machine as a scenario file."
+        ),
     ] = None,
     json: Json = False,
 ) -> int:

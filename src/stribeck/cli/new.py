@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.options import command, place
+from stribeck.cli.options import command, output_path
 from stribeck.cli.output import check_file, wrote
 from stribeck.errors import InputError, printable
 
@@ -42,7 +42,8 @@ def new(
         str, typer.Argument(metavar="[NAME]", help="Name of the file, or of a built-in example.")
     ] = "my_rig",
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="File to write; NAME.toml unless given.")
+        Path | None,
+        typer.Option("--out", metavar="FILE", parser=output_path, help="File to write; NAME.toml unless given."),
     ] = None,
     show_list: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
     schema: Annotated[

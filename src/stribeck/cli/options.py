@@ -85,20 +85,21 @@ def _spread(function: Callable[..., int]) -> Callable[..., int]:
     return called
 
 
-def written_to(text: str) -> str:
+def not_empty(text: str) -> str:
     """Where a command writes: an empty path would be the current folder."""
     if not str(text):
         raise typer.BadParameter("'': must be a path")
     return text
 
 
-def place(text: str) -> Path:
+def output_path(text: str) -> Path:
     """The same as a path."""
-    return Path(written_to(text))
+    return Path(not_empty(text))
 
 
 Out = Annotated[
-    Path | None, typer.Option("--out", metavar="DIR", parser=place, help="Folder for the results; created if missing.")
+    Path | None,
+    typer.Option("--out", metavar="DIR", parser=output_path, help="Folder for the results; created if missing."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as one JSON object.")]
 ControllerName = Annotated[

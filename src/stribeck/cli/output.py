@@ -34,7 +34,7 @@ class OutputFolder:
             return
         if text := trouble(out, folder=True):
             raise InputError(f"--out: {shown(str(out))}: {text}")
-        for path in (path for name in writes for path in reads if _same(out / name, path)):
+        for path in (path for name in writes for path in reads if _same_file(out / name, path)):
             text = f"{path.name}, which is read, would be replaced: must be another folder"
             raise InputError(f"--out: {shown(str(out))}: {text}")
         self._made = [folder for folder in (out, *out.parents) if not folder.exists()]
@@ -51,7 +51,7 @@ class OutputFolder:
         self,
         kind: type[BaseException] | None = None,
         error: BaseException | None = None,
-        at: TracebackType | None = None,
+        traceback: TracebackType | None = None,
     ) -> None:
         for folder in self._made:
             with suppress(OSError):  # not empty
@@ -65,16 +65,16 @@ def check_file(option: str, path: Path, *reads: Path, parents: bool = False) -> 
         InputError: with the reason.
     """
     text = trouble(path, parents=parents)
-    if text is None and any(_same(path, each) for each in reads):
+    if text is None and any(_same_file(path, each) for each in reads):
         text = "is read by this command: must be another file"
     if text:
         raise InputError(f"{option}: {shown(str(path))}: {text}")
 
 
-def _same(one: Path, other: Path) -> bool:
+def _same_file(path: Path, other: Path) -> bool:
     """Whether both are one file, which exists."""
     try:
-        return one.samefile(other)
+        return path.samefile(other)
     except (OSError, ValueError):
         return False
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import Json, Out, ScenarioOptions, command, place
+from stribeck.cli.options import Json, Out, ScenarioOptions, command, output_path
 from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell, wrote
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, StribeckNote, refuse_twice
@@ -41,7 +41,7 @@ def run(
     ] = False,
     keep_c: Annotated[
         Path | None,
-        typer.Option("--keep-c", metavar="FILE", parser=place, help="Write the generated C to this file."),
+        typer.Option("--keep-c", metavar="FILE", parser=output_path, help="Write the generated C to this file."),
     ] = None,
     out: Out = None,
     json: Json = False,

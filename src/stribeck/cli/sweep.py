@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, written_to
+from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, not_empty
 from stribeck.cli.output import OutputFolder, tell
 from stribeck.cli.progress import rate
 from stribeck.errors import InputError
@@ -23,7 +23,7 @@ def sweep(
     out: Annotated[
         str,
         typer.Option(
-            "--out", metavar="DIR", parser=written_to, help="Folder for the results, or a URL that fsspec knows."
+            "--out", metavar="DIR", parser=not_empty, help="Folder for the results, or a URL that fsspec knows."
         ),
     ],
     vary: Annotated[

@@ -42,7 +42,7 @@ class Collected:
     as_written: bool = False
 
     @property
-    def parts(self) -> list[list[Expr]]:
+    def lists(self) -> list[list[Expr]]:
         """The lists that are rewritten together."""
         samples = [] if self.as_written else [self.samples]
         forces = (self.forces, self.forces_by)
@@ -51,12 +51,12 @@ class Collected:
     @property
     def all_expressions(self) -> list[Expr]:
         """The expressions of all lists."""
-        return [node for part in self.parts for node in part]
+        return [node for part in self.lists for node in part]
 
-    def put(self, flat: Iterable[Expr]) -> None:
+    def replace(self, flat: Iterable[Expr]) -> None:
         """Replace the expressions of all lists, in the same order."""
         new = iter(flat)
-        for part in self.parts:
+        for part in self.lists:
             part[:] = [next(new) for _ in part]
 
 

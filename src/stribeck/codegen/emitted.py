@@ -332,7 +332,7 @@ class Emitted:
         f.code += b"".join(store(len(names) - 1, 8 * i, value) for i, value in enumerate(values))
         return f
 
-    def where(self, names: str) -> dict[str, bytes]:
+    def inputs_of(self, names: str) -> dict[str, bytes]:
         """The code that pushes each input of a function whose parameters have these names."""
         code = {name: load(None, address) for name, address in self.addresses.items()}
         for place, name in enumerate(names.split()):
@@ -361,7 +361,7 @@ class Emitted:
     def _stored(self, kinds: str, names: str, outputs: Sequence[Expr], to: str) -> Function:
         """A function that stores its outputs one after the other."""
         f, target = Function(kinds), names.split().index(to)
-        values = self.values(f, self.where(names), outputs)
+        values = self.values(f, self.inputs_of(names), outputs)
         f.code += b"".join(store(target, 8 * i, value) for i, value in enumerate(values))
         return f
 
@@ -369,14 +369,14 @@ class Emitted:
         """Constants and coefficients of a run."""
         f, names = Function("i"), list(self.code.parameter_text)
         f.code += b"".join(store(None, self.addresses[name], load(0, 8 * i)) for i, name in enumerate(names))
-        for name, value in zip(self.code.coefficients, self.values(f, self.where("p"), [*self.code.coefficients.values()]),
+        for name, value in zip(self.code.coefficients, self.values(f, self.inputs_of("p"), [*self.code.coefficients.values()]),
                                strict=True):  # fmt: skip
             f.code += store(None, self.addresses[f"coefficient.{name}"], value)
         return f
 
     def _linearise(self, derivatives: Sequence[Expr]) -> Function:
         f, first = Function("idi"), self.addresses["rate.0"]
-        values = self.values(f, self.where("piece t x"), derivatives)
+        values = self.values(f, self.inputs_of("piece t x"), derivatives)
         f.code += b"".join(store(None, first + 8 * i, value) for i, value in enumerate(values))
         return f
 
@@ -384,7 +384,7 @@ class Emitted:
         """The friction forces, their errors, and the sizes of the errors' terms, in one array each."""
         names = "e force force_error force_terms"
         f = Function("iiii")
-        values = self.values(f, self.where(names), [node for _, node in observed])
+        values = self.values(f, self.inputs_of(names), [node for _, node in observed])
         for (target, _), value in zip(observed, values, strict=True):
             array, _, place = target.rstrip("]").partition("[")
             f.code += store(names.split().index(array), 8 * int(place), value)
@@ -395,7 +395,7 @@ class Emitted:
         f, (gamma,), (of_a, of_b) = Function("di"), tables()["CARRY_GAMMA"][0], tables()["CARRY"][0]
         inv_shift, shift = f.local(), f.local()
         f.code += get(0) + f64(gamma) + MUL + put(inv_shift) + f64(1.0) + get(inv_shift) + DIV + put(shift)
-        where = self.where("h e") | {"shift": get(shift), "inv_shift": get(inv_shift)}
+        where = self.inputs_of("h e") | {"shift": get(shift), "inv_shift": get(inv_shift)}
         for name, node in self.code.factors.items():
             local = f.local()
             f.code += self.values(f, where, [node])[0] + put(local)
@@ -439,7 +439,7 @@ class Emitted:
 
     def _moved_energy(self) -> Function:
         f = Function("idi", "d")
-        f.code += self.values(f, self.where("piece t x"), self.code.moved or [ZERO])[0]
+        f.code += self.values(f, self.inputs_of("piece t x"), self.code.moved or [ZERO])[0]
         return f
 
     def _sample(self) -> Function:
@@ -448,7 +448,7 @@ class Emitted:
         for which, memory in enumerate(self.code.memory):
             nodes = self.code.samples[begin : begin + 1 + len(memory)]
             begin += len(nodes)
-            values = self.values(f, self.where("which piece t x noise m u"), nodes, strict=True)
+            values = self.values(f, self.inputs_of("which piece t x noise m u"), nodes, strict=True)
             f.code += get(0) + integer(which) + EQUAL_I32 + IF
             new = [f.local() for _ in nodes]
             f.code += b"".join(value + put(local) for local, value in zip(new, values, strict=True))
@@ -486,7 +486,7 @@ class _Attempt:
         self.large = self.n >= LARGE
         self.inv_h, self.shift, self.inv_shift, self.time = (f.local() for _ in range(4))
         self.states, self.new, self.right, self.k = ([f.local() for _ in range(self.n)] for _ in range(4))
-        self.inputs = emitted.where(self.NAMES) | {"shift": get(self.shift), "inv_shift": get(self.inv_shift)}
+        self.inputs = emitted.inputs_of(self.NAMES) | {"shift": get(self.shift), "inv_shift": get(self.inv_shift)}
         self.solution = solution
 
     def function(self) -> Function:
@@ -585,12 +585,12 @@ class _MayCross:
         self.emitted, self.s, self.n = emitted, emitted.code, emitted.n
         self.f = Function("ididii", "i")
         self.P = {name: i for i, name in enumerate(self.NAMES.split())}
-        self.before = emitted.where(self.NAMES)
+        self.before = emitted.inputs_of(self.NAMES)
 
     def function(self) -> Function:
         """The function."""
         s, f, P = self.s, self.f, self.P
-        after = self._at(1.0, {name: load(P["x_new"], 8 * i) for i, name in enumerate(s.names)})
+        after = self._inputs_after(1.0, {name: load(P["x_new"], 8 * i) for i, name in enumerate(s.names)})
         change = self._dense()
         inside = [self._inside(share, change) for share in (0.25, 0.5, 0.75)] if any(s.curved) else []
         f.code += integer(0)
@@ -608,7 +608,7 @@ class _MayCross:
         self.f.code += self.emitted.values(self.f, where, [node])[0] + put(local)
         return get(local)
 
-    def _at(self, share: float, states: dict[str, bytes]) -> dict[str, bytes]:
+    def _inputs_after(self, share: float, states: dict[str, bytes]) -> dict[str, bytes]:
         """The inputs after a share of the step."""
         local, h = self.f.local(), get(self.P["h"])
         self.f.code += get(self.P["t"]) + (h if share == 1 else f64(share) + h + MUL) + ADD + put(local)
@@ -638,7 +638,7 @@ class _MayCross:
                 x0, x1 = load(self.P["x"], 8 * i), load(self.P["x_new"], 8 * i)
                 self.f.code += rest + x0 + MUL + f64(share) + x1 + bent + ADD + MUL + ADD + put(local)
                 states[name] = get(local)
-        return self._at(share, states)
+        return self._inputs_after(share, states)
 
     def _of_values(self, v: Sequence[bytes]) -> list[bytes]:
         return [

@@ -32,12 +32,12 @@ def in_parts(name: str, arguments: str, loads: Sequence[str], lines: Sequence[st
     places: dict[str, int] = {}
     text = ""
     for i, part in enumerate(parts):
-        own = {m[1] for line in part if (m := _DEFINED.match(line))}
+        defined = {m[1] for line in part if (m := _DEFINED.match(line))}
         later = set().union(*words[i + 1 :])
         body = [line for line in loads if (m := _DEFINED.match(line)) and m[1] in words[i]]
         body += [f"const real {word} = {_BETWEEN}[{k}];" for word, k in places.items() if word in words[i]]
         body += part
-        for word in sorted(own & later):
+        for word in sorted(defined & later):
             places[word] = len(places)
             body.append(f"{_BETWEEN}[{places[word]}] = {word};")
         text += f"static NOINLINE void {name}_{i + 1}({arguments}, real *{_BETWEEN})\n{{\n"

@@ -79,7 +79,7 @@ class SystemCode:
         self.called = collected.called
         reserved = {*_RESERVED, *self.fields}
         flat, self.coefficients = hoist(collected.all_expressions, self.parameter_text.keys(), reserved, self.called)
-        collected.put(flat)
+        collected.replace(flat)
         n = len(self.names)
         self.rates, self.by_time, self.watched = collected.rates, collected.by_time, collected.watched
         self.by_state = [collected.by_state[i * n : (i + 1) * n] for i in range(n)]

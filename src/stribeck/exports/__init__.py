@@ -33,8 +33,8 @@ SAMPLED = ("controller", "compensator")
 
 def find_targets() -> dict[str, Target]:
     """Every target by its name: what the modules of :mod:`stribeck.exports.targets` declare."""
-    found: list[Target] = [module.TARGET for module in kinds.modules(targets.__name__, targets.__path__)]
-    return {target.name: target for target in sorted(found, key=lambda target: target.name)}
+    declared: list[Target] = [module.TARGET for module in kinds.modules(targets.__name__, targets.__path__)]
+    return {target.name: target for target in sorted(declared, key=lambda target: target.name)}
 
 
 TARGETS = find_targets()
@@ -104,10 +104,10 @@ def export(
     return _write(out, chosen, part, what)
 
 
-def _write(out: Path, target: Target, part: str, what: MachineModel | Block | Request) -> list[Path]:
+def _write(out: Path, target: Target, part: str, model: MachineModel | Block | Request) -> list[Path]:
     """The files of a part, after its notes."""
-    made = target.parts[part]
-    content, notes = made.files(what), made.notes(what)
+    writer = target.parts[part]
+    content, notes = writer.files(model), writer.notes(model)
     for text in notes:
         note(text)
     return _write_folder(out, content) if target.folder else _write_file(out, content)
@@ -137,13 +137,13 @@ def _law(law: Law | None, scenario: Scenario | None, contact: str | None, target
     """The law given, or the friction of the scenario's contact, with all that the target must be given."""
     if law is None and scenario is None:
         raise InputError(f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it")
-    found = contact_law(scenario, contact) if law is None and scenario is not None else law
-    assert found is not None
-    if found.beside and not target.loads:
+    friction = contact_law(scenario, contact) if law is None and scenario is not None else law
+    assert friction is not None
+    if friction.beside and not target.loads:
         able = ", ".join(name for name, each in TARGETS.items() if each.loads)
         text = f"would be lost: target '{target.name}' cannot be given them; {able} can"
-        raise InputError(f"{', '.join(found.beside)}: {text}")
-    return found
+        raise InputError(f"{', '.join(friction.beside)}: {text}")
+    return friction
 
 
 def _deflection(law: Law, part: str, scenario: Scenario | None, contact: str | None, target: Target) -> float:
@@ -191,22 +191,24 @@ def _problems(
     if target not in TARGETS:
         guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
         return [f"{arg('target')}: {target!r}: no such target{guess}"]
-    found, chosen = [], TARGETS[target]
+    problems, chosen = [], TARGETS[target]
     if part not in PARTS:
-        found.append(f"{arg('part')}: {part!r}: must be one of {', '.join(PARTS)}")
+        problems.append(f"{arg('part')}: {part!r}: must be one of {', '.join(PARTS)}")
     elif part not in chosen.parts:
-        found.append(f"{arg('part')}: {part!r}: target '{target}' has none; must be one of {', '.join(chosen.parts)}")
+        problems.append(
+            f"{arg('part')}: {part!r}: target '{target}' has none; must be one of {', '.join(chosen.parts)}"
+        )
     if self_test and not chosen.self_test:
-        found.append(
+        problems.append(
             f"{arg('self_test')}: target '{target}' has none; only {', '.join(n for n in TARGETS if TARGETS[n].self_test)}"
         )
     if step is not None and (text := POSITIVE.problem(step)):
-        found.append(f"{arg('step')}: {show(step)}: {text}")
+        problems.append(f"{arg('step')}: {show(step)}: {text}")
     if fmi not in (2, 3):
-        found.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
+        problems.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
     if platforms not in ("here", "all"):
-        found.append(f"{arg('platforms')}: {show(platforms)}: must be here or all")
+        problems.append(f"{arg('platforms')}: {show(platforms)}: must be here or all")
     if controller is not None and part in PARTS and part not in SAMPLED:
         text = f"must be left out: part '{part}' has no choice of controllers"
-        found.append(f"{arg('controller')}: {show(controller)}: {text}")
-    return found
+        problems.append(f"{arg('controller')}: {show(controller)}: {text}")
+    return problems

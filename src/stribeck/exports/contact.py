@@ -43,8 +43,8 @@ def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
     if not part.loads and not part.factors:
         return law
     kind, places = _with_inputs(type(law), part)
-    own = {name: machine.values[place] for place, name in places.items() if place[0] != path}
-    return kind({**law.machine, **law.p.numbers, **law.p.words, **own}, law.rotary)
+    attached = {name: machine.values[place] for place, name in places.items() if place[0] != path}
+    return kind({**law.machine, **law.p.numbers, **law.p.words, **attached}, law.rotary)
 
 
 def deflection(scenario: Scenario, contact: str | None = None) -> tuple[str, float]:
@@ -100,13 +100,15 @@ def _with_inputs(base: type[Law], part: Contact) -> tuple[type[Law], Places]:
 
     equations = {n: at_instant(getattr(base, n)) for n in ("dz_dt", "friction", "z_bound", "z_elastic")}
     claims = Claims(unique=base.claims.unique, bounded=base.claims.bounded, smooth=base.claims.smooth)
-    beside = [f"{part.path}.loads" for _ in part.loads[:1]] + [f"{part.path}.factors.{of}" for of in part.factors]
-    own = {
+    beside = [f"{part.path}.loads" for _ in part.loads[:1]] + [
+        f"{part.path}.factors.{constant}" for constant in part.factors
+    ]
+    attributes = {
         "name": base.name, "__doc__": f"{(base.__doc__ or base.name).strip()} Its level follows loads.", "claims": claims,
         "inputs": tuple(inputs), "beside": tuple(beside),
     }  # fmt: skip
-    made: type[Law] = type(base.__name__, (base,), {**own, **declared, **inputs, **equations})
-    return made, places
+    kind: type[Law] = type(base.__name__, (base,), {**attributes, **declared, **inputs, **equations})
+    return kind, places
 
 
 def _free(name: str, taken: set[str]) -> str:
@@ -139,11 +141,11 @@ def _constants(part: Contact, taken: set[str]) -> tuple[dict[str, Constant], Pla
 def _inputs(part: Contact, taken: set[str]) -> tuple[dict[str, Constant], Places]:
     """What the contact is given at each instant, by name; and the names of its loads, factors and position."""
     named = [name for each in part.loads for name in (*each.weights, *([each.against] if each.against else []))]
-    found = {("load", name): Constant("N", f"force of {name}", default=0.0) for name in named}
-    for of, factor in part.factors.items():
+    inputs = {("load", name): Constant("N", f"force of {name}", default=0.0) for name in named}
+    for factored, factor in part.factors.items():
         if factor.signal is not None:
-            found["factor", of] = Constant("1", f"factor of {of}", above=0, default=1.0)
+            inputs["factor", factored] = Constant("1", f"factor of {factored}", above=0, default=1.0)
     if any(factor.signal is None for factor in part.factors.values()):
-        found[POSITION] = Constant("m", "position of the contact", default=0.0)
-    called = {key: _free("_".join(filter(None, key)), taken) for key in found}
-    return {called[key]: constant for key, constant in found.items()}, called
+        inputs[POSITION] = Constant("m", "position of the contact", default=0.0)
+    called = {key: _free("_".join(filter(None, key)), taken) for key in inputs}
+    return {called[key]: constant for key, constant in inputs.items()}, called

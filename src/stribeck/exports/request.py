@@ -155,8 +155,11 @@ class Request:
         rotary, linear = "rotary motion: N m and rad", "linear motion; a rotary machine has N m for N and rad for m"
         lines.append(f"  ({rotary if self.rotary else linear})")
         if kept or lost:
-            told = [*([_listed(kept)] if kept else []), *([_listed([f"not {name}" for name in lost])] if lost else [])]
-            lines.append(f"The law is {'; it is '.join(told)}.")
+            guarantees = [
+                *([_listed(kept)] if kept else []),
+                *([_listed([f"not {name}" for name in lost])] if lost else []),
+            ]
+            lines.append(f"The law is {'; it is '.join(guarantees)}.")
         lines.append(made_by())
         return [ascii_only(line) for line in lines]
 

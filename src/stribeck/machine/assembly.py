@@ -59,14 +59,14 @@ class Assembly:
 
     def show(self, name: str, value: object) -> Expr:
         """Keep a quantity under the name of its column, which its variable in the generated code has too."""
-        found = wrap(value)
-        self.called.give(found, name.replace(".", "_"))
-        self.k[name] = found
-        return found
+        quantity = wrap(value)
+        self.called.give(quantity, name.replace(".", "_"))
+        self.k[name] = quantity
+        return quantity
 
     def state(self, element: Element, name: str) -> Expr:
         """A state of an element."""
-        return symbol(element.of(name))
+        return symbol(element.name_of(name))
 
     def motion(self, body: str) -> tuple[Expr, Expr]:
         """Position and velocity of a body."""
@@ -74,7 +74,7 @@ class Assembly:
 
     def speed(self, body: Body) -> Expr:
         """The velocity of a body with a coordinate: a state, or a signal."""
-        return symbol(body.of("v")) if body.velocity is None else wrap(self.reference(body.velocity.signal).value)
+        return symbol(body.name_of("v")) if body.velocity is None else wrap(self.reference(body.velocity.signal).value)
 
     def reference(self, signal: Any) -> Reference:
         """A signal and its derivatives now."""
@@ -83,8 +83,8 @@ class Assembly:
 
     def force_of(self, name: str) -> Expr:
         """The force of a link or load, or the torque of a motor."""
-        found = self.k.get(joined(name, "f"))
-        return self.k[joined(name, "torque")] if found is None else found
+        force = self.k.get(joined(name, "f"))
+        return self.k[joined(name, "torque")] if force is None else force
 
     def along(self, x: BetweenBodies) -> tuple[Expr, Expr, Expr]:
         """d, w and the ratio of an element between two bodies."""
@@ -118,13 +118,13 @@ class Assembly:
     ) -> None:  # fmt: skip
         """Energy that depends on the stretch d (and on states with their rates) is stored; what is left of the power f w
         is dissipated. ``far``: where a far end jumps, its work is what is stored."""
-        own = symbol("stretch")
+        stretch = symbol("stretch")
         stored = wrap(energy(d))
         self.stored = self.stored + stored
         self.far = self.far + stored if far is not None else self.far
-        plain = wrap(energy(own))
-        slopes = [derivative(plain, own), total_derivative(plain, dict(rates))]
-        slope, by_states = substitute(slopes, {own: d}, self.called)
+        plain = wrap(energy(stretch))
+        slopes = [derivative(plain, stretch), total_derivative(plain, dict(rates))]
+        slope, by_states = substitute(slopes, {stretch: d}, self.called)
         self.lost = self.lost + ((f - slope) * w - by_states)
 
     # -- what follows ------------------------------------------------------------------------------------------------
@@ -144,7 +144,7 @@ class Assembly:
 
     def _added(self, body: Body, v: Expr) -> None:
         """What comes onto a body brings its kinetic energy along, at once where it jumps."""
-        if (signal := body.more) is not None:
+        if (signal := body.added_signal) is not None:
             r = self.reference(signal)
             self.power_in = self.power_in + r.rate * v * v / 2
             self.far = self.far + r.value * v * v / 2
@@ -157,4 +157,4 @@ class Assembly:
         """Quantities and states by the names of columns, of which each is a pair with the quantity's own name."""
         states = {name: symbol(name) for name in self.rates}
         known = {**states, **self.k, "E_stored": self.stored}
-        return {name: wrap(known[own]) for name, own in columns}
+        return {name: wrap(known[quantity]) for name, quantity in columns}

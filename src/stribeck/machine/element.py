@@ -73,7 +73,7 @@ class Element(Family):
         """Its table."""
         return table_path(self.section, self.name)
 
-    def of(self, word: str, by: str = ".") -> str:
+    def name_of(self, word: str, by: str = ".") -> str:
         """What one of its quantities is called: ``gear.f``; ``f`` of an element without a name."""
         return joined(self.name, word, by)
 
@@ -157,9 +157,9 @@ class Element(Family):
 
 def everything(value: Held, path: str) -> Iterator[tuple[str, Held]]:
     """Whatever stands within a table, however deep, by its path as messages have it."""
-    for at, each in within(value, path):
-        yield at, each
-        yield from everything(each, at)
+    for inner_path, inner in within(value, path):
+        yield inner_path, inner
+        yield from everything(inner, inner_path)
 
 
 def _outermost(value: Held) -> Iterator[SignalTable]:

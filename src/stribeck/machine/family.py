@@ -57,7 +57,7 @@ class Family(FileTable):
         if isinstance(kind, str) and kind in cls.kinds:
             return cls.kinds[kind]
         every = [key for each in cls.kinds.values() for key in each.file_keys()]
-        found = [
+        problems = [
             ((key,), unknown_key(key, x, [*dict.fromkeys(every)]))
             for key, x in data.items()
             if key not in (*every, "name")
@@ -68,7 +68,7 @@ class Family(FileTable):
         else:
             guess = nearest(kind, cls.kinds) if isinstance(kind, str) else ""
             text = f"{show(kind)}: must be {allowed}{guess}"
-        raise problems_at([*found, (("kind",), text)])
+        raise problems_at([*problems, (("kind",), text)])
 
     def to_table(self) -> dict[str, Held]:
         """With the kind, unless that is the plain one."""
@@ -83,9 +83,13 @@ class Family(FileTable):
             return node
         others = []
         for each in (kind for kind in cls.kinds.values() if kind is not cls):
-            found = handler.resolve_ref_schema(handler(each.__pydantic_core_schema__))
+            kind_node = handler.resolve_ref_schema(handler(each.__pydantic_core_schema__))
             hidden = {name for name, info in each.model_fields.items() if info.exclude}
-            found["properties"] = {n: x for n, x in found["properties"].items() if n not in hidden}
-            others.append({**found, "required": [*dict.fromkeys(["kind", *found.get("required", ())])]})
-        own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
-        return {"anyOf" if cls.plain else "oneOf": [*([node] if cls.plain else []), *others, own]}
+            kind_node["properties"] = {n: x for n, x in kind_node["properties"].items() if n not in hidden}
+            others.append({**kind_node, "required": [*dict.fromkeys(["kind", *kind_node.get("required", ())])]})
+        file_node = {
+            "type": "object",
+            "properties": {"kind": {"type": "string", "pattern": "\\.py:."}},
+            "required": ["kind"],
+        }
+        return {"anyOf" if cls.plain else "oneOf": [*([node] if cls.plain else []), *others, file_node]}

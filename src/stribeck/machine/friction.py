@@ -23,7 +23,7 @@ def compensation(
     ``lead``: that times dF/dt is added, with the reference's second derivative for the acceleration: what lags by it
     follows F (the paper's inner loop, Sobczyk, Perondi, Cunha, eq. 13, which has dF/dt in the derivative of p_d).
     """
-    kind, p = law.kind, law.told(called.term)
+    kind, p = law.kind, law.with_named_terms(called.term)
     if speed == "reference":
         fast = wrap(abs(r.rate))
         moving = wrap(where(fast > SLOWEST, fast, SLOWEST))  # at rest the limit: |v|/|v| is no number there

@@ -23,11 +23,11 @@ from stribeck.machine.table import Carrier, ConstantLeaf, Problem, Reading, join
 def unknown(table: Mapping[str, object], path: str, known: Iterable[str]) -> list[Problem]:
     """A problem for each key that is not known."""
     known = dict.fromkeys(known)
-    found = []
+    problems = []
     for key in [key for key in table if key not in known]:
         guess = nearest(key, known) or f" (known here: {', '.join(known)})"
-        found.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
-    return found
+        problems.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
+    return problems
 
 
 class LawReader:
@@ -61,28 +61,28 @@ class LawReader:
         law = self._named_law(table)
         given = self._parameters(table, law)
         parameters = given or {}
-        own = {name: value for name, value in table.items() if name not in ("name", "parameters")}
+        constants = {name: value for name, value in table.items() if name not in ("name", "parameters")}
         paths = {name: f"{path}.parameters.{name}" for name in (*PARAMETERS, *parameters)}
-        paths |= {n: f"{path}.{n}" for n in own}
-        for name in [name for name in own if name in PARAMETERS or name in parameters]:
+        paths |= {n: f"{path}.{n}" for n in constants}
+        for name in [name for name in constants if name in PARAMETERS or name in parameters]:
             inside = f"{self.to_file(path)}.parameters"
             text = f"belongs in {inside}" if name in PARAMETERS else f"stands in {inside} too"
-            self.problems.append((f"{path}.{name}", f"{show(own.pop(name))}: {text}"))
+            self.problems.append((f"{path}.{name}", f"{show(constants.pop(name))}: {text}"))
         has = law.constants() if law is not None else {}
-        misspelt = {n: own.pop(n) for n in list(own) if n not in has and nearest(n, ("name", "parameters"))}
+        misspelt = {n: constants.pop(n) for n in list(constants) if n not in has and nearest(n, ("name", "parameters"))}
         self.problems += unknown(misspelt, path, ("name", "parameters"))
         if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
-            found = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
+            problems = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
             if ".py:" not in str(table.get("name")):
                 every = (name for each in laws.builtin().values() for name in each.constants())
-                self.problems += unknown(own, path, ("name", "parameters", *every, *PARAMETERS))
+                self.problems += unknown(constants, path, ("name", "parameters", *every, *PARAMETERS))
         else:
-            found = law.problems({**parameters, **own})
+            problems = law.problems({**parameters, **constants})
         if given is None:  # said already
-            found = [(name, text) for name, text in found if name not in PARAMETERS]
-        self.problems += [(paths.get(name, f"{path}.{name}"), text) for name, text in found]
-        if law is not None and given is not None and not found:
-            self._evaluate(law({**parameters, **own}), table["name"])
+            problems = [(name, text) for name, text in problems if name not in PARAMETERS]
+        self.problems += [(paths.get(name, f"{path}.{name}"), text) for name, text in problems]
+        if law is not None and given is not None and not problems:
+            self._evaluate(law({**parameters, **constants}), table["name"])
         return self.law
 
     def _evaluate(self, law: Law, name: str) -> None:
@@ -140,7 +140,7 @@ class Friction:
     machine: Mapping[str, float] = field(default_factory=dict)  # its parameters, also those that the law does not use
 
     @classmethod
-    def of(cls, law: Law, table: Mapping[str, Any] | None = None) -> Friction:
+    def from_law(cls, law: Law, table: Mapping[str, Any] | None = None) -> Friction:
         """A law with numbers, and its table where it has been read from one."""
         table = law.to_dict() if table is None else table
         inside = table.get("parameters")
@@ -154,14 +154,14 @@ class Friction:
             law.machine,
         )
 
-    def _own(self) -> tuple[Any, ...]:
+    def _identity(self) -> tuple[Any, ...]:
         return self.kind, self.form, tuple(vars(self.p).items())
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Friction) and self._own() == other._own()
+        return isinstance(other, Friction) and self._identity() == other._identity()
 
     def __hash__(self) -> int:
-        return hash(self._own())
+        return hash(self._identity())
 
     def leaves(self, path: str) -> Iterator[ConstantLeaf]:
         """Its constants, in the order in which the class declares them."""
@@ -190,7 +190,7 @@ class Friction:
         """The speed by which slip and stick are told: v_s, also where the law does not use it; 0 where there is none."""
         return self.p.numbers.get("v_s", self.machine.get("v_s", 0.0))
 
-    def told(self, on_term: OnTerm) -> Constants:
+    def with_named_terms(self, on_term: OnTerm) -> Constants:
         """The constants, whose terms are named."""
         return Constants(vars(self.p), on_term)
 
@@ -215,18 +215,18 @@ class _Read:
         if isinstance(value, Friction):
             return value
         if isinstance(value, Law):
-            return Friction.of(value)
+            return Friction.from_law(value)
         reading = info.context or Reading()
         path = joined(reading.place, self.key)
-        found = LawReader(value, path, reading.folder, reading.executes, reading.to_file)
-        law = found.read()
-        if found.problems:
-            below = ((place.removeprefix(path).lstrip("."), text) for place, text in found.problems)
+        reader = LawReader(value, path, reading.folder, reading.executes, reading.to_file)
+        law = reader.read()
+        if reader.problems:
+            below = ((place.removeprefix(path).lstrip("."), text) for place, text in reader.problems)
             raise problems_at([(tuple(key.split(".")) if key else (), text) for key, text in below])
         if law is None:
             return None
         assert isinstance(value, Mapping)
-        return Friction.of(law, value)
+        return Friction.from_law(law, value)
 
 
 FrictionLaw = Annotated[Friction | None, _Read("law")]

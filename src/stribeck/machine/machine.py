@@ -16,7 +16,7 @@ from stribeck.expressions.ops import Value, smaller, sqrt
 from stribeck.laws.base import Law, Scales
 from stribeck.machine.element import GROUND, SECTIONS, Element
 from stribeck.machine.signal import SignalUse
-from stribeck.machine.system import SIGNAL_ORDER, MachineSystem, same
+from stribeck.machine.system import SIGNAL_ORDER, MachineSystem, interned
 from stribeck.machine.table import SYMBOLS, Carrier, ConstantLeaf, Frozen, Key
 from stribeck.waveforms import Signal
 from stribeck.waveforms.pieces import Pieces, merged, pieces
@@ -83,7 +83,7 @@ class Elements:
 
     def carried(self, body: str) -> dict[str, float]:
         """How far each body with a coordinate of its own goes by ``body`` while no link is stretched; the leader's first."""
-        found = {self.leader(body).name: 1.0 / self.tie(body)}
+        travel = {self.leader(body).name: 1.0 / self.tie(body)}
         for _ in self.bodies:
             for link in self.links.values():
                 if len(link.ends) < 2:
@@ -92,11 +92,11 @@ class Elements:
                 a, b = self.leader(start).name, self.leader(end).name
                 # ratio y_start = y_end
                 ratio = (1.0 if link.ratio is None else link.ratio) * self.tie(start) / self.tie(end)
-                if a in found and b not in found:
-                    found[b] = found[a] * ratio
-                elif b in found and a not in found:
-                    found[a] = found[b] / ratio
-        return found
+                if a in travel and b not in travel:
+                    travel[b] = travel[a] * ratio
+                elif b in travel and a not in travel:
+                    travel[a] = travel[b] / ratio
+        return travel
 
     def controller_of(self, motor: str) -> AnyController | None:
         """The controller that asks a motor for a current."""
@@ -122,7 +122,7 @@ class Elements:
     @cached_property
     def system(self) -> MachineSystem:
         """The equations of the structure; one for all machines that differ in numbers only."""
-        return same(MachineSystem(self.symbolic))
+        return interned(MachineSystem(self.symbolic))
 
     @cached_property
     def signals(self) -> dict[SignalUse, Signal]:
@@ -137,8 +137,8 @@ class Elements:
     @cached_property
     def laws(self) -> dict[str, Law]:
         """The laws of a file by their tables, each with the units of where it acts."""
-        found = ((path, x.law, each) for each in self for path, x in each.laws())
-        return {path: law.of_motion(each.turning(self)) for path, law, each in found if law is not None}
+        entries = ((path, x.law, each) for each in self for path, x in each.laws())
+        return {path: law.of_motion(each.turning(self)) for path, law, each in entries if law is not None}
 
     @property
     def leaves(self) -> Iterator[tuple[ConstantLeaf, bool]]:
@@ -154,29 +154,31 @@ class Elements:
     def places(self) -> dict[str, Key]:
         """Every number in which lanes can differ, by its path: run-time constants by their keys, where states start by
         :data:`INITIAL` and the state, and constants of signals that make pieces."""
-        found: dict[str, Key] = {leaf.path: leaf.key for leaf, _ in self.leaves}
+        keys: dict[str, Key] = {leaf.path: leaf.key for leaf, _ in self.leaves}
         for each in self:
             if "initial" in type(each).model_fields:
-                found |= {f"{each.path}.initial.{s.name}": (INITIAL, each.of(s.name)) for s in each.own_states(self)}
+                keys |= {
+                    f"{each.path}.initial.{s.name}": (INITIAL, each.name_of(s.name)) for s in each.own_states(self)
+                }
         for use, signal in self.signals.items():
             if signal.kind in _IN_PIECES:
-                found |= {f"{use.path}.{name}": (use.path, name) for name in signal.constants}
-        return found
+                keys |= {f"{use.path}.{name}": (use.path, name) for name in signal.constants}
+        return keys
 
     def with_values(self, values: Mapping[Key, Value], signals: Mapping[str, Signal] | None = None) -> Elements:
         """The same machine with these in the place of some constants: numbers, arrays of one for each lane, or symbols; and
         of some signals, by their paths, of the same kinds. Nothing is compiled anew."""
         put = lambda owner, name: values.get((owner, name), self.values.get((owner, name)))  # noqa: E731
-        found = self.carrying(Carrier(put, signals=signals or {}))
-        vars(found)["system"] = self.system  # which no value changes
-        return found
+        machine = self.carrying(Carrier(put, signals=signals or {}))
+        vars(machine)["system"] = self.system  # which no value changes
+        return machine
 
     def carrying(self, carrier: Carrier) -> Elements:
         """The same machine of what the carrier puts in the place of its run-time constants."""
         sections: dict[str, Any] = {}
         for section in SECTIONS:
-            own = getattr(self, section).items()
-            sections[section] = Frozen({n: x.carrying(x.path, replace(carrier, name=n)) for n, x in own})
+            elements = getattr(self, section).items()
+            sections[section] = Frozen({n: x.carrying(x.path, replace(carrier, name=n)) for n, x in elements})
         return replace(self, **sections)
 
     # -- natural magnitudes, for the default tolerances ----------------------------------------------------------------
@@ -184,32 +186,36 @@ class Elements:
     @cached_property
     def scales(self) -> dict[str, Scales]:
         """Natural magnitudes of each body: those of its contacts, else of what it is linked to."""
-        found: dict[str, Scales] = {}
+        by_body: dict[str, Scales] = {}
         for contact in self.contacts.values():
-            own, ratio = contact.scales(), 1.0 if contact.ratio is None else abs(contact.ratio)
-            _smallest(found, contact.start, Scales(own.length / ratio, own.speed / ratio, own.force * ratio))
+            contact_scales, ratio = contact.scales(), 1.0 if contact.ratio is None else abs(contact.ratio)
+            _smallest(
+                by_body,
+                contact.start,
+                Scales(contact_scales.length / ratio, contact_scales.speed / ratio, contact_scales.force * ratio),
+            )
             if contact.end != GROUND:
-                _smallest(found, contact.end, own)
+                _smallest(by_body, contact.end, contact_scales)
         joints = [(str(x.start), x.end, x.ratio) for x in self.links.values() if x.far is None and x.end != GROUND]
         joints += [(x.tied_to, x.name, x.ratio) for x in self.bodies.values() if x.tied_to is not None]
         for _ in self.bodies:  # through links and ties, as far as they reach
             for start, end, given in joints:
                 ratio = 1.0 if given is None else abs(given)
-                if start in found and end not in found:
-                    s = found[start]
-                    found[end] = Scales(s.length * ratio, s.speed * ratio, s.force / ratio)
-                elif end in found and start not in found:
-                    s = found[end]
-                    found[start] = Scales(s.length / ratio, s.speed / ratio, s.force * ratio)
-        return {name: found.get(name, Scales(_LENGTH, _SPEED, _FORCE)) for name in self.bodies}
+                if start in by_body and end not in by_body:
+                    s = by_body[start]
+                    by_body[end] = Scales(s.length * ratio, s.speed * ratio, s.force / ratio)
+                elif end in by_body and start not in by_body:
+                    s = by_body[end]
+                    by_body[start] = Scales(s.length / ratio, s.speed / ratio, s.force * ratio)
+        return {name: by_body.get(name, Scales(_LENGTH, _SPEED, _FORCE)) for name in self.bodies}
 
     @cached_property
     def natural(self) -> dict[str, Value]:
         """The natural magnitude of each state; a length's where no element knows any."""
-        found = {n: x for each in self for n, x in each.natural(self.scales, self).items()}
+        magnitudes = {n: x for each in self for n, x in each.natural(self.scales, self).items()}
         energy = _least(*(s.force * s.length for s in self.scales.values()))
-        found |= {"E_in": energy, "E_dissipated": energy}
-        sizes = {state.name: found.get(state.name, _LENGTH) for state in self.system.states}
+        magnitudes |= {"E_in": energy, "E_dissipated": energy}
+        sizes = {state.name: magnitudes.get(state.name, _LENGTH) for state in self.system.states}
         return {name: _least(x) for name, x in sizes.items()}
 
     @property
@@ -261,7 +267,7 @@ class Elements:
     @cached_property
     def initial(self) -> dict[str, float]:
         """The states at t = 0 that are not 0."""
-        return {each.of(s.name): s.start for each in self for s in each.own_states(self) if s.start}
+        return {each.name_of(s.name): s.start for each in self for s in each.own_states(self) if s.start}
 
     def pieces(self, t_end: float, others: Mapping[SignalUse, Signal] | None = None) -> Pieces:
         """All signals as one table; ``others`` in the place of some."""
@@ -281,9 +287,9 @@ class Elements:
 
     def sampling(self) -> list[dict[str, Value]]:
         """Period, delay, noise and seed of each sampled controller, in the order of its outputs."""
-        found = (each.sampling for each in self.controllers.values() if each.sampling is not None)
+        samplings = (each.sampling for each in self.controllers.values() if each.sampling is not None)
         return [{"period": s.period, "delay": s.delay, "noise": 0.0 if s.noise is None else s.noise, "seed": s.seed}
-                for s in found]  # fmt: skip
+                for s in samplings]  # fmt: skip
 
     def more_events(self, reached: float) -> list[tuple[float, int]]:
         """Events that no state tells, as far as a run came: where the only velocity is a signal, those of the signal."""
@@ -301,13 +307,13 @@ def signal_events(signal: Signal, threshold: float, reached: float) -> list[tupl
     return [(t, int(not rises)) for t, rises in signal.crossings(threshold, reached)] if threshold > 0 else []
 
 
-def _smallest(found: dict[str, Scales], name: str, s: Scales) -> None:
-    if (old := found.get(name)) is not None:
-        s = Scales(_least(old.length, s.length), _least(old.speed, s.speed), _least(old.force, s.force))
-    found[name] = s
+def _smallest(by_body: dict[str, Scales], name: str, s: Scales) -> None:
+    if (smallest := by_body.get(name)) is not None:
+        s = Scales(_least(smallest.length, s.length), _least(smallest.speed, s.speed), _least(smallest.force, s.force))
+    by_body[name] = s
 
 
 def _least(*values: Value) -> Value:
     """The least of numbers, arrays or symbols; a number of NumPy's, which is written otherwise, as one of Python's."""
-    found = reduce(smaller, values)
-    return found.item() if isinstance(found, np.generic) else found
+    least = reduce(smaller, values)
+    return least.item() if isinstance(least, np.generic) else least

@@ -98,7 +98,7 @@ class Draft:
 
     def _section(self, section: str, family: type[Element]) -> dict[str, Element]:
         """The valid elements of a section."""
-        found = {}
+        elements = {}
         for name, table in self.tables[section].items():
             path = table_path(section, name)
             given = _in_folder(table)
@@ -107,13 +107,13 @@ class Draft:
                     given.pop("name")
                     self.problems.append((f"{path}.name", unknown_key("name", table["name"], family.file_keys())))
                 given = {**given, "name": name} if isinstance(given, dict) else given
-                found[name] = family.model_validate(given, context=replace(self.reading, place=path))
-                self.whole = self.whole and found[name].whole()
+                elements[name] = family.model_validate(given, context=replace(self.reading, place=path))
+                self.whole = self.whole and elements[name].whole()
             except ValidationError as error:
                 self.problems += problems_of(error, path)
             except NotExecuted:
                 self.whole = False
-        return found
+        return elements
 
     def _check_names(self) -> None:
         """Names are letters, digits and underscores, each once in the machine."""
@@ -134,15 +134,15 @@ class Draft:
 
     def _with_encoders(self, machine: Elements) -> Elements:
         """Controllers that say nothing measure the body that they act on, or that their motor is on."""
-        found = {}
+        controllers = {}
         for name, each in machine.controllers.items():
             if each.moves_valve:
-                found[name] = each
+                controllers[name] = each
                 continue
             body = each.on if each.on in self.names["bodies"] else getattr(machine.motors.get(each.on), "on", None)
             measures = each.measures if each.measures is not None else body if body in self.names["bodies"] else None
-            found[name] = each.model_copy(update={"measures": measures})
-        return replace(machine, controllers=Frozen(found))
+            controllers[name] = each.model_copy(update={"measures": measures})
+        return replace(machine, controllers=Frozen(controllers))
 
     def _wire(self) -> None:
         """Names of other elements, and what elements say of their neighbours."""
@@ -153,10 +153,12 @@ class Draft:
                 self.problems += [(below(each.path, loc), text) for loc, text in each.wiring(self)]
         codes = {name for section in SECTIONS for name in self.names[section]}
         for contact in self.machine.contacts.values():
-            for of, factor in contact.factors.items():
-                if factor.signal is not None and (name := f"{contact.name}_{of}") in codes:
+            for constant, factor in contact.factors.items():
+                if factor.signal is not None and (name := f"{contact.name}_{constant}") in codes:
                     text = f"{contact.name!r}: must be another name: the numbers of this signal are called {name!r} in the "
-                    self.problems.append((f"{contact.path}.factors.{of}.signal", f"{text}code, as another element is"))
+                    self.problems.append(
+                        (f"{contact.path}.factors.{constant}.signal", f"{text}code, as another element is")
+                    )
 
     def _missing(self, each: Element) -> Iterator[Problem]:
         for path, name, refers in each.references():

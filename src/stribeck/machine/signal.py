@@ -54,15 +54,15 @@ class SignalUse:
 
     def constants(self) -> dict[str, Constant]:
         """The constants of a run."""
-        own = {n: self.kind.constants[n] for n in constants(self.kind)} if self.kind else {}
-        return {**own, INPUT: _INPUT} if self.open else own
+        declared = {n: self.kind.constants[n] for n in constants(self.kind)} if self.kind else {}
+        return {**declared, INPUT: _INPUT} if self.open else declared
 
     def reference(self, t: Expr) -> Reference:
         """The signal and its derivatives at the time t."""
         values = {n: symbol(f"segment.{joined(self.name, n, '_')}") for n in self.fields}
         values |= {n: symbol(f"{self.path}.{n}") for n in self.constants()}
-        found = reference(self.kind, SimpleNamespace(**values), t, values.get(DIRECTION, 0.0))
-        return replace(found, value=found.value + values[INPUT]) if self.open else found
+        course = reference(self.kind, SimpleNamespace(**values), t, values.get(DIRECTION, 0.0))
+        return replace(course, value=course.value + values[INPUT]) if self.open else course
 
 
 class SignalTable(Family, family=True):
@@ -74,8 +74,8 @@ class SignalTable(Family, family=True):
     def built(self) -> waveforms.Signal:
         """The signal itself."""
         keys = {info.alias or name: name for name, info in type(self).model_fields.items()}
-        made: waveforms.Signal = self.made_by({n: getattr(self, keys[n]) for n in self.made_by.constants})
-        return made
+        signal: waveforms.Signal = self.made_by({n: getattr(self, keys[n]) for n in self.made_by.constants})
+        return signal
 
     def leaves(self, path: str) -> Iterator[ConstantLeaf]:
         """Its constants, if the equation takes them; others make pieces."""
@@ -92,13 +92,13 @@ class SignalTable(Family, family=True):
     def carrying(self, path: str, carrier: Carrier) -> Held:
         """In the structure, how equations refer to it: by a name for its pieces and a path for its constants."""
         if path in carrier.signals:
-            found = self.model_copy()
-            vars(found)["built"] = carrier.signals[path]
-            return found
+            table = self.model_copy()
+            vars(table)["built"] = carrier.signals[path]
+            return table
         if not carrier.structure:
             return super().carrying(path, carrier) if self._in_code() else self
-        *_, inside, of, _ = ("", "", *path.split("."))
-        name = f"{carrier.name}_{of}" if inside == "factors" else carrier.name
+        *_, inside, factor, _ = ("", "", *path.split("."))
+        name = f"{carrier.name}_{factor}" if inside == "factors" else carrier.name
         return SignalUse(name, path, self._form)
 
 
@@ -113,8 +113,8 @@ class _Through(SignalTable):
     @cached_property
     def built(self) -> waveforms.Signal:
         """See :class:`SignalTable`."""
-        made: waveforms.Signal = self.made_by(np.array(self.t), np.array(self.value))
-        return made
+        signal: waveforms.Signal = self.made_by(np.array(self.t), np.array(self.value))
+        return signal
 
     def wrong(self) -> list[Problem]:
         """Times that do not increase, lists of two lengths and the like."""
@@ -252,15 +252,15 @@ def _signals(value: object, info: ValidationInfo) -> tuple[SignalTable, ...]:
     """The signals of a sum, each read by its kind."""
     if not isinstance(value, list | tuple):
         raise refused(f"must be a list of signals, not {kind_of(value)}", value)
-    found, wrong = [], []
+    signals, wrong = [], []
     for i, each in enumerate(value):
         try:
-            found.append(SignalTable.model_validate(each, context=info.context))
+            signals.append(SignalTable.model_validate(each, context=info.context))
         except ValidationError as error:
             wrong += [((i, *e["loc"]), str(e["msg"])) for e in error.errors(include_url=False)]
     if wrong:
         raise problems_at(wrong)
-    return tuple(found)
+    return tuple(signals)
 
 
 class Sum(SignalTable):

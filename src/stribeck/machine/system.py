@@ -103,8 +103,8 @@ class MachineSystem(Equations):
         """The states in the order in which they are integrated."""
         e = self.elements
         every = (each for section in _COLUMNS for each in getattr(e, section).values())
-        found = [Column(each.of(s.name), s.unit, s.meaning) for each in every for s in each.own_states(e)]
-        return (*found, *((_E_IN, _E_OUT) if self.energy else ()))
+        states = [Column(each.name_of(s.name), s.unit, s.meaning) for each in every for s in each.own_states(e)]
+        return (*states, *((_E_IN, _E_OUT) if self.energy else ()))
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
@@ -113,8 +113,8 @@ class MachineSystem(Equations):
         every = (each for section in _COLUMNS for each in getattr(self.elements, section).values())
         if listed := self.elements.listed:
             return (*(column for column, _ in listed), *energy)
-        found = [column for each in every for column in each.columns(self.elements)]
-        return (*found, *energy)
+        columns = [column for each in every for column in each.columns(self.elements)]
+        return (*columns, *energy)
 
     @property
     def compared(self) -> tuple[str, ...]:
@@ -122,18 +122,18 @@ class MachineSystem(Equations):
         e = self.elements
         if e.unnamed:
             return "y", "v", "F"
-        found = [f"{name}.{x}" for name, body in e.bodies.items() if body.tied_to is None for x in ("y", "v")]
+        motions = [f"{name}.{x}" for name, body in e.bodies.items() if body.tied_to is None for x in ("y", "v")]
         forces = [*(f"{name}.F" for name in e.contacts), *(f"{name}.f" for name in e.links)]
-        return (*found, *forces)
+        return (*motions, *forces)
 
     @cached_property
     def tables(self) -> dict[str, tuple[dict[str, Constant], bool]]:
         """The run-time constants by table, and whether the table is of something that turns."""
-        found: dict[str, tuple[dict[str, Constant], bool]] = {}
+        tables: dict[str, tuple[dict[str, Constant], bool]] = {}
         for leaf, turns in self.elements.leaves:
             path, name = leaf.key
-            found.setdefault(path, ({}, turns))[0][name] = leaf.constant
-        return found | {use.path: (constants, False) for use in self.signals if (constants := use.constants())}
+            tables.setdefault(path, ({}, turns))[0][name] = leaf.constant
+        return tables | {use.path: (constants, False) for use in self.signals if (constants := use.constants())}
 
     @cached_property
     def parameters(self) -> tuple[Key, ...]:
@@ -143,8 +143,12 @@ class MachineSystem(Equations):
     def constant(self, owner: str, name: str) -> Constant:
         """The declaration of a run-time constant, with the unit that it has there."""
         constants, rotary = self.tables[owner]
-        found = constants[name]
-        return replace(found, unit=found.rotary_unit) if rotary and found.rotary_unit is not None else found
+        declaration = constants[name]
+        return (
+            replace(declaration, unit=declaration.rotary_unit)
+            if rotary and declaration.rotary_unit is not None
+            else declaration
+        )
 
     def field(self, owner: str, name: str) -> str:
         """``mesh_F_c`` for ``contacts.mesh.law`` and F_c; F_c where elements have no names."""
@@ -182,16 +186,16 @@ class MachineSystem(Equations):
     @cached_property
     def held(self) -> tuple[str, ...]:
         """The outputs of the sampled controllers."""
-        return tuple(each.of("u", "_") for each in self._sampled)
+        return tuple(each.name_of("u", "_") for each in self._sampled)
 
     @cached_property
     def shown(self) -> tuple[str, ...]:
         """What of the controllers' memory the output shows: as much of it from the first as has to be."""
-        found, needed = list[str](), 0
+        memory, needed = list[str](), 0
         for each in self._sampled:
-            needed = len(found) + len(own) if (own := each.shown()) else needed
-            found += [each.of(name, "_") for name in each.memory(self.elements)]
-        return tuple(found[:needed])
+            needed = len(memory) + len(shown) if (shown := each.shown()) else needed
+            memory += [each.name_of(name, "_") for name in each.memory(self.elements)]
+        return tuple(memory[:needed])
 
     @property
     def memory(self) -> dict[str, tuple[str, ...]]:
@@ -204,13 +208,13 @@ class MachineSystem(Equations):
 
     def forces(self, called: Names | None = None) -> list[Expr]:
         """The friction force of each contact."""
-        found = self.assembly(called=called).k
-        return [wrap(found[contact.of("F")]) for contact in self.contacts]
+        quantities = self.assembly(called=called).k
+        return [wrap(quantities[contact.name_of("F")]) for contact in self.contacts]
 
     def rates(self, called: Names | None = None) -> list[Expr]:
         """The time derivatives of the states."""
-        found = self.assembly(called=called).rates
-        return [found[state.name] for state in self.states]
+        rates = self.assembly(called=called).rates
+        return [rates[state.name] for state in self.states]
 
     @cached_property
     def watching(self) -> tuple[Element, ...]:
@@ -227,8 +231,8 @@ class MachineSystem(Equations):
     def watches(self, called: Names | None = None) -> list[Watch]:
         """The same with the quantities."""
         a = self.assembly(called=called)
-        found = ((each.name, each.watches(a)) for each in self.watching)
-        return [Watch(name, watch[1], watch[0]) for name, watch in found if watch is not None]
+        watches = ((each.name, each.watches(a)) for each in self.watching)
+        return [Watch(name, watch[1], watch[0]) for name, watch in watches if watch is not None]
 
     def samples(self, called: Names | None = None) -> list[Sample]:
         """What each sampled controller does at its instants, in the order of :attr:`held`."""
@@ -237,9 +241,9 @@ class MachineSystem(Equations):
 
     def ended(self, values: Mapping[Key, float], t: float, x: Array) -> str | None:
         """Why the equations of a body end in the state x."""
-        at = {state.name: float(x[i]) for i, state in enumerate(self.states)}
+        motion = {state.name: float(x[i]) for i, state in enumerate(self.states)}
         for body in (each for each in self.elements.with_values(values).bodies.values() if each.free):
-            if text := body.ended(t, at[body.of("y")], at[body.of("v")]):
+            if text := body.ended(t, motion[body.name_of("y")], motion[body.name_of("v")]):
                 return f"{body.name}: {text}" if body.name else text
         return None
 
@@ -251,7 +255,9 @@ class MachineSystem(Equations):
     def outputs(self) -> dict[str, Expr]:
         """Every column as an expression of t, the states, what sampled controllers hold, and the constants."""
         energies = [c.name for c in self.columns if c.name.startswith("E_")] if self.energy else []
-        listed = [(c.name, own) for c, own in self.elements.listed] or [(c.name, c.name) for c in self.columns]
+        listed = [(c.name, quantity) for c, quantity in self.elements.listed] or [
+            (c.name, c.name) for c in self.columns
+        ]
         return self.assembly(exact=True).outputs([*listed, *((name, name) for name in energies)])
 
     def output_columns(
@@ -292,7 +298,7 @@ class MachineSystem(Equations):
 
 
 @lru_cache(maxsize=64)
-def same(system: MachineSystem) -> MachineSystem:
+def interned(system: MachineSystem) -> MachineSystem:
     """The first of equal structures: what it finds out about itself, it finds once."""
     return system
 

@@ -98,8 +98,8 @@ class ConstantField:
         )
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        one = self.constant.allowed_node
-        return {"type": "array", "items": one, "minItems": 1} if self.many else one
+        node = self.constant.allowed_node
+        return {"type": "array", "items": node, "minItems": 1} if self.many else node
 
 
 def _plain(value: object) -> object:
@@ -165,11 +165,11 @@ def refused(text: str, value: object) -> PydanticCustomError:
     return PydanticCustomError("stribeck", "{text}", {"text": f"{show(value)}: {text}"})
 
 
-def problems_at(found: list[tuple[Loc, str]]) -> ValidationError:
+def problems_at(problems: list[tuple[Loc, str]]) -> ValidationError:
     """Several problems at places below the one in hand, for a validator to raise."""
     lines = [
         InitErrorDetails(type=PydanticCustomError("stribeck", "{text}", {"text": text}), loc=loc, input=None)
-        for loc, text in found
+        for loc, text in problems
     ]
     return ValidationError.from_exception_data("problems", lines)
 
@@ -299,13 +299,13 @@ class FileTable(BaseModel):
         if kind is not cls:
             return kind.model_validate(data, context=info.context)  # its errors become ours, at our place
         try:
-            made = handler(cls.completed(dict(data), info.context or Reading()))
+            table = handler(cls.completed(dict(data), info.context or Reading()))
         except ValidationError as error:
             every = [e for e in error.errors(include_url=False) if e["type"] != "default_factory_not_called"]
             raise problems_at([(e["loc"], cls._word(e)) for e in every]) from None
-        if found := made.wrong():
-            raise problems_at([(_loc(key), text) for key, text in found])
-        return made
+        if problems := table.wrong():
+            raise problems_at([(_loc(key), text) for key, text in problems])
+        return table
 
     @classmethod
     def kind_for(cls, data: dict[str, Held], reading: Reading) -> type[Self]:
@@ -362,8 +362,8 @@ class FileTable(BaseModel):
             elif quantity.on(value):
                 key = info.alias or name
                 yield ConstantLeaf(f"{path}.{key}", (path, key), quantity.constant, value)
-        for at, each in inner:
-            yield from each.leaves(at)
+        for inner_path, table in inner:
+            yield from table.leaves(inner_path)
 
     def carrying(self, path: str, carrier: Carrier) -> Held:
         """The same table with what the carrier puts in the place of each run-time constant; None for one that is off."""
@@ -403,11 +403,11 @@ class Frozen(dict[str, Held]):
 
 def _loc(key: str) -> Loc:
     """``t[3]`` and ``initial.v`` as places below a table."""
-    found: list[int | str] = []
+    keys: list[int | str] = []
     for word in key.split(".") if key else ():
         name, _, number = word.partition("[")
-        found += [name, *([int(number[:-1])] if number else [])]
-    return tuple(found)
+        keys += [name, *([int(number[:-1])] if number else [])]
+    return tuple(keys)
 
 
 def _written(value: Held) -> Held:
@@ -437,9 +437,9 @@ def _inner(value: Held, path: str) -> list[tuple[str, Held]]:
     if hasattr(value, "leaves"):
         return [(path, value)]
     if isinstance(value, tuple):
-        return [found for i, each in enumerate(value) for found in _inner(each, f"{path}.{i}")]
+        return [table for i, each in enumerate(value) for table in _inner(each, f"{path}.{i}")]
     if isinstance(value, dict):
-        return [found for name, each in value.items() for found in _inner(each, f"{path}.{name}")]
+        return [table for name, each in value.items() for table in _inner(each, f"{path}.{name}")]
     return []
 
 

@@ -202,7 +202,7 @@ class CheckedAlways:
         """The verdict on one property."""
         by_property = {"bounded": self.bounded, "passive": self.passive}
         try:
-            return by_property[name]() if name in by_property else self.same(name)
+            return by_property[name]() if name in by_property else self.at_lowest_level(name)
         except (InputError, Unreadable, ArithmeticError) as error:
             return undecided(f"the law cannot be treated at every level: {error}")
 
@@ -224,7 +224,7 @@ class CheckedAlways:
             self.proofs[name] = law
         return confirmed
 
-    def same(self, name: str) -> Verdict:
+    def at_lowest_level(self, name: str) -> Verdict:
         """Unique, smooth, drift_free: what holds at the lowest level holds at all, for the laws of this package."""
         verdict = self.held(-1, name)
         if verdict.holds:

@@ -32,7 +32,7 @@ class ClaimProver:
     @contextmanager
     def at_most(self, amount: float) -> Iterator[None]:
         """So much of the work, and no more, for what is proved within."""
-        whole, self.work = self.work, self.work.part(amount)
+        whole, self.work = self.work, self.work.reserved(amount)
         try:
             yield
         finally:

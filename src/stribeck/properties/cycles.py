@@ -132,8 +132,8 @@ def best(
     """
     z = distinct(z)
     dz, fastest = np.gradient(z), own_speeds(rising.law)[-1]
-    ups, f_up, e_up = _that_move(rising, ups, z, 1)
-    downs, f_down, e_down = _that_move(falling, downs, z, -1)
+    ups, f_up, e_up = _moving(rising, ups, z, 1)
+    downs, f_down, e_down = _moving(falling, downs, z, -1)
     both = (f_up > 0)[:, None, :] & (f_down < 0)[None, :, :]
     gain = np.where(both, e_down[None, :, :] - e_up[:, None, :], -np.inf) * dz
     low, high, total = _largest_sums(gain)
@@ -154,7 +154,7 @@ def best(
     return cheapest
 
 
-def _that_move(storage: Storage, speeds: Array, z: Array, side: int) -> tuple[Array, Array, Array]:
+def _moving(storage: Storage, speeds: Array, z: Array, side: int) -> tuple[Array, Array, Array]:
     """The speeds that take z up (down) somewhere, and what they do: dz/dt and the energy for a metre."""
     f, energy = storage.slopes(speeds[:, None], z)
     moving = (side * f > 0).any(axis=1)

@@ -139,7 +139,7 @@ def check_machine(
             varied = of_contact(source.elements, contact, source.end, stated)
             verdicts.ranges[contact.name] = varied.to_dict()
             verdicts.contacts[contact.name] = _of_law(varied, v_max, work)
-        _whole(source, verdicts)
+        _decide_machine(source, verdicts)
     verdicts.seconds = process_time() - started
     return verdicts
 
@@ -204,10 +204,10 @@ def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerd
     return verdicts
 
 
-def _whole(scenario: Scenario, verdicts: MachineVerdicts) -> None:
+def _decide_machine(scenario: Scenario, verdicts: MachineVerdicts) -> None:
     machine = scenario.system
     verdicts.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.velocity is not None}
-    verdicts.ports |= {f"{b.path}.added": "its mass is varied" for b in machine.bodies if b.more is not None}
+    verdicts.ports |= {f"{b.path}.added": "its mass is varied" for b in machine.bodies if b.added_signal is not None}
     verdicts.ports |= {x.path: "its far end is moved" for x in machine.links if x.far is not None}
     verdicts.ports |= {x.path: f"a force on {x.on} ({x.kind})" for x in machine.loads if type(x) is not Pendulum}
     verdicts.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}

@@ -61,13 +61,13 @@ class Joints:
             pairs += [(derivative(surface.if_true, x), derivative(surface.if_false, x)) for x in (U, W)]
         proofs: list[Claim] = []
         for a, b in pairs:
-            claims = next((c for c in self._ways(surface, a, b) if c is not None), None)
+            claims = next((c for c in self._claims_on_sides(surface, a, b) if c is not None), None)
             if claims is None:
                 return None
             proofs += claims
         return proofs
 
-    def _ways(self, surface: SwitchingSurface, a: Expr, b: Expr) -> Iterator[list[Claim] | None]:
+    def _claims_on_sides(self, surface: SwitchingSurface, a: Expr, b: Expr) -> Iterator[list[Claim] | None]:
         less, more = surface.condition.args
         extra = {"condition": surface.condition}
         for start, end in ((less, more), (more, less)):

@@ -172,9 +172,9 @@ class Source:
                 rows[role] = size if i is None else max(shape)
         if times is None:
             times = dict.fromkeys(wanted, "time" if "time" in wanted else next(iter(wanted), ""))
-        for role, of in times.items():
-            if role in rows and of in rows and rows[role] != rows[of]:
-                text = f"has {rows[role]} rows, its times ({wanted[of]}) have {rows[of]}"
+        for role, time_role in times.items():
+            if role in rows and time_role in rows and rows[role] != rows[time_role]:
+                text = f"has {rows[role]} rows, its times ({wanted[time_role]}) have {rows[time_role]}"
                 problems.append(f"{arg(role)}: {wanted[role]!r}: this column of {self.path} {text}")
         if problems:
             raise InputError(problems)
@@ -423,7 +423,7 @@ def _hdf5(path: Path) -> dict[str, Later]:
         with h5py.File(path) as file:
             return np.asarray(file[name][()])
 
-    def found(file: h5py.File, name: str) -> tuple[object, str]:
+    def resolved(file: h5py.File, name: str) -> tuple[object, str]:
         """What a name of the file leads to, and the reason if that is nothing within the file."""
         node, parts, links = file, [name], list[str]()
         while parts:
@@ -448,7 +448,7 @@ def _hdf5(path: Path) -> dict[str, Later]:
         for name in file:
             if not isinstance(name, str):  # bytes that are no text, which nobody can name
                 continue
-            x, refused = found(file, name)
+            x, refused = resolved(file, name)
             if refused:
                 variables[name] = Later((2,), "f", partial(read, name), refused)
             elif isinstance(x, h5py.Dataset) and x.dtype.kind in "fiu" and x.shape is not None:

@@ -29,23 +29,27 @@ class BagSource(Source):
 
     def __init__(self, path: Path, messages: Messages) -> None:
         rows: dict[str, list[tuple[int, dict[str, float]]]] = {}
-        for topic, at, message in messages:
+        for topic, logged, message in messages:
             stamp = _stamp(message)
-            rows.setdefault(topic, []).append((at if stamp is None else stamp, dict(_fields("", message, ()))))
-        rows = {topic: own for topic, own in rows.items() if any(numbers for _, numbers in own)}
+            rows.setdefault(topic, []).append((logged if stamp is None else stamp, dict(_fields("", message, ()))))
+        rows = {
+            topic: messages_of_topic
+            for topic, messages_of_topic in rows.items()
+            if any(numbers for _, numbers in messages_of_topic)
+        }
         if not rows:
             raise InputError(f"{arg('data')}: '{path}': has no messages with numbers")
-        begin = min(row[0] for own in rows.values() for row in own)
-        found: dict[str, Array] = {}
+        begin = min(row[0] for messages_of_topic in rows.values() for row in messages_of_topic)
+        columns: dict[str, Array] = {}
         self.times: dict[str, str] = {}
         self.notes: list[str] = []
-        for topic, own in rows.items():
-            own.sort(key=lambda row: row[0])  # messages may arrive out of order
-            found[f"{topic}.t"] = np.array([(at - begin) * 1e-9 for at, _ in own])
-            for name in dict.fromkeys(name for _, numbers in own for name in numbers):
-                found[f"{topic}.{name}"] = np.array([numbers.get(name, np.nan) for _, numbers in own])
+        for topic, messages_of_topic in rows.items():
+            messages_of_topic.sort(key=lambda row: row[0])  # messages may arrive out of order
+            columns[f"{topic}.t"] = np.array([(logged - begin) * 1e-9 for logged, _ in messages_of_topic])
+            for name in dict.fromkeys(name for _, numbers in messages_of_topic for name in numbers):
+                columns[f"{topic}.{name}"] = np.array([numbers.get(name, np.nan) for _, numbers in messages_of_topic])
                 self.times[f"{topic}.{name}"] = f"{topic}.t"
-        super().__init__(path, found)
+        super().__init__(path, columns)
         self.names, self.constants = list(self.variables), {}  # a topic with one message has columns too
 
 
@@ -143,8 +147,8 @@ def opened_mcap(path: Path) -> Source:
     except InputError as error:
         if not others:
             raise
-        told = ", ".join(f"{topic} ({kind})" for topic, kind in others.items())
-        raise InputError(f"{error}; not read, as neither cdr nor json: {told}") from None
+        encodings = ", ".join(f"{topic} ({kind})" for topic, kind in others.items())
+        raise InputError(f"{error}; not read, as neither cdr nor json: {encodings}") from None
     except (McapError, struct.error, ValueError, RecursionError) as error:
         raise InputError(f"'{path}': cannot be read as MCAP: {error or type(error).__name__}") from None
 
@@ -168,7 +172,11 @@ def opened_rosbag(path: Path) -> Source:
                 if not isinstance(c.ext, ConnectionExtRosbag2) or c.msgtype in bag.typestore.fielddefs
             ]  # fmt: skip
             return BagSource(
-                path, ((c.topic, at, bag.deserialize(raw, c.msgtype)) for c, at, raw in bag.messages(connections=known))
+                path,
+                (
+                    (c.topic, logged, bag.deserialize(raw, c.msgtype))
+                    for c, logged, raw in bag.messages(connections=known)
+                ),
             )
     except AnyReaderError as error:
         raise InputError(f"'{path}': cannot be read as a rosbag: {error}") from None

@@ -54,15 +54,15 @@ def opened_episode(path: Path, episode: int) -> Source:
     if not parts:
         last = info.get("total_episodes")
         raise InputError(f"'{path}': episode: {episode}: there is none" + (f" (it has {last}, from 0)" if last else ""))
-    found: dict[str, Array] = {}
+    columns: dict[str, Array] = {}
     for name, pieces in parts.items():
         x = np.concatenate(pieces)
         if x.ndim == 1 or x.size == len(x):
-            found[name] = x.ravel()
+            columns[name] = x.ravel()
         else:
             x = x.reshape(len(x), -1)
-            found |= {f"{name}{end}": x[:, i] for i, end in enumerate(_ends(features[name], x.shape[1]))}
-    return Source(path, found)
+            columns |= {f"{name}{end}": x[:, i] for i, end in enumerate(_ends(features[name], x.shape[1]))}
+    return Source(path, columns)
 
 
 def _ends(feature: Mapping[str, object], count: int) -> list[str]:

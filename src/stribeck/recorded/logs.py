@@ -54,13 +54,13 @@ def _bam(path: Path) -> Source:
     if not isinstance(entries, list) or not entries or not all(isinstance(e, dict) for e in entries):
         raise InputError(f"'{path}': must be a log of BAM: a list 'entries' of tables")
     names = [n for n, x in entries[0].items() if isinstance(x, int | float | bool)]
-    found: dict[str, object] = {
+    columns: dict[str, object] = {
         n: np.array([float(x) if isinstance(x := e.get(n), int | float | bool) else np.nan for e in entries])
         for n in names
     }
-    found |= {n: np.asarray(x) for n, x in data.items() if isinstance(x, int | float) and n not in found}
-    if "t" not in found and isinstance(data.get("dt"), int | float):
-        found["t"] = float(data["dt"]) * np.arange(len(entries))
-    elif "t" not in found and "timestamp" in found:
-        found["t"] = found["timestamp"]
-    return Source(path, found)
+    columns |= {n: np.asarray(x) for n, x in data.items() if isinstance(x, int | float) and n not in columns}
+    if "t" not in columns and isinstance(data.get("dt"), int | float):
+        columns["t"] = float(data["dt"]) * np.arange(len(entries))
+    elif "t" not in columns and "timestamp" in columns:
+        columns["t"] = columns["timestamp"]
+    return Source(path, columns)

@@ -122,11 +122,11 @@ class Scenario:
             # to unfold the set's name the law must be known, and so executed: see first whether that is allowed
             others = {place: x for place, x in changes.items() if not unfolds(place)}
             bare = changed(data, others, folder)
-            own = set(named(bare).values()) - set(strange)
-            _refuse(Reader(bare, folder, None if trusted is None else {*trusted, *own}).judge())
+            named_by_changes = set(named(bare).values()) - set(strange)
+            _refuse(Reader(bare, folder, None if trusted is None else {*trusted, *named_by_changes}).judge())
         new = changed(data, changes, folder)
-        own = set(named(new).values()) - set(strange)
-        return cls(new, folder=folder, trust=True if trusted is None else {*trusted, *own})
+        named_by_changes = set(named(new).values()) - set(strange)
+        return cls(new, folder=folder, trust=True if trusted is None else {*trusted, *named_by_changes})
 
     @classmethod
     def of(cls, given: Scenario | str | Path | Mapping[str, object]) -> Scenario:

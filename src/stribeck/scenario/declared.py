@@ -19,6 +19,6 @@ def declared(scenario: Scenario, path: str) -> Constant | None:
         return machine.constant(owner, key)
     for use, signal in scenario.elements.signals.items():
         if name in signal.constants and group == use.path:
-            own = signal.constants[name]
-            return replace(own, unit="") if isinstance(own, OfSignal) else own
+            declaration = signal.constants[name]
+            return replace(declaration, unit="") if isinstance(declaration, OfSignal) else declaration
     return None

@@ -20,12 +20,12 @@ def read_machine(
     """The machine of a file's sections; None where something is wrong, or a file of code was not executed; all that is wrong,
     by the file's paths."""
     draft = Draft(sections, reading, energy)
-    found = list(draft.problems)
+    by_path = list(draft.problems)
     if (
         isinstance(t_end, int | float) and 0 < t_end <= float_info.max
     ):  # a whole number of a file may be larger than any float
-        found += [problem for each in draft.machine for problem in each.until(draft.machine, float(t_end))]
-    problems = [(called.to_file(path), text) for path, text in found]
+        by_path += [problem for each in draft.machine for problem in each.until(draft.machine, float(t_end))]
+    problems = [(called.to_file(path), text) for path, text in by_path]
     pistons = [called.to_file(x.path) for x in draft.machine.bodies.values() if x.kind == "pneumatic"]
     if energy:
         problems += [("output.energy", f"true: must be false with {x}, a pneumatic piston") for x in pistons]
@@ -41,8 +41,8 @@ def _listed(elements: Elements, called: Called) -> tuple[tuple[Column, str], ...
     if called.order:
         known = {c.name: c for each in elements for c in each.columns(elements)}
         return tuple((known[name], name) for name in called.order if name in known)
-    found = [c for each in (elements.bodies[""], elements.contacts[""]) for c in each.columns(elements)]
+    columns = [c for each in (elements.bodies[""], elements.contacts[""]) for c in each.columns(elements)]
     if elements.bodies[""].turns:
-        found = [replace(c, meaning=rotary_words(c.meaning)) for c in found]
-    y, v, *inner, z, F, _ = found
+        columns = [replace(c, meaning=rotary_words(c.meaning)) for c in columns]
+    y, v, *inner, z, F, _ = columns
     return (*((c, c.name) for c in (y, v, z, F)), *called.columns, *((c, c.name) for c in inner))

@@ -79,8 +79,8 @@ class Machine:
 
     def __getitem__(self, name: str) -> Element:
         """An element by its name."""
-        found: Element = next(section[name] for section in self._sections.values() if name in section)
-        return found
+        element: Element = next(section[name] for section in self._sections.values() if name in section)
+        return element
 
     def to_dict(self) -> dict[str, object]:
         """The tables of a machine file, without [solve] and [output]."""

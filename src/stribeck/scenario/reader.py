@@ -76,15 +76,15 @@ class Reader:
         sections: Mapping[str, object] = {s: self.data[s] for s in SECTIONS if s in self.data} | dict(self.objects)
         self.called = Called()
         if single:
-            sections, self.called, found = schema1.translated(self.data, schema1.turns(self.data, self.folder))
-            self.problems += found
+            sections, self.called, problems = schema1.translated(self.data, schema1.turns(self.data, self.folder))
+            self.problems += problems
         reading = Reading(self.folder, self.executes, unnamed=single, to_file=self.called.to_file)
         solve = self.data.get("solve")
         t_end = solve.get("t_end") if isinstance(solve, Mapping) else None
         energy = self.output is not None and self.output.energy
-        self.elements, found = read_machine(sections, reading, t_end, energy, self.called)
-        own = {path for path, _ in self.problems}
-        self.problems += [(path, text) for path, text in found if path not in own]
+        self.elements, problems = read_machine(sections, reading, t_end, energy, self.called)
+        reported = {path for path, _ in self.problems}
+        self.problems += [(path, text) for path, text in problems if path not in reported]
         if self.elements is not None:
             self._tolerances([state.name for state in self.elements.system.states])
         self._rows(len(self.elements.system.columns) if self.elements is not None else 1)

@@ -97,7 +97,11 @@ def _plants() -> Node:
     def driven_by(kind: str) -> Node:
         return {"properties": {"drive": {"properties": {"kind": {"const": kind}}, "required": ["kind"]}}}
 
-    own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
+    plant_in_file = {
+        "type": "object",
+        "properties": {"kind": {"type": "string", "pattern": "\\.py:."}},
+        "required": ["kind"],
+    }
     body, *others = _model(family_of("bodies"))["anyOf"]
     piston = next(x for x in others if x["properties"]["kind"].get("const") == "pneumatic")
     numbers = body["properties"]["initial"]["properties"]
@@ -113,7 +117,7 @@ def _plants() -> Node:
     gas = {n: x for n, x in piston["properties"].items() if n not in schema1.NOT_OF_A_PISTON}
     cylinder = {**piston, "properties": {**gas, "initial": filled}}
     pushed: Node = {
-        "properties": {"plant": {"anyOf": [mass, own]}},
+        "properties": {"plant": {"anyOf": [mass, plant_in_file]}},
         "if": driven_by("velocity"), "then": velocity_is_set, "else": mass_is_needed,
     }  # fmt: skip
     then = {"properties": {"plant": cylinder}, "required": ["plant"]}
@@ -159,15 +163,19 @@ def _numbers(constants: dict[str, Constant]) -> Node:
 
 def _law(law: type[Law], observes: bool = False) -> Node:
     """A law; one that ``observes`` takes from the plant what it is not given."""
-    constants, own = law.constants(), law.own_constants()
+    constants, constants_of_law = law.constants(), law.own_constants()
     needed = [name for name in law.uses if constants[name].required and not observes]
-    table = _object({**_MACHINE, **_numbers(own)}, needed)
+    table = _object({**_MACHINE, **_numbers(constants_of_law)}, needed)
     about = (law.__doc__ or "").strip().partition("\n")[0]
     node = _object(
-        {"name": {"const": law.name, "description": about}, **_numbers(own), "parameters": _parameters(table)},
+        {
+            "name": {"const": law.name, "description": about},
+            **_numbers(constants_of_law),
+            "parameters": _parameters(table),
+        },
         ["name", *(["parameters"] if needed else [])],
     )
-    places = [_somewhere(name) for name, constant in own.items() if constant.required]
+    places = [_somewhere(name) for name, constant in constants_of_law.items() if constant.required]
     return {**node, **({"allOf": places} if places else {})}
 
 
@@ -212,8 +220,8 @@ def _drive(kind: str) -> Node:
     numbers = own_table.get("anyOf", [own_table])[0]["properties"]  # of a family, those of its plain kind
     required = [info.alias or n for n, info in tables[kind].model_fields.items() if info.is_required()] if names else []
     named = {"kind": {"const": kind, "description": f"the signal is the {about}"}}
-    own = {**named, **{n: numbers[n] for n in names}, "signal": signal}
-    return _object(own, ["kind", *(n for n in names if n in required), "signal"])
+    properties = {**named, **{n: numbers[n] for n in names}, "signal": signal}
+    return _object(properties, ["kind", *(n for n in names if n in required), "signal"])
 
 
 def _solve() -> Node:
@@ -236,8 +244,8 @@ def _model(model: type[BaseModel], instead: Mapping[str, Node] = MappingProxyTyp
             return node
         if "$ref" in node:
             name = node["$ref"].rpartition("/")[2]
-            found = dict(instead[name]) if name in instead else plain(definitions[name])
-            return {**found, **{key: x for key, x in node.items() if key == "description"}}
+            definition = dict(instead[name]) if name in instead else plain(definitions[name])
+            return {**definition, **{key: x for key, x in node.items() if key == "description"}}
         if node.get("title") in instead:
             return dict(instead[node["title"]])
         kept = {key: x for key, x in node.items() if key != "title" or not isinstance(x, str)}

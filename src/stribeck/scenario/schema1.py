@@ -115,46 +115,46 @@ def translated(data: Table, rotary: bool, names: ElementNames | None = None) -> 
         rotary: whether the body turns.
         names: of the elements.
     """
-    found = list[Problem]()
+    problems = list[Problem]()
     if not isinstance(given := data.get("rotary", False), bool):
-        found.append(("rotary", f"{show(given)}: must be true or false, not {kind_of(given)}"))
-    drive, kind = _drive(data, found)
-    plant = _plant(data, kind, found)
+        problems.append(("rotary", f"{show(given)}: must be true or false, not {kind_of(given)}"))
+    drive, kind = _drive(data, problems)
+    plant = _plant(data, kind, problems)
     if kind == "cascade" and rotary:
-        found.append(("rotary", "true: must be left out: the piston of a cylinder does not turn"))
-    at = names or ElementNames()
-    body, start = _body(plant, kind, rotary, found)
+        problems.append(("rotary", "true: must be left out: the piston of a cylinder does not turn"))
+    called = names or ElementNames()
+    body, start = _body(plant, kind, rotary, problems)
     if "law" not in data:
-        found.append(("law", "missing: the table [law] must be given (with name and parameters)"))
+        problems.append(("law", "missing: the table [law] must be given (with name and parameters)"))
     law = {"law": data["law"]} if "law" in data else {}
-    contact = {"from": at.body, **law, **({"initial": start} if start else {})}
-    sections: Sections = {"bodies": {at.body: body}, "contacts": {at.contact: contact}}
-    own = {n: x for n, x in drive.items() if n not in ("kind", "signal") and x is not None}
+    contact = {"from": called.body, **law, **({"initial": start} if start else {})}
+    sections: Sections = {"bodies": {called.body: body}, "contacts": {called.contact: contact}}
+    settings = {n: x for n, x in drive.items() if n not in ("kind", "signal") and x is not None}
     signal = {"signal": drive["signal"]} if "signal" in drive else {}
-    bodies, contacts = table_path("bodies", at.body), table_path("contacts", at.contact)
+    bodies, contacts = table_path("bodies", called.body), table_path("contacts", called.contact)
     paths = [
         (f"{contacts}.initial.z", "plant.initial.z"), (f"{bodies}.initial", "plant.initial"),
         (f"{contacts}.initial", "plant.initial"), (f"{contacts}.law", "law"),
         *([(f"{bodies}.inertia", "plant.mass")] if rotary else []), (bodies, "plant"),
     ]  # fmt: skip
     if kind == "velocity":
-        sections["bodies"][at.body] = {
+        sections["bodies"][called.body] = {
             "velocity": signal, **{n: x for n, x in body.items() if n == "initial"}, **({"rotary": True} if rotary else {})
         }  # fmt: skip
         paths = [(f"{bodies}.velocity.signal", "drive.signal"), (f"{bodies}.velocity", "drive"), *paths]
     elif kind == "spring":
-        sections["links"] = {at.mover: {"from": signal, "to": at.body, **own}}
-        links = table_path("links", at.mover)
+        sections["links"] = {called.mover: {"from": signal, "to": called.body, **settings}}
+        links = table_path("links", called.mover)
         paths += [(f"{links}.from.signal", "drive.signal"), (links, "drive")]
     elif kind == "pid" or (kind == "cascade" and "kind" in body):
-        words = {"kind": "pid" if kind == "pid" else "pressure_cascade", "on": at.body}
-        sections["controllers"] = {at.mover: {**words, **signal, **own}}
-        paths.append((table_path("controllers", at.mover), "drive"))
+        words = {"kind": "pid" if kind == "pid" else "pressure_cascade", "on": called.body}
+        sections["controllers"] = {called.mover: {**words, **signal, **settings}}
+        paths.append((table_path("controllers", called.mover), "drive"))
     elif kind == "force" or signal:
-        sections["loads"] = {at.mover: {"on": at.body, "kind": "signal", **signal, **own}}
-        paths.append((table_path("loads", at.mover), "drive"))
+        sections["loads"] = {called.mover: {"on": called.body, "kind": "signal", **signal, **settings}}
+        paths.append((table_path("loads", called.mover), "drive"))
     columns = tuple((c.of_motion(rotary), name) for c, name in _COLUMNS.get(kind, ()))
-    return sections, Called(tuple(paths), columns, _ORDER if kind == "cascade" else (), kind), found
+    return sections, Called(tuple(paths), columns, _ORDER if kind == "cascade" else (), kind), problems
 
 
 def constants_of(kind: str) -> tuple[str, ...]:
@@ -166,37 +166,37 @@ def constants_of(kind: str) -> tuple[str, ...]:
     return tuple(key for key in PressureCascade.file_keys() if key not in ("kind", "on", "signal"))
 
 
-def _drive(data: Table, found: list[Problem]) -> tuple[dict[str, object], str]:
+def _drive(data: Table, problems: list[Problem]) -> tuple[dict[str, object], str]:
     """[drive] with the keys that it may have, and its kind; empty where it has none that is known."""
     table = data.get("drive")
     if not isinstance(table, Mapping):
         text = f"missing: the table [drive] must be given (with kind, one of {', '.join(SIGNALS)}, and signal)"
-        found.append(("drive", text if table is None else no_table(table)))
+        problems.append(("drive", text if table is None else no_table(table)))
         return {}, ""
     kind = table.get("kind")
     if not (isinstance(kind, str) and kind in SIGNALS):
         every = dict.fromkeys(("kind", *(n for each in SIGNALS for n in constants_of(each)), "signal"))
-        found += unknown({n: x for n, x in table.items() if n not in every}, "drive", every)
+        problems += unknown({n: x for n, x in table.items() if n not in every}, "drive", every)
         allowed = f"one of {', '.join(SIGNALS)}"
         guess = nearest(kind, SIGNALS) if isinstance(kind, str) else ""
         text = f"{show(kind)}: must be {allowed}{guess}" if "kind" in table else f"missing: must be given ({allowed})"
-        found.append(("drive.kind", text))
+        problems.append(("drive.kind", text))
         return {"signal": table["signal"]} if "signal" in table else {}, ""
     if "signal" not in table:
-        found.append(("drive.signal", f"missing: must be given ({SIGNALS[kind]})"))
+        problems.append(("drive.signal", f"missing: must be given ({SIGNALS[kind]})"))
     known = ("kind", *constants_of(kind), "signal")
-    found += unknown(table, "drive", known)
+    problems += unknown(table, "drive", known)
     return {n: x for n, x in table.items() if n in known}, kind
 
 
-def _plant(data: Table, drive: str, found: list[Problem]) -> dict[str, object]:
+def _plant(data: Table, drive: str, problems: list[Problem]) -> dict[str, object]:
     """[plant] with the keys that it may have."""
     table = data.get("plant")
     if not isinstance(table, Mapping):
         if table is not None:
-            found.append(("plant", no_table(table)))
+            problems.append(("plant", no_table(table)))
         elif drive not in ("", "velocity"):
-            found.append(("plant", "missing: the table [plant] must be given (with mass)"))
+            problems.append(("plant", "missing: the table [plant] must be given (with mass)"))
         return {"mass": 1.0}  # in its place
     table = {n: x for n, x in table.items() if x is not None}
     kind, allowed = table.get("kind"), PNEUMATIC if drive == "cascade" else MASS
@@ -204,31 +204,33 @@ def _plant(data: Table, drive: str, found: list[Problem]) -> dict[str, object]:
         return table
     if (kind is not None or drive == "cascade") and kind != allowed:
         text = f"{show(kind)}: must be {allowed!r}" if kind is not None else f"missing: must be given ({allowed})"
-        found.append(("plant.kind", text))
+        problems.append(("plant.kind", text))
     if drive == "cascade":
         foreign = {n: x for n, x in table.items() if n in NOT_OF_A_PISTON}
-        found += unknown(foreign, "plant", ())
+        problems += unknown(foreign, "plant", ())
         return {n: x for n, x in table.items() if n not in foreign} | {"kind": PNEUMATIC}
-    found += unknown(table, "plant", ("kind", "mass", "initial"))
+    problems += unknown(table, "plant", ("kind", "mass", "initial"))
     if "mass" not in table and drive != "velocity":
         if drive:  # whether a mass must be given depends on the drive
-            found.append(("plant.mass", "missing: must be given (mass of the body, kg)"))
+            problems.append(("plant.mass", "missing: must be given (mass of the body, kg)"))
         table["mass"] = 1.0
     return {n: x for n, x in table.items() if n in ("mass", "initial")}
 
 
-def _body(plant: Table, drive: str, rotary: bool, found: list[Problem]) -> tuple[dict[str, object], dict[str, object]]:
+def _body(
+    plant: Table, drive: str, rotary: bool, problems: list[Problem]
+) -> tuple[dict[str, object], dict[str, object]]:
     """The table of the body, and where the bristles start."""
     body, start = dict(plant), plant.get("initial")
     if drive == "velocity" and "mass" in body and (text := OF_BODY.problem(body["mass"])):
-        found.append(("plant.mass", f"{show(body['mass'])}: {text}"))
+        problems.append(("plant.mass", f"{show(body['mass'])}: {text}"))
     if rotary and "mass" in body:
         body["inertia"] = body.pop("mass")
     if not isinstance(start, Mapping):
         return body, {}
     known = _STARTS.get(str(plant.get("kind", MASS)))
     if known is not None:
-        found += unknown(start, "plant.initial", [n for n in known if n != "v" or drive != "velocity"] + (
+        problems += unknown(start, "plant.initial", [n for n in known if n != "v" or drive != "velocity"] + (
             ["v"] if drive == "velocity" and "v" in start else []
         ))  # fmt: skip
         start = {n: x for n, x in start.items() if n in known}

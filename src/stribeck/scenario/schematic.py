@@ -40,23 +40,23 @@ class Entry:
 
 def entries(machine: Elements) -> list[Entry]:
     """Every element of a machine, in the file's order."""
-    found = [
+    elements = [
         Entry("link", link.name, _start(link), link.end, _numbers(machine, link.path)) for link in machine.system.links
     ]
     for contact in machine.system.contacts:
         law = machine.laws[contact.law_path]
         shown = [f"{n} {number(x)}" for n in ("F_c", "F_s", "sigma_0") if (x := law.values.get(n)) is not None]
         shown += [f"load: {', '.join(level.weights)}" for level in contact.loads]
-        shown += [f"{of} varies" for of in contact.factors]
+        shown += [f"{constant} varies" for constant in contact.factors]
         numbers = (law.name, *shown, *_numbers(machine, contact.path))
-        found.append(Entry("contact", contact.name, _start(contact), contact.end, numbers))
+        elements.append(Entry("contact", contact.name, _start(contact), contact.end, numbers))
     for load in machine.system.loads:
         use = next(load.signals(), None)
         how = f"{load.kind}: {machine.signals[use].kind}" if use is not None else load.kind
-        found.append(Entry("load", load.name, load.on, None, (how, *_numbers(machine, load.path))))
+        elements.append(Entry("load", load.name, load.on, None, (how, *_numbers(machine, load.path))))
     for motor in machine.system.motors:
         driven = (f"V: {machine.signals[motor.use].kind}",) if motor.signal else ()
-        found.append(Entry("motor", motor.name, motor.on, None, (*driven, *_numbers(machine, motor.path))))
+        elements.append(Entry("motor", motor.name, motor.on, None, (*driven, *_numbers(machine, motor.path))))
     for each in machine.system.controllers:
         about = [each.kind, machine.signals[each.use].kind, *_numbers(machine, each.path)]
         if each.compensation is not None:
@@ -65,13 +65,13 @@ def entries(machine: Elements) -> list[Entry]:
             about += [f"dither: {each.dither.kind}", *_numbers(machine, f"{each.path}.dither")]
         if each.sampling is not None:
             about += ["sampled", *_numbers(machine, f"{each.path}.sampling")]
-        found.append(Entry("controller", each.name, each.on, each.measures, tuple(about)))
+        elements.append(Entry("controller", each.name, each.on, each.measures, tuple(about)))
     for valve in (x for x in machine.system.elements.controllers.values() if isinstance(x, PressureCascade)):
         about = ["pressure cascade", machine.signals[valve.use].kind, f"observer: {valve.observer_name}"]
         about += _numbers(machine, valve.path)
         about += ["sampled", *_numbers(machine, f"{valve.path}.sampling")] if valve.sampling is not None else []
-        found.append(Entry("controller", valve.name, valve.on, valve.on, tuple(about)))
-    return found
+        elements.append(Entry("controller", valve.name, valve.on, valve.on, tuple(about)))
+    return elements
 
 
 def _start(each: BetweenBodies) -> str:
@@ -96,13 +96,13 @@ def _numbers(machine: Elements, path: str) -> tuple[str, ...]:
 def about_body(machine: Elements, name: str) -> tuple[str, ...]:
     """A body's numbers in short."""
     body = machine.system.elements.bodies[name]
-    found = [x for x in _numbers(machine, body.path) if not x.startswith("ratio")]
+    numbers = [x for x in _numbers(machine, body.path) if not x.startswith("ratio")]
     if body.tied_to is not None:
-        found.append(f"tied to {body.tied_to}, ratio {number(machine.values.get((body.path, 'ratio'), 1.0))}")
+        numbers.append(f"tied to {body.tied_to}, ratio {number(machine.values.get((body.path, 'ratio'), 1.0))}")
     if body.velocity is not None:
-        found.append(f"velocity: {machine.signals[next(body.signals())].kind}")
+        numbers.append(f"velocity: {machine.signals[next(body.signals())].kind}")
     start = [f"{q} {number(x)}" for q in "yv" if (x := machine.initial.get(f"{name}.{q}"))]
-    return (*found, *(["starts at " + ", ".join(start)] if start else []))
+    return (*numbers, *(["starts at " + ", ".join(start)] if start else []))
 
 
 # -- as text ---------------------------------------------------------------------------------------------------------
@@ -202,12 +202,12 @@ class _Layout:
         self.lanes = [e for e in self.every if e.kind in ("link", "contact") and e.end != "ground"]
         self.x: dict[str, float] = {}
         self.column: dict[str, tuple[float, float]] = {}
-        at = 20.0
+        left = 20.0
         for n in names:
             count = max(1, len(self.below[n]), len(self.above[n]), len(self.control[n]))
-            self.column[n], self.x[n] = (at, count * _COLUMN), at + count * _COLUMN / 2
-            at += count * _COLUMN
-        self.width = at + 60
+            self.column[n], self.x[n] = (left, count * _COLUMN), left + count * _COLUMN / 2
+            left += count * _COLUMN
+        self.width = left + 60
         self.ports: dict[str, int] = {}
 
     def slots(self, name: str, count: int) -> list[float]:

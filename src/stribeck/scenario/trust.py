@@ -19,7 +19,7 @@ _DEEPEST = 16  # tables within tables; no valid file has as many
 
 def named(data: Mapping[str, object]) -> dict[str, str]:
     """The laws and elements in files that a scenario's data names, by the path of the key."""
-    found: dict[str, str] = {}
+    programs: dict[str, str] = {}
     left: list[tuple[str, Mapping[str, object] | list[object]]] = [
         (key, value) for key, value in data.items() if isinstance(value, Mapping)
     ]
@@ -31,10 +31,10 @@ def named(data: Mapping[str, object]) -> dict[str, str]:
         for key, each in inside:
             place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}"
             if key in ("name", "kind") and in_a_file(each):
-                found[place] = each
+                programs[place] = each
             elif isinstance(each, Mapping | list) and place.count(".") + place.count("[") < _DEEPEST:
                 left.append((place, each))
-    return found
+    return programs
 
 
 def problems(data: Mapping[str, object], folder: Path, trusted: Iterable[str]) -> list[tuple[str, str]]:

@@ -44,7 +44,7 @@ def context(request: Request) -> dict[str, object]:
         "P": request.name,
         "about": request.about(),
         "law": law,
-        "constants": {name: of for name, of in every.items() if name not in inputs},
+        "constants": {name: declaration for name, declaration in every.items() if name not in inputs},
         "inputs": inputs,
         "call": Call(request.name, law.inputs),
         "now": "&now" if inputs else "&m->p",
@@ -84,8 +84,10 @@ def costs(law: Law) -> list[str]:
 
 def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, str]]:
     """(the constant to blame, what is allowed, the condition in C) for every relation of the law."""
-    found = dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB))
-    return [(r.key, r.allowed, c_condition(r.holds, law)) for r in found if all(need in constants for need in r.needs)]
+    relations = dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB))
+    return [
+        (r.key, r.allowed, c_condition(r.holds, law)) for r in relations if all(need in constants for need in r.needs)
+    ]
 
 
 def notes(request: Request) -> list[str]:

@@ -69,18 +69,20 @@ class LawCode:
         """dz/dt, F, F for a given dz/dt, their derivatives by v and z, and the bound of z where the law has one."""
         law, v, z, rate = self.law, symbol("v"), symbol("z"), symbol("rate")
         p = law.symbolic(symbol, law.form, self.names.term)
-        found = {"rate": wrap(law.dz_dt(p, v, z) if law.has_z else 0.0)}
-        found["force_at_rate"] = wrap(law.friction(p, v, z, rate if law.has_z else wrap(0.0)))
-        found["force"] = wrap(law.friction(p, v, z, found["rate"]))
-        found |= {f"{of}_{by.value}": derivative(found[of], by) for of in ("rate", "force") for by in (v, z)}
+        outputs = {"rate": wrap(law.dz_dt(p, v, z) if law.has_z else 0.0)}
+        outputs["force_at_rate"] = wrap(law.friction(p, v, z, rate if law.has_z else wrap(0.0)))
+        outputs["force"] = wrap(law.friction(p, v, z, outputs["rate"]))
+        outputs |= {
+            f"{output}_{by.value}": derivative(outputs[output], by) for output in ("rate", "force") for by in (v, z)
+        }
         if self.observable:
-            found["pull"] = wrap(correction(p, symbol("K"), symbol("error")))
+            outputs["pull"] = wrap(correction(p, symbol("K"), symbol("error")))
         # a law linear in z: dz/dt = a z + b at held v
-        found["a"], found["b"] = found["rate_z"], substitute([found["rate"]], {z: wrap(0.0)}, self.names)[0]
-        found["steady_force"] = steady_force(type(law), p, v, symbol("side"))
+        outputs["a"], outputs["b"] = outputs["rate_z"], substitute([outputs["rate"]], {z: wrap(0.0)}, self.names)[0]
+        outputs["steady_force"] = steady_force(type(law), p, v, symbol("side"))
         if self.bounded:
-            found["bound"] = wrap(law.z_bound(p))
-        return found
+            outputs["bound"] = wrap(law.z_bound(p))
+        return outputs
 
     @property
     def linear(self) -> bool:
@@ -99,14 +101,14 @@ class LawCode:
 
     def body(self, outputs: Sequence[tuple[str, str]], arguments: Sequence[str]) -> str:
         """Statements that assign expressions, given as (target, name), for a function that has these arguments."""
-        found = self.expressions
+        expressions = self.expressions
         inputs = {name: f"p->{self.inside(name)}" for name in self.law.numbers(self.law.form)}
         inputs |= {name: name for name in arguments if name != "p"}
-        used = symbols(found[name] for _, name in outputs)
+        used = symbols(expressions[name] for _, name in outputs)
         unused = [name for name in arguments if name != "p" and name not in used]
         if not used & set(self.law.numbers(self.law.form)):
             unused.insert(0, "p")
-        written = statements([(target, found[name]) for target, name in outputs], inputs, self.names)
+        written = statements([(target, expressions[name]) for target, name in outputs], inputs, self.names)
         return "\n".join([*(f"    (void){name};" for name in unused), written])
 
     def inside(self, name: str) -> str:
@@ -153,7 +155,7 @@ class Call:
         )
         return "".join(f"    {line}\n" for line in lines)
 
-    def given(self, p: str, load: str) -> str:
+    def arguments(self, p: str, load: str) -> str:
         """What a caller writes for them."""
         return f"{p}, {load}" if self.inputs else p
 

@@ -17,16 +17,16 @@ def resolution(request: Request) -> list[str]:
     law, step = request.law, request.step
     if not law.has_z:
         return []
-    found, speed = _creeping(law), law.scales(law.p).speed
+    warnings, speed = _creeping(law), law.scales(law.p).speed
     if step is None:
-        return found
+        return warnings
     relaxation = 1 / abs(float(law.jacobian(speed, law.steady_deflection(speed))[1]))
     if step > relaxation:
-        found.append(
+        warnings.append(
             f"{arg('step')}: {step:g} s is longer than the bristles' time constant at {speed:g} m/s ({relaxation:.2g} s): "
             "the step stays stable, but it does not show how the force builds up"
         )
-    return found
+    return warnings
 
 
 def _creeping(law: Law) -> list[str]:
@@ -43,20 +43,20 @@ def _creeping(law: Law) -> list[str]:
 
 def unstable(request: Request) -> list[str]:
     """What the streaming step loses, at the request's time step where one is given."""
-    law, step, found = request.law, request.step, resolution(request)
+    law, step, warnings = request.law, request.step, resolution(request)
     if step is None or not law.has_z:
-        return found
+        return warnings
     mass = getattr(request.scenario, "mass", None)
     if mass is not None and radius(law, mass, step) > _LIMIT:
         low, high = 0.0, step
         for _ in range(60):
             middle = (low + high) / 2
             low, high = (low, middle) if radius(law, mass, middle) > _LIMIT else (middle, high)
-        found.append(
+        warnings.append(
             f"{arg('step')}: at {step:g} s the sampled friction and a mass of {mass:g} kg are unstable together "
             f"(stable below {low:.3g} s), so the law is not passive there: use {request.name}_body_step, which is stable"
         )
-    return found
+    return warnings
 
 
 def radius(law: Law, mass: float, step: float) -> float:

@@ -36,17 +36,17 @@ def _cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     v, z = _single(speeds), _single(z)
     size = terms(equations, ("rate", "force"))
     rates, forces = law.rate(v, z), law.force(v, z)
-    found: dict[str, list[tuple[str, ...]]] = {"points": [], "steps": []}
-    found["load"] = [_row(law.values[name] or 0.0 for name in law.inputs)]
+    tables: dict[str, list[tuple[str, ...]]] = {"points": [], "steps": []}
+    tables["load"] = [_row(law.values[name] or 0.0 for name in law.inputs)]
     for i in range(v.size):
         rate_terms, force_terms = size(v[i], z[i])
         row = (v[i], z[i], rates[i], rate_terms, forces[i], force_terms, float(law.steady_force(v[i])))
-        found["points"].append(_row(row))
+        tables["points"].append(_row(row))
     for i in range(1, v.size - 1):
         dt = float(_single(np.array(min(0.05 * scales.length / abs(v[i]), _settled(law, v[i], scales.length)))))
         after = advance(law, v[i], z[i], dt)
-        found["steps"].append(_row((v[i], z[i], dt, after, scales.length)))
-    return found
+        tables["steps"].append(_row((v[i], z[i], dt, after, scales.length)))
+    return tables
 
 
 def at_a_load(law: Law) -> Law:
@@ -88,11 +88,11 @@ def terms(equations: LawCode, names: tuple[str, ...]) -> Value:
     function = python_function([*symbols, "v", "z"], [known[node] for node in outputs])
     values = [p.values[name] for name in symbols]
 
-    def at(v: float, z: float) -> tuple[float, ...]:
+    def sums(v: float, z: float) -> tuple[float, ...]:
         with np.errstate(all="ignore"):
             return tuple(float(x) for x in function(*values, v, z))
 
-    return at
+    return sums
 
 
 def output_spread(outputs: list[Expr]) -> list[Expr]:
@@ -101,8 +101,8 @@ def output_spread(outputs: list[Expr]) -> list[Expr]:
     known: dict[Expr, Expr] = {}
     for node in ordered(outputs):
         total = wrap(0.0)
-        for slope, of in zip(partials(node), node.args, strict=False):
-            total = total + abs(slope) * known[of]
+        for slope, argument in zip(partials(node), node.args, strict=False):
+            total = total + abs(slope) * known[argument]
         if node.op == "root":
             total = substitute([known[node.args[0]]], {BOUND: node})[0] / abs(slope_at(node))
         known[node] = total if node.args else abs(node)
@@ -139,7 +139,7 @@ def advance(law: Law, v: float, z: float, dt: float) -> float:
 
 
 def _row(numbers: Iterable[float]) -> tuple[str, ...]:
-    found = [float(x) for x in numbers]
-    if not np.all(np.isfinite(found)):
+    values = [float(x) for x in numbers]
+    if not np.all(np.isfinite(values)):
         raise InputError(f"{arg('self_test')}: a value to check by is not finite with these constants")
-    return tuple(map(repr, found))
+    return tuple(map(repr, values))

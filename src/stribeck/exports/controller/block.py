@@ -113,8 +113,8 @@ class Block:
 
     @property
     def _observed(self) -> tuple[str, ...]:
-        made = self.controller.compensation
-        return ("z_hat",) if made is not None and made.observes(self._elements) else ()
+        compensation = self.controller.compensation
+        return ("z_hat",) if compensation is not None and compensation.observes(self._elements) else ()
 
     # -- equations -------------------------------------------------------------------------------------------------
 
@@ -158,8 +158,8 @@ class Block:
 
     @cached_property
     def _path(self) -> dict[str, Expr]:
-        found = replace(self.controller.use, turns=False).reference(symbol("t"))
-        return {"r": wrap(found.value), "r_rate": wrap(found.rate), "r_second": wrap(found.second)}
+        path = replace(self.controller.use, turns=False).reference(symbol("t"))
+        return {"r": wrap(path.value), "r_rate": wrap(path.rate), "r_second": wrap(path.second)}
 
     @cached_property
     def pieces(self) -> list[list[float]]:
@@ -188,11 +188,11 @@ class Block:
         period = SAMPLING["period"]
         values[f"{each.path}.sampling.period"] = (period, self.step)
         used = symbols(self.expressions.values())
-        found = {}
+        constants = {}
         for path, (constant, value) in values.items():
             if path in used:
-                found[self._constant_name(path)] = (constant, value, path)
-        return found
+                constants[self._constant_name(path)] = (constant, value, path)
+        return constants
 
     def _constant_name(self, path: str) -> str:
         owner, _, name = path.rpartition(".")
@@ -208,15 +208,15 @@ class Block:
     @cached_property
     def relations(self) -> list[tuple[str, str, str]]:
         """(the constant to blame, what is allowed, the condition in C on ``p``) between constants of the friction law."""
-        made = self.controller.compensation
-        if made is None or self.controller.friction_path not in self.scenario.elements.laws:
+        compensation = self.controller.compensation
+        if compensation is None or self.controller.friction_path not in self.scenario.elements.laws:
             return []
-        law, found = self.scenario.elements.laws[self.controller.friction_path], []
+        law, relations = self.scenario.elements.laws[self.controller.friction_path], []
         for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
             if all(f"friction_{need}" in self.constants for need in (r.key, *r.needs)):
                 text = c_condition(r.holds, law, "p->friction_")
-                found.append((f"friction_{r.key}", r.allowed, text))
-        return found
+                relations.append((f"friction_{r.key}", r.allowed, text))
+        return relations
 
     def of_symbols(self) -> dict[str, str]:
         """How each constant is written, by the symbol that stands for it."""
@@ -231,9 +231,9 @@ class Block:
         ops = [node.op for node in nodes for _ in range(ROOT_STEPS if node in within else 1)]
         count = Counter(_COUNTED[op] for op in ops if op in _COUNTED)
         calls = Counter(op for op in ops if op in _CALLED)
-        told = [f"{n} {word}{'s' if n > 1 else ''}" for word, n in count.items()]
-        told += [f"{n} call{'s' if n > 1 else ''} of {op}" for op, n in calls.items()]
-        return ", ".join(told) or "nothing"
+        terms = [f"{n} {word}{'s' if n > 1 else ''}" for word, n in count.items()]
+        terms += [f"{n} call{'s' if n > 1 else ''} of {op}" for op, n in calls.items()]
+        return ", ".join(terms) or "nothing"
 
     def about(self) -> list[str]:
         """Lines for the header."""
@@ -257,26 +257,26 @@ class Block:
 
     def notes(self, carried: tuple[str, ...] = ()) -> list[str]:
         """What differs from the file; ``carried``: the settings of its sampling that the target's own text has."""
-        machine, found = self.scenario.elements, []
-        own = next(c for c in machine.system.controllers if c.name == self.controller.name)
-        if own.sampling is None:
-            found.append(
-                f"controllers.{own.name} is continuous in the file: simulate what is exported with "
+        machine, notes = self.scenario.elements, []
+        controller = next(c for c in machine.system.controllers if c.name == self.controller.name)
+        if controller.sampling is None:
+            notes.append(
+                f"controllers.{controller.name} is continuous in the file: simulate what is exported with "
                 f"sampling = {{ period = {self.step:g} }}"
             )
-            return found
-        sampling = f"{own.path}.sampling"
+            return notes
+        sampling = f"{controller.path}.sampling"
         delay = machine.values[sampling, "delay"]
         if delay and "delay" not in carried:
-            found.append(
+            notes.append(
                 f"the controller's output must act {delay:g} s after the sample, as in the file ({sampling}.delay)"
             )
         sensor = [n for n in ("resolution", "noise") if machine.values.get((sampling, n)) and n not in carried]
         if sensor:
             sensor += ["seed"] if "noise" in sensor else []
             names = ", ".join(f"{sampling}.{n}" for n in sensor)
-            found.append(f"{names}: not in the export, because the encoder itself has this effect")
-        return found
+            notes.append(f"{names}: not in the export, because the encoder itself has this effect")
+        return notes
 
     def refuse(self, target: str, *names: str) -> None:
         """Let a target that cannot have some of the compensation's settings not drop them.
@@ -322,10 +322,12 @@ def block_of(
         )
     timed = part == "controller" or (each.compensation is not None and each.compensation.observes(machine))
     if each.sampling is not None:
-        own = machine.values[f"{each.path}.sampling", "period"]
-        if step is not None and step != own:
-            raise InputError(f"{arg('step')}: {step:g}: must be left out: {each.path}.sampling.period = {own:g} holds")
-        step = own
+        period_in_file = machine.values[f"{each.path}.sampling", "period"]
+        if step is not None and step != period_in_file:
+            raise InputError(
+                f"{arg('step')}: {step:g}: must be left out: {each.path}.sampling.period = {period_in_file:g} holds"
+            )
+        step = period_in_file
     elif step is None and timed:
         raise InputError(f"{arg('step')}: missing: {each.path} has no sampling: give its sample time, s")
     else:

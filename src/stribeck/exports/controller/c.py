@@ -43,7 +43,9 @@ def context(block: Block) -> dict[str, object]:
 def _written(block: Block, wanted: list[tuple[str, str]], inputs: dict[str, str]) -> str:
     inputs = {**block.of_symbols(), **inputs}
     writer = CWriter(_DIALECT, inputs, taken=_TAKEN, names=block.called)
-    return "\n".join(f"    {line}" for line in writer.write([(to, block.expressions[of]) for to, of in wanted]))
+    return "\n".join(
+        f"    {line}" for line in writer.write([(target, block.expressions[output]) for target, output in wanted])
+    )
 
 
 def _sample(block: Block) -> str:
@@ -67,7 +69,7 @@ def rows(block: Block) -> list[tuple[str, ...]]:
     wanted = [block.expressions[c.name] for c in block.outputs]
     wanted += [block.expressions[f"next.{c.name}"] for c in block.states]
     function = python_function([*constants, *inputs], [*wanted, *output_spread(wanted)])
-    size, random, found = sizes(block), np.random.default_rng(1), []
+    size, random, test_rows = sizes(block), np.random.default_rng(1), []
     for _ in range(_ROWS):
         x = [float(np.float32(size[name.partition(".")[2]] * random.uniform(-1, 1))) for name in inputs]
         x = [abs(round(v)) if name == "state.readings" else v for name, v in zip(inputs, x, strict=True)]
@@ -75,23 +77,23 @@ def rows(block: Block) -> list[tuple[str, ...]]:
         with np.errstate(all="ignore"):
             out = [float(v) for v in function(*constants.values(), *x)]
         pairs = zip(out[: len(wanted)], out[len(wanted) :], strict=True)
-        found.append(tuple(repr(float(v)) for v in (*x, *(v for pair in pairs for v in pair))))
-    return found
+        test_rows.append(tuple(repr(float(v)) for v in (*x, *(v for pair in pairs for v in pair))))
+    return test_rows
 
 
 def sizes(block: Block) -> dict[str, float]:
     """A natural size of each input and state."""
     machine = block.scenario.elements
-    own = machine.scales[machine.system.leader(block.controller.body).name]
-    near = 10 * own.length
-    speed = 3 * own.speed
-    found = {
+    body_scales = machine.scales[machine.system.leader(block.controller.body).name]
+    near = 10 * body_scales.length
+    speed = 3 * body_scales.speed
+    sampled = {
         "r": near, "y": near, "last": near, "filter_y": near, "r_rate": speed, "v": speed, "filter_v": speed,
-        "r_second": 10 * speed, "readings": 3.0, "z_hat": own.length, PHASE: 1.0,
+        "r_second": 10 * speed, "readings": 3.0, "z_hat": body_scales.length, PHASE: 1.0,
     }  # fmt: skip
     numbers = machine.controllers[block.controller.name]
     assert isinstance(numbers, Controller)
     names = [s.name for s in numbers.form_states()]
-    sizes = numbers.scales(own.length, own.force)
-    natural = [sizes.get(n, own.length) for n in names]
-    return found | {n: 3 * x for n, x in zip(names, natural, strict=True)}
+    sizes = numbers.scales(body_scales.length, body_scales.force)
+    natural = [sizes.get(n, body_scales.length) for n in names]
+    return sampled | {n: 3 * x for n, x in zip(names, natural, strict=True)}

@@ -12,26 +12,26 @@ from stribeck.exports.fmu.description import Description, Details, Variable, par
 
 def files(block: Block) -> dict[str, str | bytes]:
     """The archive, under the name of the block."""
-    of = Description(
+    description = Description(
         block.name, block.name, block.options.fmi, block.about(), variables_of(block), step=block.step or None,
         everywhere=block.options.everywhere,
     )  # fmt: skip
-    return packed("block", "fmu_block", of, context(block))
+    return packed("block", "fmu_block", description, context(block))
 
 
 def variables_of(block: Block) -> list[Variable]:
     """Time, inputs, outputs, states and constants; the sample time is the communication step."""
-    found = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
+    variables = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
 
     def add(
         name: str, unit: str, meaning: str, causality: str, variability: str, c: str, **rest: Unpack[Details]
     ) -> None:
         unit = "" if unit == "1" else unit
-        found.append(Variable(len(found), name, unit, meaning, causality, variability, c, **rest))
+        variables.append(Variable(len(variables), name, unit, meaning, causality, variability, c, **rest))
 
     for each in block.inputs:
         add(each.name, each.unit, each.meaning, "input", "continuous", f"m->in.{each.name}", start=0.0)
-    known = tuple(range(1, len(found)))
+    known = tuple(range(1, len(variables)))
     for each in block.outputs:
         held: Details = {"start": 0.0, "settable": False, "calculated_from": known}
         add(each.name, each.unit, each.meaning, "output", "discrete", f"m->out.{each.name}", **held)
@@ -39,5 +39,5 @@ def variables_of(block: Block) -> list[Variable]:
         add(f"state.{each.name}", each.unit, each.meaning, "local", "discrete", f"m->s.{each.name}", start=0.0)
     for name, (constant, value, _) in block.constants.items():
         if name != "period":
-            found.append(parameter(len(found), name, constant, f"m->p.{name}", value))
-    return found
+            variables.append(parameter(len(variables), name, constant, f"m->p.{name}", value))
+    return variables

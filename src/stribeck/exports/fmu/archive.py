@@ -31,22 +31,22 @@ def files(request: Request) -> dict[str, str | bytes]:
     return packed("law", "fmu_model", *described(request))
 
 
-def packed(part: str, model: str, of: Description, values: Mapping[str, object]) -> dict[str, str | bytes]:
+def packed(part: str, model: str, description: Description, values: Mapping[str, object]) -> dict[str, str | bytes]:
     """The archive of what the templates ``part`` and ``model`` say of this FMU; ``fmu.c`` includes the rest."""
-    values = {**values, **of.values()}
-    name, fmi = of.prefix, of.fmi
+    values = {**values, **description.values()}
+    name, fmi = description.prefix, description.fmi
     sources = pair(name, part, values) | {
         f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
         "fmu.c": render(f"{model}.c", **values) + render(f"fmi{fmi}.c", **values),
     }
-    content: dict[str, str | bytes] = {"modelDescription.xml": model_description(of)}
+    content: dict[str, str | bytes] = {"modelDescription.xml": model_description(description)}
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:
-        content["sources/buildDescription.xml"] = build_description(of.model)
-    for folder, library in binaries(sources, fmi, of.everywhere).items():
-        content[f"binaries/{folder}/{of.model}{_suffix(folder)}"] = library
-    content["documentation/index.html"] = _page(of.about)
-    return {f"{of.model}.fmu": _zipped(content)}
+        content["sources/buildDescription.xml"] = build_description(description.model)
+    for folder, library in binaries(sources, fmi, description.everywhere).items():
+        content[f"binaries/{folder}/{description.model}{_suffix(folder)}"] = library
+    content["documentation/index.html"] = _page(description.about)
+    return {f"{description.model}.fmu": _zipped(content)}
 
 
 def described(request: Request) -> tuple[Description, dict[str, object]]:
@@ -60,11 +60,11 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
     states = [v for v in variables if v.start is not None and v.name in ("y", "v", "z") and v.nominal is not None]
     model = f"{request.name}_{request.part}"
     about = [*request.about(), *([f"mass = {mass!r} {request.unit('kg')}"] if body else [])]
-    of = Description(
+    description = Description(
         request.name, model, request.options.fmi, about, variables, states, exchange=True, slopes=not law.inputs,
         everywhere=request.options.everywhere,
     )  # fmt: skip
-    return of, values | {
+    return description, values | {
         "body": body, "mass": mass, "acceleration": _acceleration(),
         "partials": _partials(by_name, body, law.has_z), "length": float(scales.length), "speed": float(scales.speed),
         "unknowns": [v.reference for v in variables if v.calculated_from or v.derivative_of is not None],
@@ -74,13 +74,13 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
 
 def _variables(request: Request, mass: float, scales: Scales) -> list[Variable]:
     law, body, start = request.law, request.part == "body", request.start
-    found: list[Variable] = []
+    variables: list[Variable] = []
 
     def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Unpack[Details]) -> int:
         variability = "tunable" if causality == "parameter" else "continuous"
         unit, meaning = request.unit(unit), request.words(meaning)
-        found.append(Variable(len(found), name, unit, meaning, causality, variability, c, **rest))
-        return len(found) - 1
+        variables.append(Variable(len(variables), name, unit, meaning, causality, variability, c, **rest))
+        return len(variables) - 1
 
     add("time", "s", "time", "independent", "m->time", settable=False)
     if body:
@@ -99,27 +99,27 @@ def _variables(request: Request, mass: float, scales: Scales) -> list[Variable]:
     if law.has_z:
         slot = f"m->x[{2 if body else 0}]"
         z = add("z", "m", meaning, "local", slot, start=start["z"], nominal=float(scales.length))
-    of = (v, *loads, z) if law.has_z else (v, *loads)
+    known_of_force = (v, *loads, z) if law.has_z else (v, *loads)
     force = "friction force, positive when it opposes positive velocity"
-    add("F", "N", force, "output", "e.force", settable=False, calculated_from=of)
+    add("F", "N", force, "output", "e.force", settable=False, calculated_from=known_of_force)
     slots: list[tuple[str, str, int, tuple[int, ...]]] = []
     if body:
-        slots = [("der(y)", "m/s", y, (v,)), ("der(v)", "m/s^2", v, (u, *of))]
+        slots = [("der(y)", "m/s", y, (v,)), ("der(v)", "m/s^2", v, (u, *known_of_force))]
     if law.has_z:
-        slots.append(("der(z)", "m/s", z, of))
+        slots.append(("der(z)", "m/s", z, known_of_force))
     for i, (name, unit, state, known) in enumerate(slots):
         c = f"e.rate[{i}]"
         add(name, unit, f"rate of {name[4]}", "local", c, derivative_of=state, settable=False, calculated_from=known)
     if body:
         add("mass", "kg", MASS.meaning, "parameter", "m->mass", start=mass, minimum=0.0)
     if bad := [
-        key for key in request.constants if key not in law.inputs and key in {variable.name for variable in found}
+        key for key in request.constants if key not in law.inputs and key in {variable.name for variable in variables}
     ]:
         raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
     for key, value in request.constants.items():
         if key not in law.inputs:
-            found.append(parameter(len(found), key, request.declared[key], f"m->p.{key}", value))
-    return found
+            variables.append(parameter(len(variables), key, request.declared[key], f"m->p.{key}", value))
+    return variables
 
 
 def _acceleration() -> dict[str, str]:
@@ -133,15 +133,19 @@ def _acceleration() -> dict[str, str]:
     }
 
 
-def _partials(at: dict[str, int], body: bool, has_z: bool) -> list[tuple[int, int, str]]:
+def _partials(references: dict[str, int], body: bool, has_z: bool) -> list[tuple[int, int, str]]:
     """(unknown, known, C) of every derivative that is not 0."""
-    found = [("F", "v", "l.force_v")]
+    partials = [("F", "v", "l.force_v")]
     if has_z:
-        found += [("F", "z", "l.force_z"), ("der(z)", "v", "l.rate_v"), ("der(z)", "z", "l.rate_z")]
+        partials += [("F", "z", "l.force_z"), ("der(z)", "v", "l.rate_v"), ("der(z)", "z", "l.rate_z")]
     if body:
-        found += [("der(y)", "v", "1"), ("der(v)", "u", "acceleration_by_u(m->mass)")]
-        found += [("der(v)", known, f"acceleration_by_F(m->mass) * {slope}") for of, known, slope in found if of == "F"]
-    return [(at[unknown], at[known], c) for unknown, known, c in found]
+        partials += [("der(y)", "v", "1"), ("der(v)", "u", "acceleration_by_u(m->mass)")]
+        partials += [
+            ("der(v)", known, f"acceleration_by_F(m->mass) * {slope}")
+            for output, known, slope in partials
+            if output == "F"
+        ]
+    return [(references[unknown], references[known], c) for unknown, known, c in partials]
 
 
 def _suffix(folder: str) -> str:

@@ -25,7 +25,7 @@ _PLATFORMS = {
 _ACROSS = ("x86_64-windows", "x86_64-darwin", "aarch64-darwin")
 
 
-def here() -> str:
+def host_platform() -> str:
     """This platform's name in FMI 3.0."""
     machine = {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
     return f"{machine}-{platform.system().lower()}"
@@ -38,26 +38,28 @@ def binaries(sources: dict[str, str], fmi: int, everywhere: bool = False) -> dic
         MissingExtra: those of other platforms are wanted, and ziglang is not installed.
         BuildError: this platform's compiler is there and does not compile the sources.
     """
-    found: dict[str, bytes] = {}
+    libraries: dict[str, bytes] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
         native = compiler.find()
         if native is not None:
-            found[here()] = _compiled([*native.command, "-fPIC"], Path(native.command[0]).name, Path(folder))
-        others = [name for name in _ACROSS if everywhere and name not in found]
+            libraries[host_platform()] = _compiled(
+                [*native.command, "-fPIC"], Path(native.command[0]).name, Path(folder)
+            )
+        others = [name for name in _ACROSS if everywhere and name not in libraries]
         if others:
             package("ziglang")
             note(f"compiling for {', '.join(others)} as well; the first time takes minutes")
         for name in others:
             zig = [sys.executable, "-m", "ziglang", "cc", "-target", _PLATFORMS[name][1]]
             try:
-                found[name] = _compiled(zig, "zig cc", Path(folder))
+                libraries[name] = _compiled(zig, "zig cc", Path(folder))
             except BuildError as error:
                 note(f"no binary for {name}: {error}")
-    if not found:
+    if not libraries:
         note("no C compiler found: the FMU holds its sources only (pip install 'stribeck[fmu]')")
-    return {name if fmi == 3 else _PLATFORMS.get(name, (name,))[0]: data for name, data in found.items()}
+    return {name if fmi == 3 else _PLATFORMS.get(name, (name,))[0]: data for name, data in libraries.items()}
 
 
 def _compiled(command: list[str], name: str, folder: Path) -> bytes:

@@ -90,8 +90,8 @@ class Description:
     def token(self) -> str:
         """What an importer must show when it instantiates the FMU: the same for the same model only."""
         words = [self.model, str(self.fmi), *self.about, *(v.name for v in self.variables)]
-        found = uuid.uuid5(uuid.NAMESPACE_URL, "\n".join(words))
-        return f"{{{found}}}" if self.fmi == 2 else str(found)
+        identifier = uuid.uuid5(uuid.NAMESPACE_URL, "\n".join(words))
+        return f"{{{identifier}}}" if self.fmi == 2 else str(identifier)
 
     def values(self) -> dict[str, object]:
         """What the templates need of it."""
@@ -110,13 +110,13 @@ def parameter(reference: int, name: str, constant: Constant, c: str, value: floa
     return Variable(reference, name, unit, meaning, "parameter", "tunable", c, start=value, minimum=least)
 
 
-def model_description(of: Description) -> str:
+def model_description(fmu: Description) -> str:
     """modelDescription.xml."""
-    fmi, model, variables = of.fmi, of.model, of.variables
+    fmi, model, variables = fmu.fmi, fmu.model, fmu.variables
     key = "instantiationToken" if fmi == 3 else "guid"
     root = ET.Element("fmiModelDescription", {
-        "fmiVersion": f"{fmi}.0", "modelName": model, key: of.token,
-        "description": of.about[0], "version": __version__, "license": "Apache-2.0",
+        "fmiVersion": f"{fmi}.0", "modelName": model, key: fmu.token,
+        "description": fmu.about[0], "version": __version__, "license": "Apache-2.0",
         "generationTool": f"stribeck {__version__}", "variableNamingConvention": "structured",
         **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
     })  # fmt: skip
@@ -127,12 +127,12 @@ def model_description(of: Description) -> str:
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
-    if of.exchange and of.slopes:
+    if fmu.exchange and fmu.slopes:
         common[directional] = "true"
         if fmi == 3:
             common["providesAdjointDerivatives"] = "true"
     for kind, more in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"})):
-        if kind == "ModelExchange" and not of.exchange:
+        if kind == "ModelExchange" and not fmu.exchange:
             continue
         element = ET.SubElement(root, kind, common | more)
         if fmi == 2:
@@ -140,13 +140,13 @@ def model_description(of: Description) -> str:
     _units(root, {v.unit for v in variables})
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", {"name": "logStatusError", "description": "errors"})
-    default = {"startTime": "0", "stopTime": repr(of.t_end), "tolerance": repr(of.rtol)}
-    step = {} if of.step is None else {"stepSize": repr(of.step)}
+    default = {"startTime": "0", "stopTime": repr(fmu.t_end), "tolerance": repr(fmu.rtol)}
+    step = {} if fmu.step is None else {"stepSize": repr(fmu.step)}
     ET.SubElement(root, "DefaultExperiment", default | step)
     element = ET.SubElement(root, "ModelVariables")
     for variable in variables:
         (_variable_3 if fmi == 3 else _variable_2)(element, variable)
-    (_structure_3 if fmi == 3 else _structure_2)(ET.SubElement(root, "ModelStructure"), of)
+    (_structure_3 if fmi == 3 else _structure_2)(ET.SubElement(root, "ModelStructure"), fmu)
     return _text(root)
 
 
@@ -181,13 +181,13 @@ def dimensions(unit: str) -> dict[str, int] | None:
     powers: Counter[str] = Counter()
     for i, part in enumerate(unit.split("/")):
         for word in part.replace("(", " ").replace(")", " ").split():
-            found = re.fullmatch(r"([A-Za-z]+)(?:\^(\d+))?", word)
+            base_unit = re.fullmatch(r"([A-Za-z]+)(?:\^(\d+))?", word)
             if word == "1":
                 continue
-            if not found or found[1] not in _BASE:
+            if not base_unit or base_unit[1] not in _BASE:
                 return None
-            for name, power in _BASE[found[1]].items():
-                powers[name] += (1 if i == 0 else -1) * power * int(found[2] or 1)
+            for name, power in _BASE[base_unit[1]].items():
+                powers[name] += (1 if i == 0 else -1) * power * int(base_unit[2] or 1)
     return dict(powers)
 
 
@@ -198,22 +198,22 @@ def _initial(variable: Variable) -> str | None:
 
 
 def _real(variable: Variable) -> dict[str, str]:
-    found = {"unit": variable.unit} if variable.unit else {}
+    attributes = {"unit": variable.unit} if variable.unit else {}
     if variable.nominal is not None:
-        found["nominal"] = repr(float(variable.nominal))
+        attributes["nominal"] = repr(float(variable.nominal))
     if variable.minimum is not None:
-        found["min"] = repr(float(variable.minimum))
+        attributes["min"] = repr(float(variable.minimum))
     if variable.start is not None:
-        found["start"] = repr(float(variable.start))
-    return found
+        attributes["start"] = repr(float(variable.start))
+    return attributes
 
 
 def _about(variable: Variable) -> dict[str, str]:
-    found = {"name": variable.name, "valueReference": str(variable.reference), "description": variable.meaning}
-    found |= {"causality": variable.causality, "variability": variable.variability}
+    attributes = {"name": variable.name, "valueReference": str(variable.reference), "description": variable.meaning}
+    attributes |= {"causality": variable.causality, "variability": variable.variability}
     if initial := _initial(variable):
-        found["initial"] = initial
-    return found
+        attributes["initial"] = initial
+    return attributes
 
 
 def _variable_3(root: ET.Element, variable: Variable) -> None:
@@ -230,26 +230,26 @@ def _variable_2(root: ET.Element, variable: Variable) -> None:
     ET.SubElement(ET.SubElement(root, "ScalarVariable", _about(variable)), "Real", real)
 
 
-def _rows(of: Description) -> tuple[list[Variable], list[Variable], list[Variable]]:
+def _rows(fmu: Description) -> tuple[list[Variable], list[Variable], list[Variable]]:
     """Outputs, derivatives of states, and what is unknown at the start."""
-    outputs = [v for v in of.variables if v.causality == "output"]
-    derivatives = of.derivatives
+    outputs = [v for v in fmu.variables if v.causality == "output"]
+    derivatives = fmu.derivatives
     return outputs, derivatives, [v for v in (*outputs, *derivatives) if v.start is None]
 
 
-def _structure_3(root: ET.Element, of: Description) -> None:
-    outputs, derivatives, unknowns = _rows(of)
+def _structure_3(root: ET.Element, fmu: Description) -> None:
+    outputs, derivatives, unknowns = _rows(fmu)
     for tag, rows in (("Output", outputs), ("ContinuousStateDerivative", derivatives), ("InitialUnknown", unknowns)):
         for variable in rows:
             attributes = {"valueReference": str(variable.reference)}
             if tag != "InitialUnknown":
-                own = variable.calculated_from or (variable.reference,)
-                attributes["dependencies"] = " ".join(map(str, own))
+                depends_on = variable.calculated_from or (variable.reference,)
+                attributes["dependencies"] = " ".join(map(str, depends_on))
             ET.SubElement(root, tag, attributes)
 
 
-def _structure_2(root: ET.Element, of: Description) -> None:
-    outputs, derivatives, unknowns = _rows(of)
+def _structure_2(root: ET.Element, fmu: Description) -> None:
+    outputs, derivatives, unknowns = _rows(fmu)
     for tag, rows in (("Outputs", outputs), ("Derivatives", derivatives), ("InitialUnknowns", unknowns)):
         if not rows:
             continue
@@ -257,6 +257,6 @@ def _structure_2(root: ET.Element, of: Description) -> None:
         for variable in rows:
             attributes = {"index": str(variable.reference + 1)}
             if tag != "InitialUnknowns":
-                own = variable.calculated_from or (variable.reference,)
-                attributes["dependencies"] = " ".join(str(r + 1) for r in own)
+                depends_on = variable.calculated_from or (variable.reference,)
+                attributes["dependencies"] = " ".join(str(r + 1) for r in depends_on)
             ET.SubElement(element, "Unknown", attributes)

@@ -15,33 +15,35 @@ def files(model: MachineModel) -> dict[str, str | bytes]:
     variables = variables_of(model)
     states = [v for v in variables if v.nominal is not None]
     scenario = model.scenario
-    of = Description(
+    description = Description(
         model.name, model.name, model.options.fmi, model.about(), variables, states, exchange=True, events=True, slopes=False,
         everywhere=model.options.everywhere, t_end=float(scenario.end), step=float(scenario.output.step),
         rtol=float(scenario.solve.rtol),
     )  # fmt: skip
-    return packed("machine", "fmu_machine", of, model.context())
+    return packed("machine", "fmu_machine", description, model.context())
 
 
 def variables_of(model: MachineModel) -> list[Variable]:
     """Time, an input for each signal, the states and their rates, the columns of the output, and every constant."""
-    found = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
+    variables = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
 
     def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Unpack[Details]) -> None:
         variability = "tunable" if causality == "parameter" else "continuous"
-        found.append(Variable(len(found), _structured(name), _unit(unit), meaning, causality, variability, c, **rest))
+        variables.append(
+            Variable(len(variables), _structured(name), _unit(unit), meaning, causality, variability, c, **rest)
+        )
 
     for each in model.inputs:
         meaning = "added to the signal of the file, held over a step"
         add(each.path, each.unit, meaning, "input", f"m->s.constants[{each.parameter}]", start=0.0)
-    states, first, nominal = model.machine.states, len(found), model.scenario.elements.natural
+    states, first, nominal = model.machine.states, len(variables), model.scenario.elements.natural
     shown = {column.name: column for column in model.columns}
     for i, state in enumerate(states):
         column = shown.get(state.name, state)
         role = "output" if state.name in shown else "local"
         more: Details = {"start": model.start[state.name], "nominal": nominal[state.name]}
         add(state.name, column.unit, column.meaning, role, f"m->s.x[{i}]", **more)
-    known = tuple(range(1, len(found))) or (0,)
+    known = tuple(range(1, len(variables))) or (0,)
     for i, state in enumerate(states):
         more = {"derivative_of": first + i, "settable": False, "calculated_from": known}
         add(f"der({state.name})", _rate(state.unit), f"rate of {state.name}", "local", f"m->rate[{i}]", **more)
@@ -53,13 +55,13 @@ def variables_of(model: MachineModel) -> list[Variable]:
     for i, constant in enumerate(model.parameters):
         if i not in inputs:
             name = _structured(constant.path)
-            found.append(parameter(len(found), name, constant.constant, f"m->s.constants[{i}]", constant.value))
-    return found
+            variables.append(parameter(len(variables), name, constant.constant, f"m->s.constants[{i}]", constant.value))
+    return variables
 
 
 def _structured(name: str) -> str:
     """A path as FMI's structured names want it: an entry of a list is an index, counted from 1."""
-    return re.sub(r"\.(\d+)(?=\.|$)", lambda found: f"[{int(found[1]) + 1}]", name)
+    return re.sub(r"\.(\d+)(?=\.|$)", lambda index: f"[{int(index[1]) + 1}]", name)
 
 
 def _rate(unit: str) -> str:

@@ -102,14 +102,14 @@ class MachineModel:
     @property
     def conditions(self) -> list[tuple[RunTimeConstant, str, str]]:
         """(a constant, what is allowed in words, the condition in C on ``p``)."""
-        found = []
+        conditions = []
         for each in self.tunable:
             c, x = each.constant, f"p->{each.name}"
             tests = [f"isfinite({x})"]
             tests += [f"{x} > {c.above!r}"] if c.above is not None else []
             tests += [f"{x} >= {c.at_least!r}"] if c.at_least is not None else []
             tests += [f"{x} != 0"] if c.largest is not None else []
-            found.append((each, c.allowed, " && ".join(tests)))
+            conditions.append((each, c.allowed, " && ".join(tests)))
         by_path = {each.path: each for each in self.tunable}
         for path, law in self.scenario.elements.laws.items():
             for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
@@ -118,8 +118,8 @@ class MachineModel:
                     continue
                 text = c_condition(r.holds, law, "p->@")
                 text = re.sub(r"p->@(\w+)", lambda m, p=path: f"p->{by_path[f'{p}.{m[1]}'].name}", text)  # type: ignore[misc]
-                found.append((blamed, r.allowed, text))
-        return found
+                conditions.append((blamed, r.allowed, text))
+        return conditions
 
     @cached_property
     def start(self) -> dict[str, float]:
@@ -179,14 +179,14 @@ class MachineModel:
 
 def _c_names(names: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
     """Names as parts of identifiers, each once."""
-    used, found = {*taken}, {}
+    used, identifiers = {*taken}, {}
     for name in names:
         text = re.sub(r"\W", "_", name)
         while text in used:
             text += "_"
         used.add(text)
-        found[name] = text
-    return found
+        identifiers[name] = text
+    return identifiers
 
 
 def numbers(values: Iterable[float]) -> str:

@@ -39,11 +39,11 @@ class JaxLaw:
         self.law = law
         self._step: Value = None
 
-    def _given(self, constants: dict[str, Value], load: Value) -> dict[str, Value]:
+    def _values_at_load(self, constants: dict[str, Value], load: Value) -> dict[str, Value]:
         return with_load(self.law, constants, None if load is None else self._arrays(load)[0])
 
     def _constants(self, given: dict[str, Value], load: Value) -> Constants:
-        return self.law.p.replaced(self._given(given, load))
+        return self.law.p.replaced(self._values_at_load(given, load))
 
     def rate(self, v: Value, z: Value, load: Value = None, **constants: Value) -> Value:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
@@ -70,7 +70,7 @@ class JaxLaw:
 
         See :meth:`stribeck.exports.python.torch.TorchLaw.step`; here grad, jvp, jit, vmap and scan apply.
         """
-        given = self._given(constants, load)
+        given = self._values_at_load(constants, load)
         numbers = {n: x for n, x in {**self.law.values, **given}.items() if x is not None}
         jnp: ModuleType = package("jax.numpy")
         arrays = jnp.broadcast_arrays(*self._arrays(state, v, effort, inertia, dt, *numbers.values()))
@@ -103,17 +103,17 @@ def _equations(law: Law) -> Value:
 def _differentiable(law: Law) -> Value:
     """The step with its derivative by the implicit function theorem."""
     jax: ModuleType = package("jax")
-    jnp, own = jax.numpy, _equations(law)
+    jnp, equations = jax.numpy, _equations(law)
 
     @jax.custom_jvp  # type: ignore[untyped-decorator]
     def step(p: Value, given: Value) -> Value:
-        return stepping.solved(jnp, _loop, own, SimpleNamespace(**p), given)
+        return stepping.solved(jnp, _loop, equations, SimpleNamespace(**p), given)
 
     @step.defjvp  # type: ignore[untyped-decorator]
     def derivative(values: Value, moved: Value) -> Value:
         (p, given), (constants, changes) = values, moved
         x, force, w, jump = step(p, given)
-        x_, force_ = stepping.tangent(jnp, own, SimpleNamespace(**p), (x, w, jump), given, changes, constants)
+        x_, force_ = stepping.tangent(jnp, equations, SimpleNamespace(**p), (x, w, jump), given, changes, constants)
         nothing = jax.numpy.zeros(jump.shape, jax.dtypes.float0)
         return (x, force, w, jump), (x_, force_, 0 * w, nothing)
 

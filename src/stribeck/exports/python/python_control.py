@@ -83,5 +83,5 @@ def response(system: Value, T: ArrayLike, U: ArrayLike = 0.0, X0: ArrayLike = 0.
 
 
 def _laws(system: Value) -> list[Law]:
-    own = [system.friction] if hasattr(system, "friction") else []
-    return own + [law for part in getattr(system, "syslist", ()) for law in _laws(part)]
+    laws = [system.friction] if hasattr(system, "friction") else []
+    return laws + [law for part in getattr(system, "syslist", ()) for law in _laws(part)]

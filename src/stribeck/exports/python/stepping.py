@@ -74,8 +74,8 @@ def solved(xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, giv
     shortest = smallest * dt / inertia * abs(effort)
 
     def closer(state: Value) -> Value:
-        open_, first, enclosed, near, far, move, w, *found = state
-        excess, slope = found[:2]
+        open_, first, enclosed, near, far, move, w, *balance_at_w = state
+        excess, slope = balance_at_w[:2]
         same = (excess > 0) == above
         near, far = xp.where(open_ & same, w, near), xp.where(open_ & ~same, w, far)
         enclosed = enclosed | (open_ & ~same)
@@ -87,9 +87,12 @@ def solved(xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, giv
         following = xp.where(enclosed, inside, near + move)
         open_ = open_ & ~(enclosed & ((following == near) | (following == far)))
         w = xp.where(open_, following, w)
-        found = [xp.where(open_, new, old) for new, old in zip(balance(xp, loop, law, p, w, given), found, strict=True)]
-        open_ = open_ & (abs(found[0]) > 2 * smallest * found[2]) & xp.isfinite(found[0])
-        return open_, first & False, enclosed, near, far, move, w, *found
+        balance_at_w = [
+            xp.where(open_, new, old)
+            for new, old in zip(balance(xp, loop, law, p, w, given), balance_at_w, strict=True)
+        ]
+        open_ = open_ & (abs(balance_at_w[0]) > 2 * smallest * balance_at_w[2]) & xp.isfinite(balance_at_w[0])
+        return open_, first & False, enclosed, near, far, move, w, *balance_at_w
 
     zero = 0 * start[0]
     unfinished = (abs(start[0]) > 2 * smallest * start[2]) & xp.isfinite(start[0])

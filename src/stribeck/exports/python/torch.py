@@ -96,11 +96,11 @@ class TorchLaw:
         tensors = [x for x in values if self._torch.is_tensor(x)]
         like = next((x for x in tensors if x.is_floating_point()), self._torch.zeros((), dtype=self._torch.float64))
 
-        def made(x: Value) -> Value:
+        def tensor(x: Value) -> Value:
             return self._torch.as_tensor(x, dtype=like.dtype, device=like.device)
 
-        numbers = {n: made(x) for n, x in {**self.law.values, **given}.items() if x is not None}
-        return SimpleNamespace(**numbers), [made(x) for x in values]
+        numbers = {n: tensor(x) for n, x in {**self.law.values, **given}.items() if x is not None}
+        return SimpleNamespace(**numbers), [tensor(x) for x in values]
 
 
 _function: list[Value] = []
@@ -125,8 +125,8 @@ def _differentiable(torch: Value) -> Value:
             @once_differentiable  # type: ignore[untyped-decorator]
             def backward(ctx: Value, by_z: Value, by_force: Value) -> Value:
                 first, each = stepping.adjoint(torch, ctx.law, ctx.p, ctx.solution, ctx.given, by_z, by_force)
-                found = [*first, *(each[name] for name in ctx.names)]
-                return None, None, None, *(g.sum_to_size(s) for g, s in zip(found, ctx.shapes, strict=True))
+                gradients = [*first, *(each[name] for name in ctx.names)]
+                return None, None, None, *(g.sum_to_size(s) for g, s in zip(gradients, ctx.shapes, strict=True))
 
         _function.append(Step.apply)
     return _function[0]

@@ -106,9 +106,9 @@ class WarpLaw:
             return p
         load = load.reshape((count, 1)) if load.ndim == 1 else load
         wanted = p.requires_grad or load.requires_grad
-        made = self._wp.zeros((count, len(self.names)), dtype=self.real, device=device, requires_grad=wanted)
-        self._wp.launch(self._scope["at_load"], count, inputs=[p, load], outputs=[made], device=device)
-        return made
+        table = self._wp.zeros((count, len(self.names)), dtype=self.real, device=device, requires_grad=wanted)
+        self._wp.launch(self._scope["at_load"], count, inputs=[p, load], outputs=[table], device=device)
+        return table
 
     def _launch(self, kernel: str, count: int, inputs: list[Value], outputs: list[Value], device: Value) -> None:
         self._wp.launch(self._scope[kernel], count, inputs=inputs, outputs=outputs, device=device, record_tape=False)

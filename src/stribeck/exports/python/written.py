@@ -64,8 +64,8 @@ class Written:
 
     @cached_property
     def _by_constants(self) -> dict[str, tuple[Expr, Expr]]:
-        found, by = self._equations.expressions, [symbol(n) for n in self.names]
-        safe = iter(rewrite([derivative(found[of], c) for c in by for of in ("rate", "force")], _safe))
+        expressions, by = self._equations.expressions, [symbol(n) for n in self.names]
+        safe = iter(rewrite([derivative(expressions[output], c) for c in by for output in ("rate", "force")], _safe))
         return {n: (next(safe), next(safe)) for n in self.names}
 
     def _body(self, outputs: list[tuple[str, Expr]], ends: str, warp: bool, indent: str) -> str:
@@ -88,7 +88,7 @@ class Written:
 
     def _slopes_by_constants(self) -> list[tuple[str, Expr]]:
         pairs = enumerate(self._by_constants.values())
-        return [(f"{of}{i}_", e) for i, pair in pairs for of, e in zip("rf", pair, strict=True)]
+        return [(f"{output}{i}_", e) for i, pair in pairs for output, e in zip("rf", pair, strict=True)]
 
     def of_constants(self) -> str:
         """Lines that return, by the constants' names, the derivatives of dz/dt and F by each."""
@@ -112,11 +112,11 @@ class Written:
             "",
             f"    has_z, linear = {self.law.has_z}, {self.linear}",
         ]
-        made: list[tuple[str, str, tuple[str, ...]]] = [
+        methods: list[tuple[str, str, tuple[str, ...]]] = [
             ("slopes", "p, v, z", ("rate", "force", "rate_v", "rate_z", "force_v", "force_z"))
         ]
-        made.append(("hold", "p, v", ("a", "b")) if self.linear else ("rate", "p, v, z", ("rate", "rate_z")))
-        for name, arguments, outputs in made:
+        methods.append(("hold", "p, v", ("a", "b")) if self.linear else ("rate", "p, v, z", ("rate", "rate_z")))
+        for name, arguments, outputs in methods:
             parts += ["", "    @staticmethod", f"    def {name}({arguments}):", self.function(*outputs, indent=" " * 8)]
         if gradients:
             parts += ["", "    @staticmethod", "    def by_constants(p, v, z):", self.of_constants()]

@@ -41,16 +41,16 @@ def files(request: Request) -> Content:
 
 def notes(request: Request) -> list[str]:
     """What MuJoCo cannot keep at the time step."""
-    law, found = request.law, []
+    law, warnings = request.law, []
     if law.jumps_at_rest:
-        found.append(f"law '{law.name}': F jumps at v = 0: a body shakes about rest by F/mass * step in v")
+        warnings.append(f"law '{law.name}': F jumps at v = 0: a body shakes about rest by F/mass * step in v")
     if maps_to_dcmotor(law) and _step(request) > (period := (_mass(request) / law.p.sigma_0) ** 0.5):
-        found.append(
+        warnings.append(
             f"{request.name}_dcmotor.xml: at a step of {_step(request):g} s above sqrt(mass/sigma_0) = {period:.3g} s "
             "MuJoCo's own LuGre creeps and breaks away early, and grows without bound under RK4: it takes the force from "
             f"the deflection before the step; {request.name}.xml with its callback stays stable"
         )
-    return found
+    return warnings
 
 
 def maps_to_dcmotor(law: Law) -> bool:
@@ -138,18 +138,22 @@ def _carried(request: Request) -> dict[str, float]:
 
 def _equations(request: Request) -> str:
     """Python statements for dz/dt, F and their derivatives by v and z."""
-    called, law, own = Names(), request.law, _carried(request)
+    called, law, carried = Names(), request.law, _carried(request)
     p, v, z = law.symbolic(symbol, law.form, called.term), symbol("v"), symbol("z")
-    p = p.replaced({n: x for n, x in request.constants.items() if n not in own and n not in law.inputs})
+    p = p.replaced({n: x for n, x in request.constants.items() if n not in carried and n not in law.inputs})
     rate = wrap(law.dz_dt(p, v, z)) if law.has_z else wrap(0)
     force = wrap(law.friction(p, v, z, rate))
     outputs = {"rate": rate, "force": force}
-    outputs |= {f"{name}_{x}": derivative(of, by) for name, of in outputs.items() for x, by in (("v", v), ("z", z))}
+    outputs |= {
+        f"{name}_{x}": derivative(output, symbol_)
+        for name, output in outputs.items()
+        for x, symbol_ in (("v", v), ("z", z))
+    }
     taken = {*_FUNCTIONS, *_LOCALS, *outputs}
-    names = {n: f"{n}_" if n in taken else n for n in (*own, *law.inputs)}
+    names = {n: f"{n}_" if n in taken else n for n in (*carried, *law.inputs)}
     lines = Writer(_DIALECT, {**names, "v": "v", "z": "z"}, taken=taken, names=called).write(list(outputs.items()))
     given = ["".join(f"{names[n]}, " for n in law.inputs) + "= load"] if law.inputs else []
-    rows = [f"{', '.join(names[n] for n in own)}, = p", *given, *lines, f"return {', '.join(outputs)}"]
+    rows = [f"{', '.join(names[n] for n in carried)}, = p", *given, *lines, f"return {', '.join(outputs)}"]
     return "\n".join(f"    {row}" for row in rows)
 
 

@@ -12,12 +12,13 @@ from stribeck.exports.request import Content, Part, Target
 
 def files(block: Block) -> Content:
     """The block in C, the plugin around it, and a model that uses it."""
-    machine, own = block.scenario.elements, f"{block.controller.path}.sampling"
-    delay = machine.values.get((own, "delay"), 0.0)
+    machine, sampling = block.scenario.elements, f"{block.controller.path}.sampling"
+    delay = machine.values.get((sampling, "delay"), 0.0)
     body = machine.system.leader(block.controller.body)
     heavy = machine.bodies[body.name].heavy
     values = context(block) | {
-        "delay": delay, "resolution": machine.values.get((own, "resolution"), 0.0), "joint": "hinge" if block.rotary else "slide",
+        "delay": delay, "resolution": machine.values.get((sampling, "resolution"), 0.0),
+        "joint": "hinge" if block.rotary else "slide",
         "queue": math.ceil(delay / block.step) + 2, "mass": 1.0 if heavy is None else heavy,
         "rate": "r_rate" in {c.name for c in block.inputs}, "second": "r_second" in {c.name for c in block.inputs},
     }  # fmt: skip

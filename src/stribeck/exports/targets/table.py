@@ -89,39 +89,39 @@ def _grid(law: Law) -> Array:
 
 def _polygon(x: Array, y: Array, error: float) -> tuple[Array, Array]:
     """A polygon that stays within ``error`` of the points: each side goes on while some slope serves all it passes."""
-    at, height = 0.0, float(y[0])
-    corners = [(at, height)]
+    speed, force = 0.0, float(y[0])
+    corners = [(speed, force)]
     i = 0
     while i < len(x):
         with np.errstate(all="ignore"):
-            steepest = np.minimum.accumulate((y[i:] + error - height) / (x[i:] - at))
-            flattest = np.maximum.accumulate((y[i:] - error - height) / (x[i:] - at))
+            steepest = np.minimum.accumulate((y[i:] + error - force) / (x[i:] - speed))
+            flattest = np.maximum.accumulate((y[i:] - error - force) / (x[i:] - speed))
         count = int(np.argmin(steepest >= flattest)) if not (steepest >= flattest).all() else len(steepest)
         count = max(count, 1)
         slope = (steepest[count - 1] + flattest[count - 1]) / 2
-        at, height = float(x[i + count - 1]), float(height + slope * (x[i + count - 1] - at))
-        corners.append((at, height))
+        speed, force = float(x[i + count - 1]), float(force + slope * (x[i + count - 1] - speed))
+        corners.append((speed, force))
         i += count
         if len(corners) > POINTS:
             break
-    found = np.array(corners)
-    return found[:, 0], found[:, 1]
+    points = np.array(corners)
+    return points[:, 0], points[:, 1]
 
 
 def _compensation(block: Block) -> Content:
     """A CSV of speed and of the share of the steady friction that is added at it."""
-    machine, made = block.scenario.elements, block.controller.compensation
-    assert made is not None
+    machine, compensation = block.scenario.elements, block.controller.compensation
+    assert compensation is not None
     block.refuse("table", "lead")
     law = machine.laws[block.controller.friction_path]
     v, force, error = fit(law)
-    share = machine.values[f"{block.controller.path}.compensation", "share"] if made.share is not None else 1.0
+    share = machine.values[f"{block.controller.path}.compensation", "share"] if compensation.share is not None else 1.0
     speed, unit = ("rad/s", "N m") if block.rotary else ("m/s", "N")
     head = [
-        f"{block.name}: {share:g} of the steady friction of {law.name}, to be added at the {made.speed} speed.",
+        f"{block.name}: {share:g} of the steady friction of {law.name}, to be added at the {compensation.speed} speed.",
         "F(-v) = -F(v), and 0 at v = 0. Interpolate linearly; beyond the last point go on along the last two.",
         f"Greatest error for 0 < v <= {v[-1]:g} {speed}: {share * error:.3g} {unit}.",
-        *((_DEFLECTION,) if made.observes(machine) else ()),
+        *((_DEFLECTION,) if compensation.observes(machine) else ()),
         f"v in {speed}, F in {unit}", made_by(),
     ]  # fmt: skip
     rows = "".join(f"{x!r},{share * y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))
@@ -130,9 +130,9 @@ def _compensation(block: Block) -> Content:
 
 def _notes_of_compensation(block: Block) -> list[str]:
     """What no table of a compensation has."""
-    made = block.controller.compensation
-    assert made is not None
-    if made.speed == "reference":
+    compensation = block.controller.compensation
+    assert compensation is not None
+    if compensation.speed == "reference":
         return []
     return [f"{block.controller.path}.compensation.speed: 'measured': the table is the steady friction at that speed"]
 

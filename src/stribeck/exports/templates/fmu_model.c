@@ -118,7 +118,7 @@ static const char *advance_model(Model *m, double dt)
 {% if not body %}
     {{ P }}_state s;
     s.z = deflection(m);
-    if ({{ P }}_step({{ call.given("&m->p", "&m->load") }}, &s, m->input, dt, &F) != {{ P }}_OK) return "the state or the force is not finite";
+    if ({{ P }}_step({{ call.arguments("&m->p", "&m->load") }}, &s, m->input, dt, &F) != {{ P }}_OK) return "the state or the force is not finite";
 {% if law.has_z %}
     m->x[0] = s.z;
 {% endif %}
@@ -137,9 +137,9 @@ static const char *advance_model(Model *m, double dt)
         if (h > left) h = left;
         whole.y = next.x[0]; whole.v = next.x[1]; whole.z = deflection(&next);
         half = whole;
-        if ({{ P }}_body_step({{ call.given("&m->p", "&m->load") }}, &whole, m->mass, m->input, h, &F) != {{ P }}_OK
-            || {{ P }}_body_step({{ call.given("&m->p", "&m->load") }}, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK
-            || {{ P }}_body_step({{ call.given("&m->p", "&m->load") }}, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK)
+        if ({{ P }}_body_step({{ call.arguments("&m->p", "&m->load") }}, &whole, m->mass, m->input, h, &F) != {{ P }}_OK
+            || {{ P }}_body_step({{ call.arguments("&m->p", "&m->load") }}, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK
+            || {{ P }}_body_step({{ call.arguments("&m->p", "&m->load") }}, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK)
             return "the body's step found no solution: a state is not finite, or the parameters are extreme";
         scale = tolerance * ({{ repr(length) }} + fabs(half.y));
         error = fabs(half.y - whole.y) / scale;

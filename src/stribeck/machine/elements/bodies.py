@@ -87,7 +87,7 @@ class Body(Element, family=True):
         return self.inertia if self.mass is None else self.mass
 
     @property
-    def more(self) -> SignalTable | None:
+    def added_signal(self) -> SignalTable | None:
         """The signal of what is added to it, where it has one."""
         return None
 
@@ -98,29 +98,29 @@ class Body(Element, family=True):
 
     def wrong(self) -> list[Problem]:
         """What in the table does not go together."""
-        found: list[Problem] = []
+        problems: list[Problem] = []
         given = [n for n in ("mass", "inertia") if getattr(self, n) is not None]
         if self.velocity is not None:
             why = "must be left out: the velocity of this body is given"
             more = [n for n in (*given, "tied_to", "ratio") if getattr(self, n) is not None]
-            found += [(n, f"{show(getattr(self, n))}: {why}") for n in more]
+            problems += [(n, f"{show(getattr(self, n))}: {why}") for n in more]
             if self.initial is not None and "v" in self.initial.model_fields_set:
-                found.append(("initial.v", f"{show(self.initial.v)}: {why}"))
-            return found
+                problems.append(("initial.v", f"{show(self.initial.v)}: {why}"))
+            return problems
         if self.rotary is not None:
             text = "must be left out: mass (kg) or inertia (kg m^2) says whether the body turns"
-            found.append(("rotary", f"{show(self.rotary)}: {text}"))
+            problems.append(("rotary", f"{show(self.rotary)}: {text}"))
         if len(given) == 2:
             text = "must be left out where mass is given: a body moves straight (mass, kg) or turns (inertia, kg m^2)"
-            found.append(("inertia", f"{show(self.inertia)}: {text}"))
+            problems.append(("inertia", f"{show(self.inertia)}: {text}"))
         if not given:
-            found.append(("mass", "missing: must be given (mass in kg, or inertia in kg m^2 for a body that turns)"))
+            problems.append(("mass", "missing: must be given (mass in kg, or inertia in kg m^2 for a body that turns)"))
         if self.tied_to is None and self.ratio is not None:
-            found.append(("ratio", f"{show(self.ratio)}: needs tied_to: it says how far the body moves by another"))
+            problems.append(("ratio", f"{show(self.ratio)}: needs tied_to: it says how far the body moves by another"))
         if self.tied_to is not None and self.initial is not None:
             text = "must be left out: a body that is tied to another has no state of its own"
-            found.append(("initial", f"{show(dict(self.initial))}: {text}"))
-        return found
+            problems.append(("initial", f"{show(dict(self.initial))}: {text}"))
+        return problems
 
     # -- its equations -------------------------------------------------------------------------------------------------
 
@@ -173,24 +173,24 @@ class Body(Element, family=True):
 
     def columns(self, m: Elements) -> list[Column]:
         """Position and velocity, and its own states."""
-        return [Column(self.of(s.name), s.unit, s.meaning) for s in (*self._motion(), *self._inner())]
+        return [Column(self.name_of(s.name), s.unit, s.meaning) for s in (*self._motion(), *self._inner())]
 
     def equations(self, a: Assembly) -> None:
         """The motion, before anything acts."""
         if self.tied_to is not None:
             leader, ratio = a.system.leader(self.name), a.system.tie(self.name)
-            a.k[self.of("y")] = ratio * symbol(leader.of("y"))
-            a.k[self.of("v")] = ratio * a.speed(leader)
+            a.k[self.name_of("y")] = ratio * symbol(leader.name_of("y"))
+            a.k[self.name_of("v")] = ratio * a.speed(leader)
             return
-        a.k[self.of("y")], a.k[self.of("v")] = symbol(self.of("y")), a.speed(self)
-        a.k |= {self.of(s.name): symbol(self.of(s.name)) for s in self._inner()}
+        a.k[self.name_of("y")], a.k[self.name_of("v")] = symbol(self.name_of("y")), a.speed(self)
+        a.k |= {self.name_of(s.name): symbol(self.name_of(s.name)) for s in self._inner()}
 
     def obey(self, a: Assembly) -> None:
         """The rates, when all forces are known."""
         if self.tied_to is not None:
             return
         v = a.motion(self.name)[1]
-        a.rates[self.of("y")] = v
+        a.rates[self.name_of("y")] = v
         if self.velocity is None:
             self.obey_force(a)
         else:  # what drives it supplies the forces on it
@@ -210,24 +210,32 @@ class Body(Element, family=True):
         """Take the rates, as far as the equations hold."""
         if (inside := self.inside(a.motion(self.name)[0])) is not None:
             acceleration = wrap(where(inside, acceleration, float("nan")))
-        a.rates[self.of("v")] = acceleration
-        a.rates |= {self.of(n): wrap(rate) for n, rate in rates.items()}
+        a.rates[self.name_of("v")] = acceleration
+        a.rates |= {self.name_of(n): wrap(rate) for n, rate in rates.items()}
 
     def natural(self, scales: Mapping[str, Scales], m: Elements) -> dict[str, Value]:
         """Those of its contacts."""
-        own = scales[self.name]
-        inner = self.state_scales(own.length, own.speed, own.force).items()
-        return {self.of("y"): own.length, self.of("v"): own.speed, **{self.of(n): x for n, x in inner}}
+        contact_scales = scales[self.name]
+        inner = self.state_scales(contact_scales.length, contact_scales.speed, contact_scales.force).items()
+        return {
+            self.name_of("y"): contact_scales.length,
+            self.name_of("v"): contact_scales.speed,
+            **{self.name_of(n): x for n, x in inner},
+        }
 
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
         """Bodies that are tied in a ring, each ring once."""
-        ring, at = [self.name], self.tied_to
-        while at is not None and at in m.machine.bodies and at not in ring:
-            ring.append(at)
-            at = m.machine.bodies[at].tied_to
-        if at != self.name or self.name != min(ring, key=list(m.machine.bodies).index):
+        ring, next_body = [self.name], self.tied_to
+        while next_body is not None and next_body in m.machine.bodies and next_body not in ring:
+            ring.append(next_body)
+            next_body = m.machine.bodies[next_body].tied_to
+        if next_body != self.name or self.name != min(ring, key=list(m.machine.bodies).index):
             return []
-        text = "a body cannot be tied to itself" if len(ring) == 1 else f"tied in a ring: {' -> '.join([*ring, at])}"
+        text = (
+            "a body cannot be tied to itself"
+            if len(ring) == 1
+            else f"tied in a ring: {' -> '.join([*ring, next_body])}"
+        )
         return [(("tied_to",), f"{show(self.tied_to)}: {text}")]
 
 
@@ -239,7 +247,7 @@ class Laden(Body):
     added: SignalTable = Field(description="what is added to mass or inertia: a table with kind and its constants")
 
     @property
-    def more(self) -> SignalTable | None:
+    def added_signal(self) -> SignalTable | None:
         """See :class:`Body`."""
         return self.added
 
@@ -255,9 +263,9 @@ class Laden(Body):
 
     def wrong(self) -> list[Problem]:
         """As any body; and what would take more away than there is."""
-        found = super().wrong()
-        found += [(n, f"{show(getattr(self, n))}: must be left out: this body has a mass") for n in ("velocity",)
+        problems = super().wrong()
+        problems += [(n, f"{show(getattr(self, n))}: must be left out: this body has a mass") for n in ("velocity",)
                   if getattr(self, n) is not None]  # fmt: skip
-        if not found and not (least := super().heavy + least_of(self.added.built)) > 0:
-            found.append(("added", f"takes the mass down to {least:g}: must leave more than 0"))
-        return found
+        if not problems and not (least := super().heavy + least_of(self.added.built)) > 0:
+            problems.append(("added", f"takes the mass down to {least:g}: must leave more than 0"))
+        return problems

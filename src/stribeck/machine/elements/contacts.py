@@ -134,11 +134,11 @@ class Factor(FileTable):
         if self.amplitude is None or self.waves is None:
             missing = "waves" if self.amplitude is not None else "amplitude"
             return [(missing, "missing: must be given (a signal, or amplitude and waves, by position)")]
-        found = same_length(self, "amplitude", "waves", "phase")
+        problems = same_length(self, "amplitude", "waves", "phase")
         if (size := sum(map(abs, self.amplitude))) >= 1:
             text = f"{show(list(self.amplitude))}: the magnitudes must sum to less than 1 (they do to {size:g})"
-            found.append(("amplitude", text))
-        return found
+            problems.append(("amplitude", text))
+        return problems
 
     def extremes(self) -> tuple[float, float]:
         """The least and the largest value; (1, 1) where a signal begins at 0, which is refused."""
@@ -147,7 +147,7 @@ class Factor(FileTable):
         size = sum(map(abs, self.amplitude or ()))
         return 1 - size, 1 + size
 
-    def at(self, a: Assembly, d: Value) -> Value:
+    def value_at(self, a: Assembly, d: Value) -> Value:
         """The factor at one instant."""
         return a.reference(self.signal).value if self.signal is not None else 1 + sum_of_waves(self, d)
 
@@ -212,26 +212,26 @@ class Contact(BetweenBodies, family=True):
 
     def wrong(self) -> list[Problem]:
         """A load that is the contact itself; factors and loads on what the law does not have."""
-        law, found = None if self.law is None else self.law.law, list[Problem]()
+        law, problems = None if self.law is None else self.law.law, list[Problem]()
         for i, each in enumerate(self.loads):
             if self.name in each.weights:
                 text = f"{show(self.name)}: names itself: must be a link, a motor or a load"
-                found.append((f"loads[{i}].force", text))
+                problems.append((f"loads[{i}].force", text))
         if law is None:
-            return found
+            return problems
         if self.initial is not None and self.initial.z and not law.has_z:
-            found.append(("initial.z", f"{self.initial.z}: law '{law.name}' has no z; leave it out"))
+            problems.append(("initial.z", f"{self.initial.z}: law '{law.name}' has no z; leave it out"))
         known = law.numbers(law.form)
         if not any(n in law.constants() for n in LEVELS):
             text = f"law '{law.name}' has no level F_c or F_s to raise"
-            found += [(f"loads[{i}]", f"{show(x.to_table())}: {text}") for i, x in enumerate(self.loads)]
-        for of, factor in self.factors.items():
+            problems += [(f"loads[{i}]", f"{show(x.to_table())}: {text}") for i, x in enumerate(self.loads)]
+        for constant, factor in self.factors.items():
             signal = None if factor.signal is None else factor.signal.built
-            if why := _not_to_multiply(of, law, list(known)):
-                found.append((f"factors.{of}", why))
+            if why := _not_to_multiply(constant, law, list(known)):
+                problems.append((f"factors.{constant}", why))
             elif signal is not None and (why := _not_positive(signal)):
-                found.append((f"factors.{of}.signal", why))
-        return found or _beyond(law, {of: factor.extremes() for of, factor in self.factors.items()})
+                problems.append((f"factors.{constant}.signal", why))
+        return problems or _beyond(law, {constant: factor.extremes() for constant, factor in self.factors.items()})
 
     def own_states(self, m: Elements) -> tuple[State, ...]:
         """The deflection of the bristles."""
@@ -240,15 +240,17 @@ class Contact(BetweenBodies, family=True):
 
     def parameters(self, a: Assembly, d: Value) -> Constants:
         """The law's constants at one instant: times the factors, plus what the loads add, times the level's factor."""
-        p = self.friction.told(lambda n, latex, args, value: a.called.term(self.of(n, "_"), latex, args, value))
-        factors = {of: factor.at(a, d) for of, factor in self.factors.items()}
-        for of, x in factors.items():
-            p = p.replaced({of: getattr(p, of) * x}) if of != "level" else p
+        p = self.friction.with_named_terms(
+            lambda n, latex, args, value: a.called.term(self.name_of(n, "_"), latex, args, value)
+        )
+        factors = {constant: factor.value_at(a, d) for constant, factor in self.factors.items()}
+        for constant, x in factors.items():
+            p = p.replaced({constant: getattr(p, constant) * x}) if constant != "level" else p
         levels = [n for n in LEVELS if hasattr(p, n)]
         for i, each in enumerate(self.loads):
             size = each.size(a)
             if isinstance(size, Expr) and size.args:
-                a.called[size] = self.of("load", "_") + (f"_{i + 1}" if len(self.loads) > 1 else "")
+                a.called[size] = self.name_of("load", "_") + (f"_{i + 1}" if len(self.loads) > 1 else "")
             p = p.replaced({n: getattr(p, n) + getattr(each, n) * size for n in levels if getattr(each, n) is not None})
         return p.replaced({n: getattr(p, n) * factors["level"] for n in levels if "level" in factors})
 
@@ -260,20 +262,20 @@ class Contact(BetweenBodies, family=True):
         rate = wrap(law.dz_dt(p, w, z)) if self.has_z else ZERO
         F = wrap(law.friction(p, w, z, rate))
         if rate.args:
-            a.called[rate] = self.of("dz_dt", "_")
-        a.k[self.of("z")], a.k[self.of("w")] = z, w
-        a.show(self.of("F"), F)
+            a.called[rate] = self.name_of("dz_dt", "_")
+        a.k[self.name_of("z")], a.k[self.name_of("w")] = z, w
+        a.show(self.name_of("F"), F)
         a.act(self, ratio, F)
         if a.system.energy:  # a law of one's own may say nothing of what it stores
             stored = wrap(law.stored_energy(self.friction.p, z))
             a.stored = a.stored + stored
             a.lost = a.lost + (F * w - (derivative(stored, z) * rate if self.has_z else ZERO))
         if self.has_z:
-            a.rates[self.of("z")] = rate
+            a.rates[self.name_of("z")] = rate
 
     def watches(self, a: Assembly) -> tuple[Events, Expr] | None:
         """Slip and stick; not where the only velocity is a signal, which tells by itself."""
-        return None if a.system.given_alone else (SLIP_AND_STICK, a.k[self.of("w")])
+        return None if a.system.given_alone else (SLIP_AND_STICK, a.k[self.name_of("w")])
 
     def level(self) -> Value:
         """The speed of slip and stick."""
@@ -285,16 +287,16 @@ class Contact(BetweenBodies, family=True):
 
     def natural(self, scales: Mapping[str, Scales], m: Elements) -> dict[str, Value]:
         """The law's length."""
-        return {self.of("z"): self.scales().length}
+        return {self.name_of("z"): self.scales().length}
 
     def columns(self, m: Elements) -> list[Column]:
         """Deflection, force and sliding speed."""
         turns = self.turning(m)
         z, w = ("rad", "rad/s") if turns else ("m", "m/s")
         return [
-            Column(self.of("z"), z, "mean bristle deflection"),
-            Column(self.of("F"), force_unit(turns), "friction force"),
-            Column(self.of("w"), w, "sliding speed"),
+            Column(self.name_of("z"), z, "mean bristle deflection"),
+            Column(self.name_of("F"), force_unit(turns), "friction force"),
+            Column(self.name_of("w"), w, "sliding speed"),
         ]
 
     def heading(self, m: Elements) -> str:
@@ -303,54 +305,54 @@ class Contact(BetweenBodies, family=True):
 
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
         """A force that jumps at rest."""
-        found = super().wiring(m)
+        problems = super().wiring(m)
         law = None if self.law is None else self.law.law
         if law is not None and law.jumps_at_rest and any(m.free_leader(x) for x in self.ends):
             text = f"the force of law '{law.name}' jumps at v = 0, so a body under it cannot stick"
             if "k_v" in law.constants():
-                found.append(
+                problems.append(
                     (
                         ("law", "k_v"),
                         f"missing: {text}; give k_v > 0 in s/m for a smooth sign, or a velocity",
                     )
                 )
             else:
-                found.append((("law", "name"), f"{show(law.name)}: {text}"))
-        return found
+                problems.append((("law", "name"), f"{show(law.name)}: {text}"))
+        return problems
 
 
-def _not_to_multiply(of: str, law: Law, numbers: list[str]) -> str | None:
+def _not_to_multiply(constant: str, law: Law, numbers: list[str]) -> str | None:
     """Why a factor cannot be on a parameter, or None."""
-    if of == "sigma_0":
+    if constant == "sigma_0":
         why = "a stiffness that changes stores energy at no cost; use level, or F_c and F_s"
         return f"must be left out: sigma_0 is not a thing to multiply ({why})"
     known = [n for n in numbers if n != "sigma_0"]
-    if of == "level":
+    if constant == "level":
         return None if any(n in known for n in LEVELS) else f"law '{law.name}' has no level F_c or F_s"
-    if of in known:
+    if constant in known:
         return None
-    guess = nearest(of, (*known, "level")) or f" (it has {', '.join(known)}, and level)"
+    guess = nearest(constant, (*known, "level")) or f" (it has {', '.join(known)}, and level)"
     return f"unknown key: law '{law.name}' has no such number{guess}"
 
 
 def _not_positive(signal: waveforms.Signal) -> str | None:
     """Why a signal cannot be a factor, or None."""
-    if (found := extremes(signal)) is None:
+    if (reached := extremes(signal)) is None:
         return f"{show(signal.kind)}: begins at 0: a factor must be > 0 at all times"
-    return None if found[0] > 0 else f"reaches {found[0]:g}: a factor must be > 0 at all times"
+    return None if reached[0] > 0 else f"reaches {reached[0]:g}: a factor must be > 0 at all times"
 
 
 def _beyond(law: Law, by: Mapping[str, tuple[float, float]]) -> list[Problem]:
     """What a law does not allow any more where factors are at their least and largest."""
-    found: list[Problem] = []
+    problems: list[Problem] = []
     for name, (low, _) in by.items():
         declared, value = law.constants().get(name), law.values.get(name)
         if declared is None or value is None or declared.at_least is None or low * value >= declared.at_least:
             continue
-        found.append((f"factors.{name}", f"brings {name} down to {low * value:g}: it must stay {declared.allowed}"))
+        problems.append((f"factors.{name}", f"brings {name} down to {low * value:g}: it must stay {declared.allowed}"))
     z_ba, sigma_0 = law.values.get("z_ba"), law.values.get("sigma_0")
     if z_ba is None or sigma_0 is None:
-        return found
+        return problems
     largest = z_ba * by.get("z_ba", (1.0, 1.0))[1]
     blamed_once: dict[str, str] = {}
     for name in LEVELS:  # sigma_0 g is between them, whichever is the larger
@@ -359,4 +361,4 @@ def _beyond(law: Law, by: Mapping[str, tuple[float, float]]) -> list[Problem]:
         if largest >= least and blamed is not None:
             text = f"z_ba (up to {largest:g}) must stay below {name}/sigma_0, which factors bring down to {least:g}"
             blamed_once.setdefault(f"factors.{blamed}", text)
-    return [*found, *blamed_once.items()]
+    return [*problems, *blamed_once.items()]

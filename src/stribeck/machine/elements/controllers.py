@@ -225,10 +225,10 @@ class Controller(AnyController, for_users=True):
 
     def carrying(self, path: str, carrier: Carrier) -> Held:
         """A signal whose direction matters is cut where it turns."""
-        made = super().carrying(path, carrier)
+        carried = super().carrying(path, carrier)
         if carrier.structure and self.compensation is not None and self.compensation.speed == "reference":
-            return made.model_copy(update={"signal": replace(made.signal, turns=True)})
-        return made
+            return carried.model_copy(update={"signal": replace(carried.signal, turns=True)})
+        return carried
 
     def unlimited(
         self, m: Elements, r: Reference, y: Value, v: Expr, x: Rates, called: Names, exact: bool, shaken: Expr
@@ -264,9 +264,9 @@ class Controller(AnyController, for_users=True):
     def equations(self, a: Assembly) -> None:
         """Act on a body; a motor takes its current from the output."""
         r = a.reference(self.signal)
-        a.k[self.of("r")] = wrap(r.value)
-        u = symbol(f"segment.{self.of('u', '_')}") if self.sampling is not None else self._continuous(a, r)
-        a.show(self.of("u"), u)
+        a.k[self.name_of("r")] = wrap(r.value)
+        u = symbol(f"segment.{self.name_of('u', '_')}") if self.sampling is not None else self._continuous(a, r)
+        a.show(self.name_of("u"), u)
         if self.on in a.system.bodies:
             a.push(self.on, u)
             a.power_in = a.power_in + u * a.motion(self.on)[1]
@@ -274,10 +274,10 @@ class Controller(AnyController, for_users=True):
     def _continuous(self, a: Assembly, r: Reference) -> Expr:
         y, v = a.motion(self.body)
         x = {n: a.state(self, n) for n in self.all_states(a.system)}
-        shaken = ZERO if self.dither is None else self.dither.at(_T)
+        shaken = ZERO if self.dither is None else self.dither.force_at(_T)
         raw, rates = self.unlimited(a.system, r, y, v, x, a.called, a.exact, shaken)
         a.unlimited[self.name] = raw
-        a.rates |= {self.of(n): rate for n, rate in self.held_at_limit(raw, rates, x, LAYER).items()}
+        a.rates |= {self.name_of(n): rate for n, rate in self.held_at_limit(raw, rates, x, LAYER).items()}
         return self.limited(raw)
 
     # -- samples -----------------------------------------------------------------------------------------------------
@@ -292,10 +292,10 @@ class Controller(AnyController, for_users=True):
         """What it does at its instants."""
         assert self.sampling is not None
         y = wrap(self.sampling.reading(a.motion(self.body)[0]))
-        a.called[y] = self.of("reading", "_")
-        m = {n: symbol(f"memory.{self.of(n, '_')}") for n in self.memory(a.system)}
+        a.called[y] = self.name_of("reading", "_")
+        m = {n: symbol(f"memory.{self.name_of(n, '_')}") for n in self.memory(a.system)}
         u, after = self.stepped(a.system, y, a.reference(self.signal), m, a.called)
-        return Sample(self.name, f"{self.path}.sampling", u, {self.of(n, "_"): after[n] for n in m})
+        return Sample(self.name, f"{self.path}.sampling", u, {self.name_of(n, "_"): after[n] for n in m})
 
     def stepped(self, m: Elements, y: Expr, r: Reference, memory: Rates, called: Names) -> tuple[Expr, Rates]:
         """One sample of a controller that reads ``y`` and is asked for ``r``: its output, and what it remembers after it.
@@ -305,7 +305,7 @@ class Controller(AnyController, for_users=True):
         after: Rates = {"readings": memory["readings"] + 1}
         v, estimator = s.speed(memory["readings"] <= 0, y, memory)
         after |= estimator
-        called[v] = self.of("speed", "_")
+        called[v] = self.name_of("speed", "_")
         x = {n: memory[n] for n in self.all_states(m)}
         r = replace(r, direction=sign(r.rate))  # all that a controller knows of it, and what its export has
         shaken = wrap(0.0)
@@ -338,12 +338,12 @@ class Controller(AnyController, for_users=True):
 
     def natural(self, scales: Mapping[str, Scales], m: Elements) -> dict[str, Value]:
         """See :meth:`scales`; a length where a controller of a user's says nothing."""
-        own = scales[self.body]
-        sizes = self.scales(own.length, own.force)
-        found = {self.of(s.name): sizes.get(s.name, own.length) for s in self.form_states()}
+        body_scales = scales[self.body]
+        sizes = self.scales(body_scales.length, body_scales.force)
+        natural = {self.name_of(s.name): sizes.get(s.name, body_scales.length) for s in self.form_states()}
         if self.compensation is not None:
-            found[self.of("z_hat")] = self.compensation.friction(m).scales().length
-        return found
+            natural[self.name_of("z_hat")] = self.compensation.friction(m).scales().length
+        return natural
 
     def turning(self, m: Elements) -> bool:
         """As the body that it measures."""
@@ -353,8 +353,8 @@ class Controller(AnyController, for_users=True):
         """Reference and output."""
         turns = self.turning(m)
         return [
-            Column(self.of("r"), "rad" if turns else "m", "reference"),
-            Column(self.of("u"), force_unit(turns), "output of the controller"),
+            Column(self.name_of("r"), "rad" if turns else "m", "reference"),
+            Column(self.name_of("u"), force_unit(turns), "output of the controller"),
         ]
 
     def heading(self, m: Elements) -> str:
@@ -364,14 +364,14 @@ class Controller(AnyController, for_users=True):
 
     def wrong(self) -> list[Problem]:
         """A dither that the sampling cannot follow; a signal that feedforward, or a lead, cannot take."""
-        found: list[Problem] = []
+        problems: list[Problem] = []
         if self.dither is not None:
             d, s = self.dither, self.sampling
             if s is None and d.kind == "square":
                 text = "'square': a continuous controller's must be 'sine'; square needs sampling"
-                found.append(("dither.kind", text))
+                problems.append(("dither.kind", text))
             if s is not None and d.frequency > (most := 0.5 / s.period):
-                found.append(
+                problems.append(
                     ("dither.frequency", f"{d.frequency:g}: must be at most {most:g}, half of the sampling's rate")
                 )
         led = self.compensation is not None and self.compensation.lead is not None
@@ -379,8 +379,8 @@ class Controller(AnyController, for_users=True):
         if (led or self.feedforward is not None) and not signal.smooth and signal.kind != "ramp":
             what = "compensation.lead" if self.feedforward is None else "feedforward"
             text = f"has no second derivative, which {what} needs: must be sine, point_to_point or spline"
-            found.append(("signal.kind", f"{show(signal.kind)}: {text}"))
-        return found
+            problems.append(("signal.kind", f"{show(signal.kind)}: {text}"))
+        return problems
 
     def until(self, m: Elements, t_end: float) -> list[Problem]:
         """Too many samples."""
@@ -391,21 +391,21 @@ class Controller(AnyController, for_users=True):
 
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
         """A second controller on one thing; a law that cannot be led."""
-        found = m.not_on_driven(self.on)
+        problems = m.not_on_driven(self.on)
         before = [x.name for x in m.machine.controllers.values() if x.on == self.on and not x.moves_valve]
         if before[0] != self.name:
             what = "motor" if self.on in m.machine.motors else "body"
             text = f"{show(self.on)}: must be another {what}: controllers.{before[0]} drives it already"
-            found.append((("on",), text))
+            problems.append((("on",), text))
         c = self.compensation
         if c is None or c.lead is None:
-            return found
+            return problems
         contact = m.machine.contacts.get(str(c.contact))
         friction = c.law or (contact.law if contact is not None else None)
         if friction is not None and friction.law is not None and not friction.law.differentiable:
             text = f"law '{friction.law.name}' has no dF/dt; must be left out, or the law a smooth one"
-            found.append((("compensation", "lead"), f"{c.lead:g}: {text}"))
-        return found
+            problems.append((("compensation", "lead"), f"{c.lead:g}: {text}"))
+        return problems
 
 
 class Pid(Controller):

@@ -69,7 +69,7 @@ class Piston(Body):
     @property
     def pressures(self) -> tuple[Expr, ...]:
         """The pressures in the chambers."""
-        return tuple(symbol(self.of(s.name)) for s in self.states)
+        return tuple(symbol(self.name_of(s.name)) for s in self.states)
 
     def gas(self, a: Assembly) -> SimpleNamespace:
         """Its constants in the equations: its mass is that of all that is tied to it, seen from it."""
@@ -90,8 +90,8 @@ class Piston(Body):
     def wrong(self) -> list[Problem]:
         """What a piston does not have; a start outside the stroke, and pressures that cannot be."""
         more = [n for n in ("inertia", "tied_to", "ratio", "velocity", "rotary") if getattr(self, n) is not None]
-        found = [
+        problems = [
             (n, f"{show(getattr(self, n))}: must be left out: this body is the piston of a cylinder") for n in more
         ]
         p = SimpleNamespace(**self.constants)
-        return found or Cylinder.problems(p, dict(self.initial))
+        return problems or Cylinder.problems(p, dict(self.initial))

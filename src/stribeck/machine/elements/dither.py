@@ -28,7 +28,7 @@ class Dither(FileTable):
         wave = sin(2 * pi * phase) if self.kind == "sine" else where(phase < 0.5 - _EDGE, 1.0, -1.0)
         return wrap(self.amplitude * wave)
 
-    def at(self, t: Expr) -> Expr:
+    def force_at(self, t: Expr) -> Expr:
         """What is added at the time t by a controller that is continuous."""
         return self.force(self.frequency * t)
 

@@ -99,14 +99,14 @@ class Link(BetweenBodies, family=True):
         """Act on both ends; what is not stored is dissipated."""
         d, w, ratio = a.along(self)
         x = {s.name: a.state(self, s.name) for s in self.states}
-        f = a.show(self.of("f"), self.force(d, w, x))
+        f = a.show(self.name_of("f"), self.force(d, w, x))
         if self.far is not None and a.system.unnamed:  # a file of schema 1 ends at its body: into that work is put
-            a.k[self.of("x")] = wrap(a.reference(self.far).value)
+            a.k[self.name_of("x")] = wrap(a.reference(self.far).value)
             a.push(self.end, f)
             a.power_in = a.power_in + f * a.motion(self.end)[1]
             return
         rates = {n: wrap(rate) for n, rate in self.rates(d, w, x).items()}
-        a.rates |= {self.of(n): rate for n, rate in rates.items()}
+        a.rates |= {self.name_of(n): rate for n, rate in rates.items()}
         a.act(self, ratio, f)
         a.account(lambda d: self.stored_energy(d, x), d, w, f, {x[n]: rate for n, rate in rates.items()}, self.far)
 
@@ -120,7 +120,7 @@ class Link(BetweenBodies, family=True):
 
     def columns(self, m: Elements) -> list[Column]:
         """Its force."""
-        return [Column(self.of("f"), force_unit(self.turning(m)), "force of the link")]
+        return [Column(self.name_of("f"), force_unit(self.turning(m)), "force of the link")]
 
     def heading(self, m: Elements) -> str:
         """See :class:`Element`."""
@@ -139,14 +139,14 @@ class StagedSpring(Link):
 
     def wrong(self) -> list[Problem]:
         """One of a stage's two numbers without the other; play, which a preload would close."""
-        found = super().wrong()
+        problems = super().wrong()
         for name, other in (("reach", "second"), ("second", "reach")):
             if getattr(self, name) is not None and getattr(self, other) is None:
-                found.append((other, f"missing: must be given with {name}"))
+                problems.append((other, f"missing: must be given with {name}"))
         if self.gap is not None and self.preload is not None:
             text = "must be left out where preload is given: a preloaded spring has no play"
-            found.append(("gap", f"{show(self.gap)}: {text}"))
-        return found
+            problems.append(("gap", f"{show(self.gap)}: {text}"))
+        return problems
 
     def _stiffer(self, d: Value) -> tuple[Value, Value]:
         """By how much the second stage is stiffer, and how far it is stretched."""

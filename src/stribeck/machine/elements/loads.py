@@ -78,8 +78,8 @@ class Load(Element, family=True):
         signal = getattr(self, "signal", None)
         r = a.reference(signal).value if signal is not None else 0.0
         x = {s.name: a.state(self, s.name) for s in self.states}
-        f = a.show(self.of("f"), self.force(r, y, v, x))
-        a.rates |= {self.of(n): wrap(rate) for n, rate in self.rates(r, y, v, x).items()}
+        f = a.show(self.name_of("f"), self.force(r, y, v, x))
+        a.rates |= {self.name_of(n): wrap(rate) for n, rate in self.rates(r, y, v, x).items()}
         a.push(self.on, f)
         if self.conservative:
             a.stored = a.stored + self.stored_energy(y)
@@ -92,7 +92,7 @@ class Load(Element, family=True):
 
     def columns(self, m: Elements) -> list[Column]:
         """Its force."""
-        return [Column(self.of("f"), force_unit(self.turning(m)), "force of the load")]
+        return [Column(self.name_of("f"), force_unit(self.turning(m)), "force of the load")]
 
     def heading(self, m: Elements) -> str:
         """See :class:`Element`."""
@@ -164,12 +164,12 @@ class ByPosition(Load):
 
     def wrong(self) -> list[Problem]:
         """Lists of two lengths, positions that do not increase, a single point."""
-        found = same_length(self, "position", "value")
+        problems = same_length(self, "position", "value")
         if len(self.position) < 2:
-            found.append(("position", f"{show(list(self.position))}: must hold at least two positions"))
-        found += [(f"position[{i}]", f"{show(b)}: positions must increase (the one before is {show(a)})")
+            problems.append(("position", f"{show(list(self.position))}: must hold at least two positions"))
+        problems += [(f"position[{i}]", f"{show(b)}: positions must increase (the one before is {show(a)})")
                   for i, (a, b) in enumerate(pairwise(self.position), 1) if b <= a]  # fmt: skip
-        return found
+        return problems
 
     def _pieces(self, y: Value) -> Iterator[tuple[Value, Value, Value, Value]]:
         """Of each straight line: its slope, its length, how far y is along it, and how far beyond it."""

@@ -65,23 +65,23 @@ class Motor(Element, family=True):
         asks = a.system.controller_of(self.name)
         wanted, V = None, ZERO
         if asks is not None:
-            wanted = a.k[asks.of("u")] / self.K
+            wanted = a.k[asks.name_of("u")] / self.K
         else:
             V = wrap(a.reference(self.signal).value)
         if self.L is not None:
             i, V, rate = self.with_inductance(wanted, V, v, a.state(self, "i"))
-            a.rates[self.of("i")] = wrap(rate)
+            a.rates[self.name_of("i")] = wrap(rate)
         else:
             i, V = self.without_inductance(wanted, V, v)
-        a.show(self.of("V"), V)
-        i = a.show(self.of("i"), i)
-        torque = a.show(self.of("torque"), self.K * i)
+        a.show(self.name_of("V"), V)
+        i = a.show(self.name_of("i"), i)
+        torque = a.show(self.name_of("torque"), self.K * i)
         a.push(self.on, torque)
         a.power_in = a.power_in + torque * v
 
     def natural(self, scales: Mapping[str, Scales], m: Elements) -> dict[str, Value]:
         """The current that makes the friction force."""
-        return {self.of("i"): scales[self.on].force / self.K}
+        return {self.name_of("i"): scales[self.on].force / self.K}
 
     def turning(self, m: Elements) -> bool:
         """As the body."""
@@ -89,8 +89,8 @@ class Motor(Element, family=True):
 
     def columns(self, m: Elements) -> list[Column]:
         """Current, voltage and torque."""
-        torque = Column(self.of("torque"), force_unit(self.turning(m)), "torque of the motor")
-        return [Column(self.of("i"), "A", "current"), Column(self.of("V"), "V", "voltage"), torque]
+        torque = Column(self.name_of("torque"), force_unit(self.turning(m)), "torque of the motor")
+        return [Column(self.name_of("i"), "A", "current"), Column(self.name_of("V"), "V", "voltage"), torque]
 
     def heading(self, m: Elements) -> str:
         """See :class:`Element`."""

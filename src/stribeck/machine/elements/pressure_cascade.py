@@ -122,8 +122,8 @@ class Gains(FileTable):
 
 
 def _piston(on: object, reading: Reading) -> Piston | None:
-    found = reading.others.get("bodies", {}).get(on) if isinstance(on, str) else None
-    return found if isinstance(found, Piston) else None
+    body = reading.others.get("bodies", {}).get(on) if isinstance(on, str) else None
+    return body if isinstance(body, Piston) else None
 
 
 def _complete(value: object, handler: Callable[[object], KnownPlant], info: ValidationInfo) -> KnownPlant:
@@ -132,8 +132,8 @@ def _complete(value: object, handler: Callable[[object], KnownPlant], info: Vali
     piston = _piston(info.data.get("on"), info.context or Reading())
     if piston is None:
         return given
-    own = {n: x for n in piston.constants if (x := getattr(given, n)) is not None}
-    return KnownPlant.model_construct(given.model_fields_set, **{**piston.constants, **own})
+    overridden = {n: x for n in piston.constants if (x := getattr(given, n)) is not None}
+    return KnownPlant.model_construct(given.model_fields_set, **{**piston.constants, **overridden})
 
 
 class _OfObserver:
@@ -155,7 +155,7 @@ class _OfObserver:
         law, wrong = _observer(table, _law_on(info.data.get("on"), reading.others.get("contacts", {})), reading)
         if wrong:
             raise problems_at([(tuple(key.split(".")), text) for key, text in wrong])
-        return Friction.of(law, table) if isinstance(law, Law) else law
+        return Friction.from_law(law, table) if isinstance(law, Law) else law
 
 
 def _contact_on(body: object, contacts: Mapping[str, Contact]) -> Contact | None:
@@ -183,16 +183,16 @@ def _observer(
     except InputError as error:
         place = "name" if not isinstance(table.get("parameters"), str) else "parameters"
         return None, [(place, text) for text in error.problems]
-    own = {key: x for key, x in table.items() if key not in ("name", "parameters")}
+    constants = {key: x for key, x in table.items() if key not in ("name", "parameters")}
     has = cls.constants()
     inherited = {n: x for n, x in ({**plant.machine, **plant.values} if plant else {}).items() if n in PARAMETERS}
-    values = {**{n: x for n, x in inherited.items() if x is not None}, **given, **own}
+    values = {**{n: x for n, x in inherited.items() if x is not None}, **given, **constants}
     if plant is None:  # what it would have given cannot be told missing
         values = {**{n: 1.0 for n in PARAMETERS if n in has and n not in values}, **values}
     inside = f"{reading.to_file(reading.place)}.observer.parameters"
-    wrong = [(n, f"{show(own[n])}: belongs in {inside}") for n in own if n in PARAMETERS]
+    wrong = [(n, f"{show(constants[n])}: belongs in {inside}") for n in constants if n in PARAMETERS]
     places = {n: f"parameters.{n}" for n in (*PARAMETERS, *given)}
-    problems = [(n, text) for n, text in cls.problems(values) if plant is not None or n in given or n in own]
+    problems = [(n, text) for n, text in cls.problems(values) if plant is not None or n in given or n in constants]
     wrong += [(places.get(n, n), text) for n, text in problems]
     if wrong or plant is None:
         return ..., wrong
@@ -322,8 +322,8 @@ class PressureCascade(AnyController):
     @property
     def gains(self) -> dict[str, Value]:
         """The gains that are given."""
-        found = {n: getattr(self, "lambda_" if n == "lambda" else n) for n in GAINS}
-        return {n: x for n, x in found.items() if x is not None}
+        gains = {n: getattr(self, "lambda_" if n == "lambda" else n) for n in GAINS}
+        return {n: x for n, x in gains.items() if x is not None}
 
     def whole(self) -> bool:
         """Whether the observer's law has been read."""
@@ -361,8 +361,13 @@ class PressureCascade(AnyController):
 
     def columns(self, m: Elements) -> list[Column]:
         """The desired position, the voltage, what the controller computes, the estimate of friction, and V."""
-        own = (Column("r", "m", "desired position"), Cylinder.takes, *_COLUMNS, *(_ADAPTED if self.adaptive else ()))
-        return [replace(c, name=self.of(c.name)) for c in own]
+        columns = (
+            Column("r", "m", "desired position"),
+            Cylinder.takes,
+            *_COLUMNS,
+            *(_ADAPTED if self.adaptive else ()),
+        )
+        return [replace(c, name=self.name_of(c.name)) for c in columns]
 
     def heading(self, m: Elements) -> str:
         """With the friction observer."""
@@ -374,7 +379,7 @@ class PressureCascade(AnyController):
         """Deflections are lengths, scales are of the order of 1."""
         length = scales[self.on].length
         lengths = (Z_HAT.name, ETA.name)
-        return {self.of(s.name): length if s.name in lengths else 1.0 for s in self.own_states(m)}
+        return {self.name_of(s.name): length if s.name in lengths else 1.0 for s in self.own_states(m)}
 
     # -- its equations -------------------------------------------------------------------------------------------------
 
@@ -382,35 +387,35 @@ class PressureCascade(AnyController):
         """The plant as the supply feeds it, which droops, and the valve voltage now: of a sampled controller that which it
         holds. ``F`` is what holds the piston back: friction, links, less the loads."""
         before = self._acceleration(body, p, F)
-        a.called.give(before, body.of("acceleration", "_"))
+        a.called.give(before, body.name_of("acceleration", "_"))
         (y, v), (p_1, p_2) = a.motion(body.name), body.pressures
         path = course(wrap(a.reference(self.signal).value), _T)
         if self.sampling is not None:
             held = {n: self._memory(n) for n in _HELD}
             e, s = tracking_errors(self._c, path, y, v)
-            found = {
+            quantities = {
                 "e": e,
                 "s": s,
                 "p_err": p_1 - p_2 - held["p_d"],
-                "u": symbol(f"segment.{self.of('u', '_')}"),
+                "u": symbol(f"segment.{self.name_of('u', '_')}"),
                 **held,
             }
         else:
             computed = self._computed(a.system, path)
             known = substitute(computed.values(), {_ACCELERATION: before})
-            found = dict(zip(computed, known, strict=True))
-            a.rates |= {self.of(s.name): found[f"rate.{s.name}"] for s in self.own_states(a.system)}
-        u = wrap(found["u"])
-        a.called.give(u, self.of("u", "_"))
-        shown = {n: found[n] for n in ("e", "s", "p_err", "F_hat", "z_hat")}
-        shown["V"] = self._lyapunov(a, body, p.mass, found["s"], found["p_err"])
+            quantities = dict(zip(computed, known, strict=True))
+            a.rates |= {self.name_of(s.name): quantities[f"rate.{s.name}"] for s in self.own_states(a.system)}
+        u = wrap(quantities["u"])
+        a.called.give(u, self.name_of("u", "_"))
+        shown = {n: quantities[n] for n in ("e", "s", "p_err", "F_hat", "z_hat")}
+        shown["V"] = self._lyapunov(a, body, p.mass, quantities["s"], quantities["p_err"])
         if self.adaptive:
             o = self.observer.p
             shown |= {f"sigma_{i}_hat": getattr(o, f"sigma_{i}") * self._now(f"a_{i}") for i in range(3)}
             shown["F_c_hat"] = o.F_c * self._now("a_0") / self._now("a_g")
         states = {s.name: a.state(self, s.name) for s in self.own_states(a.system)}
         every = {"r": path[0], **shown, **states, "u": u}
-        a.k |= {self.of(n): wrap(x) for n, x in every.items()}
+        a.k |= {self.name_of(n): wrap(x) for n, x in every.items()}
         fed = p if self.supply_droop is None else SimpleNamespace(**vars(p), supply_droop=self.supply_droop)
         return fed, u
 
@@ -433,15 +438,15 @@ class PressureCascade(AnyController):
             motion = tracked((was[0], was[1], was[2]), self.sampling.reading(y), self.sampling.bandwidth, period)
             after |= dict(zip(_TRACKED, motion, strict=True))
         path = course(wrap(a.reference(self.signal).value), _T)
-        found = self._computed(a.system, path, called)
-        rates = {s.name: found[f"rate.{s.name}"] for s in self._remembered}
-        slopes = {n: derivative(rate, symbol(self.of(n))) for n, rate in rates.items()}
+        computed = self._computed(a.system, path, called)
+        rates = {s.name: computed[f"rate.{s.name}"] for s in self._remembered}
+        slopes = {n: derivative(rate, symbol(self.name_of(n))) for n, rate in rates.items()}
         states = {n: wrap(where(first, START[n], memory[f"next_{n}"])) for n in rates}
         known = dict(
             zip((y, v, *pressures, _ACCELERATION), map(wrap, (*motion[:2], *pressures, motion[2])), strict=True)
         )
-        known |= {symbol(self.of(n)): x for n, x in states.items()}
-        every = [*(found[n] for n in ("u", *_HELD)), *rates.values(), *slopes.values()]
+        known |= {symbol(self.name_of(n)): x for n, x in states.items()}
+        every = [*(computed[n] for n in ("u", *_HELD)), *rates.values(), *slopes.values()]
         u, F_hat, p_d, z_hat, *moved = substitute(every, known, called)
         after |= {"F_hat": F_hat, "p_d": p_d, **states, "z_hat": z_hat}
         for (name, x), rate, slope in zip(states.items(), moved[: len(states)], moved[len(states) :], strict=True):
@@ -450,18 +455,18 @@ class PressureCascade(AnyController):
         turns = turned(u, extreme, memory["way"], memory[_SWINGS], _SWING * self.u_max)
         after |= dict(zip((*_TURNS, _SWINGS), turns, strict=True))
         name = self.name or "cascade"
-        return Sample(name, f"{self.path}.sampling", u, {self.of(n, "_"): wrap(after[n]) for n in memory})
+        return Sample(name, f"{self.path}.sampling", u, {self.name_of(n, "_"): wrap(after[n]) for n in memory})
 
     @property
     def _c(self) -> SimpleNamespace:
         return SimpleNamespace(**self.gains)
 
     def _memory(self, name: str) -> Expr:
-        return symbol(f"memory.{self.of(name, '_')}")
+        return symbol(f"memory.{self.name_of(name, '_')}")
 
     def _now(self, state: str) -> Expr:
         """A state of the controller's: an integrated one, or what a sampled controller shows of it."""
-        return self._memory(state) if self.sampling is not None else symbol(self.of(state))
+        return self._memory(state) if self.sampling is not None else symbol(self.name_of(state))
 
     def _acceleration(self, body: Piston, p: SimpleNamespace, F: Expr) -> Expr:
         """What it measures of the motion's change, which does not depend on the valve at the same instant."""
@@ -474,31 +479,31 @@ class PressureCascade(AnyController):
         """
         body, c, model = m.bodies[self.on], self._c, self.model
         assert isinstance(body, Piston)
-        y, v, (p_1, p_2) = symbol(body.of("y")), symbol(body.of("v")), body.pressures
+        y, v, (p_1, p_2) = symbol(body.name_of("y")), symbol(body.name_of("v")), body.pressures
         e, s = tracking_errors(c, path, y, v)
-        found = self._observed(c, v, s, called)
-        p_d = desired_pressure(c, model, path, v, s, found.F)  # type: ignore[arg-type]
-        rates = {n: wrap(rate) for n, rate in found.rates.items()}
-        along = {_T: ONE, y: v, v: _ACCELERATION, **{symbol(self.of(n)): rate for n, rate in rates.items()}}
+        estimate = self._observed(c, v, s, called)
+        p_d = desired_pressure(c, model, path, v, s, estimate.F)  # type: ignore[arg-type]
+        rates = {n: wrap(rate) for n, rate in estimate.rates.items()}
+        along = {_T: ONE, y: v, v: _ACCELERATION, **{symbol(self.name_of(n)): rate for n, rate in rates.items()}}
         p_err = p_1 - p_2 - p_d
         dp_d = total_derivative(wrap(p_d), along)
         u_hat = pressure_demand(c, model, y, v, p_1, p_2, s, p_err, dp_d)  # type: ignore[arg-type]
         u = Cylinder.voltage(model, y, p_1, p_2, u_hat, c.u_max)  # type: ignore[arg-type]
-        named = {"e": e, "s": s, "p_d": p_d, "p_err": p_err, "u": u, "F_hat": found.F, "z_hat": found.z}
+        named = {"e": e, "s": s, "p_d": p_d, "p_err": p_err, "u": u, "F_hat": estimate.F, "z_hat": estimate.z}
         return {n: wrap(x) for n, x in named.items()} | {f"rate.{n}": rate for n, rate in rates.items()}
 
     def _observed(self, c: SimpleNamespace, v: Expr, s: Value, called: Names | None) -> Observed:
-        x: dict[str, Value] = {state.name: symbol(self.of(state.name)) for state in self._remembered}
+        x: dict[str, Value] = {state.name: symbol(self.name_of(state.name)) for state in self._remembered}
         if self.observer is None:
             return observe(None, SimpleNamespace(), c.K, v, s, x)
-        kind, p = self.observer.kind, self.observer.p if called is None else self.observer.told(called.term)
+        kind, p = self.observer.kind, self.observer.p if called is None else self.observer.with_named_terms(called.term)
         return adapt(kind, p, self.adaptation, c.K, v, s, x) if self.adaptive else observe(kind, p, c.K, v, s, x)  # type: ignore[arg-type]
 
     def _lyapunov(self, a: Assembly, body: Piston, mass: Value, s: Value, p_err: Value) -> Value:
         """V along the loop: with the plant's own mass and deflection, and the errors of adapted parameters."""
         contact = _contact_on(body.name, a.system.contacts)
         assert contact is not None
-        z_err: Value = self._now("z_hat") - a.k[contact.of("z")] if self._bristles and contact.has_z else 0.0
+        z_err: Value = self._now("z_hat") - a.k[contact.name_of("z")] if self._bristles and contact.has_z else 0.0
         off_parameters: Value = 0.0
         if self.adaptive:
             g, o, q = self.adaptation, self.observer.p, contact.friction.p
@@ -517,7 +522,7 @@ class PressureCascade(AnyController):
 
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
         """What it is on, and what of its table does not go together."""
-        body, found = m.machine.bodies.get(self.on), list[tuple[Loc, str]]()
+        body, problems = m.machine.bodies.get(self.on), list[tuple[Loc, str]]()
         before = next(x.name for x in m.machine.controllers.values() if x.moves_valve and x.on == self.on)
         if body is None and self.on in m.names["bodies"]:
             return []  # which is told
@@ -527,49 +532,49 @@ class PressureCascade(AnyController):
             ]
         if before != self.name:
             text = f"must be another body: {table_path('controllers', before)} drives it already"
-            found.append((("on",), f"{show(self.on)}: {text}"))
+            problems.append((("on",), f"{show(self.on)}: {text}"))
         keys = [key for key in ("delay", "noise", "quantisation", "bandwidth") if getattr(self, key)]
         if self.sample_time is None:
-            at = f"{m.reading.to_file(self.path)}.sample_time"
-            text = f"needs {at}: without it the controller is continuous and measures exactly"
-            found += [((key,), f"{show(getattr(self, key))}: {text}") for key in keys]
+            sample_time = f"{m.reading.to_file(self.path)}.sample_time"
+            text = f"needs {sample_time}: without it the controller is continuous and measures exactly"
+            problems += [((key,), f"{show(getattr(self, key))}: {text}") for key in keys]
         elif (self.noise or self.quantisation) and self.bandwidth is None:
             text = "missing: must be given with noise or quantisation (rad/s; of the filter that estimates v and dv/dt)"
-            found.append((("bandwidth",), text))
+            problems.append((("bandwidth",), text))
         if self.adaptive and self.observer is not ... and (reason := _not_adaptable(self.observer_law)):
-            found.append((("adaptive",), f"true: {reason}"))
-        if _contact_on(self.on, m.machine.contacts) is None and not (found or m.problems):
+            problems.append((("adaptive",), f"true: {reason}"))
+        if _contact_on(self.on, m.machine.contacts) is None and not (problems or m.problems):
             text = f"{show(self.on)}: must have a contact with the ground, whose friction the cascade knows"
-            found.append((("on",), text))
-        return found
+            problems.append((("on",), text))
+        return problems
 
     def until(self, m: Elements, t_end: float) -> list[Problem]:
         """The time between samples, and the path."""
-        found, period, piston = (
+        problems, period, piston = (
             list[Problem](),
             t_end if self.sample_time is None else self.sample_time,
             m.bodies.get(self.on),
         )
         if period < t_end / _MOST_INSTANTS:
             text = f"must be at least solve.t_end/{_MOST_INSTANTS:g} ({t_end / _MOST_INSTANTS:g} s)"
-            found.append((f"{self.path}.sample_time", f"{show(period)}: {text}"))
+            problems.append((f"{self.path}.sample_time", f"{show(period)}: {text}"))
         law = _law_on(self.on, m.contacts)
         if law is None or not isinstance(piston, Piston):
-            return found
-        return found + self._path_problems(piston, law, self.signal.built, t_end)
+            return problems
+        return problems + self._path_problems(piston, law, self.signal.built, t_end)
 
     def _path_problems(self, p: Piston, law: Law, signal: Signal, t_end: float) -> list[Problem]:
         """Where the path cannot be followed, whatever the gains."""
-        room, at = p.supply_pressure - p.atmospheric_pressure, f"{self.path}.signal"
+        room, signal_path = p.supply_pressure - p.atmospheric_pressure, f"{self.path}.signal"
         if not signal.smooth:
             text = f"{show(signal.kind)}: has no three derivatives, which the controller needs"
-            return [(f"{at}.kind", f"{text}; must be one of sine, point_to_point, spline")]
+            return [(f"{signal_path}.kind", f"{text}; must be one of sine, point_to_point, spline")]
         t, (y, v, a, _) = _path_of(signal, t_end)
         outside = np.flatnonzero((y < 0) | (y > p.stroke))
         if outside.size:
             i = int(outside[0])
             place = f"the path reaches y = {y[i]:.6g} m at t = {t[i]:.4g} s"
-            return [(at, f"{place}: must stay within the stroke, 0 to {p.stroke:g} m")]
+            return [(signal_path, f"{place}: must stay within the stroke, 0 to {p.stroke:g} m")]
         friction = law.steady_force(v)
         if "F_s" in law.machine:  # lugre_arctan's steady force grows without limit as v -> 0, which no motion waits for
             most = law.machine["F_s"] + law.machine.get("sigma_2", 0.0) * abs(v)
@@ -590,7 +595,7 @@ class PressureCascade(AnyController):
 
     def _limited(self, rows: Courses) -> str:
         """That the valve ends at its limit, when it has been there for a tenth of the run."""
-        free = np.flatnonzero(np.abs(rows[self.of("u")]) < self.u_max * (1 - 1e-9))
+        free = np.flatnonzero(np.abs(rows[self.name_of("u")]) < self.u_max * (1 - 1e-9))
         first = free[-1] + 1 if len(free) else 0
         if len(rows.t) - first <= 0.1 * len(rows.t):
             return ""
@@ -601,7 +606,7 @@ class PressureCascade(AnyController):
         """That the valve of a sampled controller goes to and fro to the end far more often than the path."""
         if self.sampling is None:
             return ""
-        late = rows.held[self.of(_SWINGS, "_")][rows.t >= 0.75 * end]
+        late = rows.held[self.name_of(_SWINGS, "_")][rows.t >= 0.75 * end]
         swings = int(late[-1] - late[0]) if len(late) else 0
         waves = 0.25 * end / (8 * self.signal.built.longest_step)
         if swings <= max(_MOST_SWINGS, 6 * waves):
@@ -618,8 +623,8 @@ def _path_of(signal: Signal, t_end: float) -> tuple[Array, tuple[Array, ...]]:
     t = np.union1d(t, [start for start, _ in signal.pieces if 0 <= start <= t_end])
     values = signal.values_at(t)
     kind: object = type(signal)
-    found = _course_of(kind, tuple(values))(t, *values.values())
-    return t, tuple(np.broadcast_to(np.asarray(x, float), t.shape) for x in found)
+    derivatives = _course_of(kind, tuple(values))(t, *values.values())
+    return t, tuple(np.broadcast_to(np.asarray(x, float), t.shape) for x in derivatives)
 
 
 @lru_cache(maxsize=32)

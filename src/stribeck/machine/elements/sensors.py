@@ -36,7 +36,7 @@ class Sensor(Element, family=True):
 
     def equations(self, a: Assembly) -> None:
         """Name the reading."""
-        a.show(self.of("reading"), self.reading(*a.motion(self.on)))
+        a.show(self.name_of("reading"), self.reading(*a.motion(self.on)))
 
     def turning(self, m: Elements) -> bool:
         """As the body."""
@@ -44,7 +44,7 @@ class Sensor(Element, family=True):
 
     def columns(self, m: Elements) -> list[Column]:
         """Its reading."""
-        return [Column(self.of("reading"), "rad" if self.turning(m) else "m", "what the sensor reads")]
+        return [Column(self.name_of("reading"), "rad" if self.turning(m) else "m", "what the sensor reads")]
 
     def heading(self, m: Elements) -> str:
         """See :class:`Element`."""

@@ -16,9 +16,9 @@ def same_length(table: object, *names: str) -> list[Problem]:
     ]  # fmt: skip
 
 
-def sum_of_waves(p: object, at: Value) -> Value:
+def sum_of_waves(p: object, position: Value) -> Value:
     """Sum of amplitude_k sin(waves_k at + phase_k)."""
     total = 0.0
     for amplitude, waves, phase in zip(*(getattr(p, n) for n in ("amplitude", "waves", "phase")), strict=True):
-        total = total + amplitude * sin(waves * at + phase)
+        total = total + amplitude * sin(waves * position + phase)
     return total

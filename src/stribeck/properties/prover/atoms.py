@@ -28,7 +28,7 @@ def power(leaf: Leaf, node: Expr, base: Quotient, exponent: Quotient) -> Quotien
     ring = leaf.ring
     value = exponent.rational
     if value is not None and value.denominator == 1 and abs(value) <= _MOST:
-        return _whole(leaf, base, int(value))
+        return _integer_power(leaf, base, int(value))
     if base.is_zero and leaf.signs(exponent)[0] and leaf.signs(exponent)[2]:
         return ring.zero
     if not leaf.signs(base)[0]:
@@ -38,10 +38,10 @@ def power(leaf: Leaf, node: Expr, base: Quotient, exponent: Quotient) -> Quotien
     n = floor(value)
     if n == 0:
         return _root_of(leaf, node.args[0], base, value)
-    return ring.apply("mul", _whole(leaf, base, n), _root_of(leaf, node.args[0], base, value - n))
+    return ring.apply("mul", _integer_power(leaf, base, n), _root_of(leaf, node.args[0], base, value - n))
 
 
-def _whole(leaf: Leaf, base: Quotient, n: int) -> Quotient:
+def _integer_power(leaf: Leaf, base: Quotient, n: int) -> Quotient:
     if n <= 0 and not leaf.signs(base)[2]:
         raise Unclear("a power of what may be 0")
     power = leaf.ring.one
@@ -125,7 +125,7 @@ def _chord(leaf: Leaf, index: int, node: Expr, y: Quotient, share: Fraction) -> 
     if low >= 1 or leaf.signs(leaf.ring.apply("sub", y, leaf.ring.one))[0]:
         most = share
     slope = leaf.number(least) + leaf.number(most - least) * leaf.fresh()
-    return leaf.put(index, bottom + (top - bottom) * slope, bottom, "chord", least, most)
+    return leaf.set_atom(index, bottom + (top - bottom) * slope, bottom, "chord", least, most)
 
 
 def _special(leaf: Leaf, op: str, index: int, x: Quotient, node: Expr) -> bool:
@@ -142,18 +142,18 @@ def _special(leaf: Leaf, op: str, index: int, x: Quotient, node: Expr) -> bool:
         return False
     top, bottom = parts
     if rule == "tangent":  # exp(y) = 1 + y + h
-        return leaf.put(index, bottom + top + leaf.fresh(positive=True) * bottom, bottom, "tangent")
+        return leaf.set_atom(index, bottom + top + leaf.fresh(positive=True) * bottom, bottom, "tangent")
     share = leaf.fresh()
     if rule == "slope":
         low, high = _falling(op, leaf.box(node.args[0]))
         value = top * (leaf.number(low) + leaf.number(high - low) * share)
-        return leaf.put(index, value, bottom, "slope", low, high)
+        return leaf.set_atom(index, value, bottom, "slope", low, high)
     if op == "atan":
-        return leaf.put(index, leaf.pi * top - 2 * (1 - share) * bottom, 2 * top, "far")
+        return leaf.set_atom(index, leaf.pi * top - 2 * (1 - share) * bottom, 2 * top, "far")
     if op == "tanh":
-        return leaf.put(index, bottom + top - share * bottom, bottom + top, "far")
+        return leaf.set_atom(index, bottom + top - share * bottom, bottom + top, "far")
     square = bottom * bottom
-    return leaf.put(index, 2 * share * square, 2 * square - 2 * top * bottom + top * top, "far")
+    return leaf.set_atom(index, 2 * share * square, 2 * square - 2 * top * bottom + top * top, "far")
 
 
 def _root(leaf: Leaf, index: int, x: Quotient) -> bool:
@@ -163,7 +163,7 @@ def _root(leaf: Leaf, index: int, x: Quotient) -> bool:
     if square is None or square < 0 or leaf.places[1] is None:
         return False
     r = _root_above(square)
-    return leaf.put(index, leaf.places[1] + leaf.number(r) * leaf.fresh(), None, "root", "u", r)
+    return leaf.set_atom(index, leaf.places[1] + leaf.number(r) * leaf.fresh(), None, "root", "u", r)
 
 
 def _root_above(x: Fraction) -> Fraction:
@@ -207,16 +207,16 @@ def ranged(leaf: Leaf, atom: Quotient, node: Expr, argument: Quotient | None = N
             raise Unclear(f"{node.op} has no finite range here")
         end, rule = (Fraction(low), "above") if low > -INF else (Fraction(high), "below")
         rest = leaf.fresh(positive=True)
-        leaf.put(index, leaf.number(end) + (rest if rule == "above" else -rest), None, rule, end)
+        leaf.set_atom(index, leaf.number(end) + (rest if rule == "above" else -rest), None, rule, end)
         return atom
     if node.op == "atan" and leaf.free:
         low_share, high_share = _of_half_pi(low, False), _of_half_pi(high, True)
         value = leaf.pi * (leaf.number(low_share) + leaf.number(high_share - low_share) * leaf.fresh())
-        leaf.put(index, value, leaf.number(Fraction(2)), "pi range", low_share, high_share)
+        leaf.set_atom(index, value, leaf.number(Fraction(2)), "pi range", low_share, high_share)
         return atom
     a, b = Fraction(low), Fraction(high)
     share: Polynomial = leaf.fresh() if b > a else 0
-    leaf.put(index, leaf.number(a) + leaf.number(b - a) * share, None, "range", a, b)
+    leaf.set_atom(index, leaf.number(a) + leaf.number(b - a) * share, None, "range", a, b)
     return atom
 
 

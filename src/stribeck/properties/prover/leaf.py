@@ -52,7 +52,7 @@ class Leaf:
         self.places: list[Polynomial] = [None] * (3 + ATOMS)  # numerators of the generators
         self.below: list[Polynomial] = [None] * (3 + ATOMS)  # their denominators, None for 1
         self.places[0] = self.pi
-        self._place()
+        self._substitute_coordinates()
         self.listed: dict[int, list[Json]] = {}  # atoms used: rule and numbers
         self.sums = 0  # of coefficients, formed so far: work
         self._signs: dict[int, Signs] = {}
@@ -67,7 +67,7 @@ class Leaf:
 
         return self.context.constant(fmpq(x.numerator, x.denominator))
 
-    def _place(self) -> None:
+    def _substitute_coordinates(self) -> None:
         """u and w as polynomials of the coordinates."""
         values = {}
         for i, axis in enumerate(self.region.axes):
@@ -193,7 +193,7 @@ class Leaf:
         self.kinds[i] = POSITIVE if positive else UNIT
         return generator
 
-    def put(self, index: int, top: Polynomial, bottom: Polynomial, *rule: Json) -> bool:
+    def set_atom(self, index: int, top: Polynomial, bottom: Polynomial, *rule: Json) -> bool:
         """The value of an atom, and the rule that gives it."""
         self.places[3 + index], self.below[3 + index] = top, bottom
         self.listed[index] = list(rule)

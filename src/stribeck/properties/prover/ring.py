@@ -79,9 +79,9 @@ class Ring:
         self._known: dict[Hashable, Quotient] = {}
         self.one = self.constant(Fraction(1))
         self.zero = self.constant(Fraction(0))
-        self.pi, self.u, self.w = (self._new(g, self.one.top) for g in self.generators[:3])
+        self.pi, self.u, self.w = (self._interned(g, self.one.top) for g in self.generators[:3])
 
-    def _new(self, top: Polynomial, bottom: Polynomial) -> Quotient:
+    def _interned(self, top: Polynomial, bottom: Polynomial) -> Quotient:
         key = ("q", str(top), str(bottom))
         if key not in self._known:
             self._known[key] = Quotient(top, bottom, len(self._known))
@@ -94,7 +94,7 @@ class Ring:
     def constant(self, x: Fraction) -> Quotient:
         """A rational number."""
         unity = self.context.constant(1)
-        return self._new(self.context.constant(self._fmpq(x.numerator, x.denominator)), unity)
+        return self._interned(self.context.constant(self._fmpq(x.numerator, x.denominator)), unity)
 
     def number(self, x: float) -> Quotient:
         """A constant of an equation: the number that it stands for.
@@ -137,7 +137,7 @@ class Ring:
 
     def _applied(self, op: str, a: Quotient, b: Quotient | None = None) -> Quotient:
         if op == "neg" or b is None:
-            return self._new(-a.top, a.bottom)
+            return self._interned(-a.top, a.bottom)
         if op in ("add", "sub"):
             if a.bottom == b.bottom:
                 top = a.top + b.top if op == "add" else a.top - b.top
@@ -152,14 +152,14 @@ class Ring:
         if len(top) > _MOST_TERMS or len(bottom) > _MOST_TERMS:
             raise Unclear("too many terms")
         if top.is_zero():
-            return self._new(top, self.context.constant(1))
+            return self._interned(top, self.context.constant(1))
         if not bottom.is_constant():
             common = top.gcd(bottom)
             if not common.is_one():
                 top, bottom = top / common, bottom / common
         # one form for each: the divisor's leading coefficient is 1
         lead = bottom.leading_coefficient()
-        return self._new(top / lead, bottom / lead)
+        return self._interned(top / lead, bottom / lead)
 
     def atom(self, key: Hashable, node: Expr) -> Quotient:
         """The atom with this key; ``node`` shows what it is.
@@ -172,7 +172,7 @@ class Ring:
                 raise Unclear("too many transcendental parts")
             self._index[key] = len(self.atoms)
             self.atoms.append(node)
-        return self._new(self.generators[3 + self._index[key]], self.context.constant(1))
+        return self._interned(self.generators[3 + self._index[key]], self.context.constant(1))
 
     def index(self, quotient: Quotient) -> int:
         """Which atom it is."""

@@ -47,7 +47,7 @@ class Budget:
         if self.left < 0:
             raise Spent
 
-    def part(self, most: float) -> Budget:
+    def reserved(self, most: float) -> Budget:
         """At most so much of it, to be given back by :meth:`add`."""
         return Budget(min(most, self.left))
 
@@ -87,18 +87,18 @@ class Prover:
             if len(self.ring.atoms) > _MANY_ATOMS:
                 self.ring = Ring(self.ring.values)
             search = _Search(self, expr, relation, work, cones)
-            same = self._same(expr, relation, region)
-            if same is None or same not in self.proved:
+            shared = self._shared_form(expr, relation, region)
+            if shared is None or shared not in self.proved:
                 try:
                     self.proved[key] = search.root(region)
                 except Spent:
                     self.proved[key] = None
-                if same is not None:
-                    self.proved[same] = self.proved[key]
-            self.proved[key] = self.proved[same] if same is not None else self.proved[key]
+                if shared is not None:
+                    self.proved[shared] = self.proved[key]
+            self.proved[key] = self.proved[shared] if shared is not None else self.proved[key]
         return self.proved[key]
 
-    def _same(self, expr: Expr, relation: str, region: Region) -> Hashable:
+    def _shared_form(self, expr: Expr, relation: str, region: Region) -> Hashable:
         """What two claims share whose normal forms are the same, such as those for (v, z) and for (-v, -z)."""
         try:
             value = self.leaf(region, Rules(opaque=True)).convert(expr)
@@ -131,7 +131,7 @@ class _Search:
             for tree in self._cones(region):
                 if tree is not None:
                     return tree
-        part = self.work.part(self.work.left)
+        part = self.work.reserved(self.work.left)
         whole, self.work = self.work, part
         try:
             return self.divide(region) if self.relation != "=0" or self.cones else None
@@ -154,7 +154,7 @@ class _Search:
                 yield ["polar w", ["split", "p", str(1 / slope), first, second]]
         if w.high is None:
             polar = region.with_axes(u, Axis("q", Fraction(0), None))
-            whole, self.work = self.work, self.work.part(self.work.left / 3)
+            whole, self.work = self.work, self.work.reserved(self.work.left / 3)
             try:
                 tree = self.divide(polar)
             except Spent:
