@@ -1,17 +1,19 @@
 """``python -m stribeck_verify FILE``: check the certificates in a file, without the prover.
 
 The equations are taken from the file; it prints them before the certificates
-that are about them, so that a reader can compare them with the law's.
+that are about them, so that a reader can compare them with the law's. Of a
+number that no short decimal gives it prints "about" and a decimal.
 """
 
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 
-from stribeck_verify import fields, verify
-from stribeck_verify.expressions import Json, Refused
+from stribeck_verify import fields, intervals, verify
+from stribeck_verify.expressions import Json, Refused, rational
 
 _GROUP = ("format", "law", "certificates")
 
@@ -88,7 +90,7 @@ def _checked(where: str, law: str, certificates: dict[str, Json]) -> bool:
                 problems = [f"it is about {certificate[what]!r}"]
         refused = refused or bool(problems)
         limit = None if problems else fields.limit(certificate, "v_max")
-        words = "confirmed" if limit is None else f"confirmed for speeds up to {limit} m/s"
+        words = "confirmed" if limit is None else f"confirmed for speeds up to {intervals.decimal(limit)} m/s"
         print(fields.escaped(f"{where}{name}: {'; '.join(problems) if problems else words}"))
     return refused
 
@@ -100,11 +102,18 @@ def _equations(certificate: Json) -> list[str]:
 
 
 def _expression(data: Json) -> str:
-    """As JSON, which is ASCII and one line."""
+    """As JSON, which is ASCII and one line, with decimals for fractions."""
     try:
-        return json.dumps(data)
+        return re.sub(r'"(-?[0-9]+/[0-9]+)"', _decimal, json.dumps(data))
     except RecursionError:
         return "nested too deeply"
+
+
+def _decimal(fraction: re.Match[str]) -> str:
+    try:
+        return json.dumps(intervals.decimal(rational(fraction[1])))
+    except Refused:  # a divisor of 0, which the check reports
+        return fraction[0]
 
 
 if __name__ == "__main__":

@@ -206,7 +206,7 @@ def _split(region: Region, axis: Json, at: Json, below: Json, above: Json) -> li
     lo, hi = region.axes[axis]
     assert lo is not None
     if not lo < x or (hi is not None and not x < hi):
-        raise Refused(f"{at} is not within the range of {axis}")
+        raise Refused(f"{intervals.decimal(x)} is not within the range of {axis}")
     return [
         (tree, Region({**region.axes, axis: part}, region.given, region.open))
         for tree, part in ((below, (lo, x)), (above, (x, hi)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 
 from flint import arb, ctx, fmpq
 
@@ -24,6 +25,17 @@ def point(x: fmpq | int) -> Range:
 def nearest(x: fmpq) -> float:
     """The nearest double, for messages; fractions of python-flint before 0.9 have no float()."""
     return int(x.p) / int(x.q)
+
+
+def decimal(x: fmpq) -> str:
+    """A number for people: the shortest decimal of the nearest double, after "about" unless one of both is the number."""
+    try:
+        near = nearest(x)
+    except OverflowError:
+        digits = str(abs(x.p) // x.q)  # of python-flint, which writes any count of digits
+        return f"about {'-' if x < 0 else ''}{digits[0]}e{len(digits) - 1}"
+    exact = fmpq(*near.as_integer_ratio()) == x or Fraction(repr(near)) == Fraction(int(x.p), int(x.q))
+    return f"{'' if exact else 'about '}{near!r}"
 
 
 def _rounded(x: fmpq, up: bool) -> fmpq:

@@ -10,6 +10,7 @@ from flint import fmpq
 
 from stribeck_verify import intervals
 from stribeck_verify.expressions import Json, Node, Refused, node, rational, read
+from stribeck_verify.intervals import decimal
 from stribeck_verify.rational import Quotient
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def value(leaf: Leaf, x: Node, atom: Atom) -> Quotient:
 def _check_range(leaf: Leaf, x: Node, lo: fmpq, hi: fmpq) -> None:
     low, high = leaf.inside(x)
     if low is None or high is None or low < lo or high > hi:
-        raise Refused(f"{x.op} is not within [{lo}, {hi}]")
+        raise Refused(f"{x.op} is not within [{decimal(lo)}, {decimal(hi)}]")
 
 
 def _one_end(leaf: Leaf, x: Node, atom: Atom, share: Quotient) -> Quotient:
@@ -71,7 +72,7 @@ def _one_end(leaf: Leaf, x: Node, atom: Atom, share: Quotient) -> Quotient:
     low, high = leaf.inside(x)
     above = atom.rule == "above"
     if (low is None or low < end) if above else (high is None or high > end):
-        raise Refused(f"{x.op} is not {atom.rule} {end}")
+        raise Refused(f"{x.op} is not {atom.rule} {decimal(end)}")
     return leaf.ring.add(leaf.ring.number(end), share, 1 if above else -1)
 
 
@@ -109,7 +110,7 @@ def _check_pi_range(leaf: Leaf, x: Node, lo: fmpq, hi: fmpq) -> None:
     below = lo <= -1 or (low is not None and _at_least(intervals.at("atan", low, False), lo))
     above = hi >= 1 or (high is not None and _at_least(_negative(intervals.at("atan", high, True)), -hi))
     if not (below and above):
-        raise Refused(f"atan is not within [{lo}, {hi}] pi/2")
+        raise Refused(f"atan is not within [{decimal(lo)}, {decimal(hi)}] pi/2")
 
 
 def _check_slope(leaf: Leaf, x: Node, lo: fmpq, hi: fmpq) -> None:
@@ -122,11 +123,11 @@ def _check_slope(leaf: Leaf, x: Node, lo: fmpq, hi: fmpq) -> None:
     if lo > 0:
         least = None if high is None or high <= 0 else intervals.at(x.op, high, False)
         if least is None or high is None or least / high < lo:
-            raise Refused(f"{x.op}(y)/y may be below {lo}")
+            raise Refused(f"{x.op}(y)/y may be below {decimal(lo)}")
     if hi < 1:
         most = None if low is None or low <= 0 else intervals.at(x.op, low, True)
         if most is None or low is None or most / low > hi:
-            raise Refused(f"{x.op}(y)/y may be above {hi}")
+            raise Refused(f"{x.op}(y)/y may be above {decimal(hi)}")
 
 
 def _far(leaf: Leaf, x: Node, share: Quotient) -> Quotient:

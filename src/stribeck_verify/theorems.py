@@ -29,7 +29,7 @@ from stribeck_verify.expressions import (
     replace,
 )
 from stribeck_verify.identities import Normal
-from stribeck_verify.intervals import Range
+from stribeck_verify.intervals import Range, decimal
 from stribeck_verify.leaf import Leaf, Region
 from stribeck_verify.meeting import Cases, Place, agree_on_axis, depends, meets
 
@@ -185,7 +185,7 @@ def edge(case: Case) -> None:
 
 def _at_least_positive(x: fmpq) -> None:
     if x <= 0:
-        raise Refused(f"{x} must be > 0")
+        raise Refused(f"{decimal(x)} must be > 0")
 
 
 # -- unique -------------------------------------------------------------------------------------------------------------
@@ -366,7 +366,9 @@ def _decays_fast(s: fmpq, d: fmpq, c: fmpq, least: fmpq, above: fmpq, knots: Seq
     for x, end in pairwise([*knots, knots[-1]]):  # E there, x here: as E falls, the left falls and the right rises
         share = intervals.at("exp", -x * x, True)
         if share is None or s * s * share * share * (d * end + above) > 4 * least * (s * share + c):
-            raise Refused(f"s^2 E^2 (d x + above) <= 4 N (s E + c) is not shown between {x} and {end}")
+            raise Refused(
+                f"s^2 E^2 (d x + above) <= 4 N (s E + c) is not shown between {decimal(x)} and {decimal(end)}"
+            )
 
 
 def _damped_load(numbers: Sequence[Node], v: Node, z: Node, f: Node) -> Node:
@@ -379,7 +381,7 @@ def _damped_load(numbers: Sequence[Node], v: Node, z: Node, f: Node) -> Node:
 def reaches(case: Case, v_max: float | None) -> None:
     """The certificate must be about every speed up to ``v_max`` (None: about every speed)."""
     if case.v_max is not None and (v_max is None or case.v_max < fmpq(*v_max.as_integer_ratio())):
-        raise Refused(f"it is about speeds up to {case.v_max} m/s only")
+        raise Refused(f"it is about speeds up to {decimal(case.v_max)} m/s only")
 
 
 def _served(claims: list[Claim], t: int, u: Range) -> list[Range]:

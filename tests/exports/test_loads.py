@@ -75,6 +75,14 @@ def test_the_law_of_the_contact_is_the_machines_own(run):
     assert contact_law(PRESSED).inputs == ("load_press",)
 
 
+def test_a_header_prints_the_loaded_level_once(tmp_path):
+    stribeck.export(PRESSED, "c", tmp_path, part="law")
+    header = next(tmp_path.glob("*.h")).read_text().partition("*/")[0]
+    for equation in ("dz/dt = v - (m(v)/g(v)) z", "F_c(load_press) = F_c + gain_0_F_c |load_press|"):
+        assert f" *   {equation}\n" in header
+    assert max(map(len, header.splitlines()[:30])) <= 120
+
+
 def test_c(run, tmp_path):
     """Compiled without a warning; its force is the machine's, and its own test passes in both precisions."""
     need("gcc")

@@ -432,11 +432,27 @@ def test_the_equations_of_each_certificate_are_shown_before_it(tmp_path, capsys)
     (tmp_path / "c.json").write_text(json.dumps(data))
     assert main([str(tmp_path / "c.json")]) == 0
     lines = capsys.readouterr().out.splitlines()
-    shown = [json.loads(line.partition(":")[2]) for line in lines if line.startswith("  dz_dt: ")]
-    assert shown == [by_hand.bounded()["dz_dt"], other["dz_dt"]]
+    shown = [line.partition(": ")[2] for line in lines if line.startswith("  dz_dt: ")]
+    assert shown == [json.dumps(each["dz_dt"]).replace("1/200000", "5e-06") for each in (by_hand.bounded(), other)]
     places = [lines.index(f"{name}: confirmed") for name in data["certificates"]]
     assert lines[places[0] + 1].startswith("  definitions: ")
     assert places[1] > places[0] + 4
+
+
+@pytest.mark.parametrize(
+    ("number", "shown"),
+    [
+        ("3/2", "1.5"), ("1152921504606847/1152921504606846976", "0.001"), ("-1/3", "about -0.3333333333333333"),
+        ("1152921504606847/1152921504606846977", "about 0.001"), ("1" + "0" * 400 + "/3", "about 3e399"),
+        ("10", "10"), ("1/0", "1/0"),
+    ],
+)  # fmt: skip
+def test_fractions_of_the_equations_are_printed_as_decimals(tmp_path, capsys, number, shown):
+    """The exact ones stay in the file."""
+    data = {"format": 1, "law": "lugre", "certificates": {"bounded": changed(by_hand.bounded(), ("Z",), number)}}
+    (tmp_path / "c.json").write_text(json.dumps(data))
+    main([str(tmp_path / "c.json")])
+    assert f'  Z: "{shown}"' in capsys.readouterr().out.splitlines()
 
 
 @pytest.mark.parametrize(

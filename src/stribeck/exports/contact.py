@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import SimpleNamespace
@@ -10,10 +10,12 @@ from typing import cast
 
 from stribeck.constants import Constant
 from stribeck.errors import note
+from stribeck.expressions import pretty
+from stribeck.expressions.graph import symbols
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Claims, Law
-from stribeck.laws.values import Constants
+from stribeck.laws.values import Constants, told
 from stribeck.machine.assembly import Assembly
 from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.table import Carrier
@@ -89,8 +91,9 @@ def _with_inputs(base: type[Law], part: Contact) -> tuple[type[Law], Places]:
         def put(owner: str, name: str) -> Value:
             return getattr(p, places[owner, name]) if (owner, name) in places else 1.0
 
-        here = part.carrying(part.path, Carrier(put))
-        return cast(Contact, here).parameters(cast(Assembly, _Instant(p, called)), position(p))
+        here = cast(Contact, part.carrying(part.path, Carrier(put)))
+        constants = here.parameters(cast(Assembly, _Instant(p, called)), position(p))
+        return _with_terms(constants, p, inputs)
 
     def position(p: SimpleNamespace) -> Value:
         return getattr(p, called[POSITION]) if POSITION in called else 0.0
@@ -109,6 +112,20 @@ def _with_inputs(base: type[Law], part: Contact) -> tuple[type[Law], Places]:
     }  # fmt: skip
     kind: type[Law] = type(base.__name__, (base,), {**attributes, **declared, **inputs, **equations})
     return kind, places
+
+
+def _with_terms(constants: Constants, p: SimpleNamespace, inputs: Iterable[str]) -> Constants:
+    """The same, with what loads and factors change as named terms of the inputs: F_c(load_gear)."""
+    on_term = told(p)
+    if on_term is None:
+        return constants
+    read = {str(getattr(p, name).value): getattr(p, name) for name in inputs}
+    terms = {}
+    for name, x in constants.numbers.items():
+        if x is not getattr(p, name):
+            arguments = tuple(read[each] for each in read if each in symbols([x]))
+            terms[name] = on_term(name, pretty.name(name, latex=True), arguments, x)
+    return Constants({**vars(constants), **terms}, on_term)
 
 
 def _free(name: str, taken: set[str]) -> str:

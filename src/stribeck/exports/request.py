@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import keyword
 import re
+import textwrap
 import unicodedata
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -22,6 +23,7 @@ from stribeck.scenario import Scenario
 from stribeck.version import __version__
 
 Content = Mapping[str, str | bytes]  # of files, by their names
+_WIDTH = 116  # letters of a header's line: 120 with the mark of a comment before it, the width of the code here
 
 
 def _nothing(what: object) -> list[str]:
@@ -165,7 +167,7 @@ class Request:
 
     def in_docstring(self) -> str:
         """The header, fit for a docstring of Python."""
-        return "\n".join(self.about()).replace("\\", "\\\\").replace('"""', "'''")
+        return "\n".join(wrapped(self.about())).replace("\\", "\\\\").replace('"""', "'''")
 
 
 def _listed(words: list[str]) -> str:
@@ -225,6 +227,17 @@ def valued(name: str, value: float, constant: Constant) -> str:
     return (
         f"  {name} = {value!r}{f' {constant.unit}' if constant.unit != '1' else ''}".rstrip() + f": {constant.meaning}"
     )
+
+
+def wrapped(lines: Iterable[str]) -> list[str]:
+    """Lines of a header, those that are too long continued on indented lines."""
+    rows = []
+    for line in lines:
+        indent = line[: len(line) - len(line.lstrip())]
+        rows += textwrap.wrap(
+            line, _WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False, break_on_hyphens=False
+        ) or [""]
+    return rows
 
 
 def made_by() -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from stribeck.errors import needed
-from stribeck.exports.request import ascii_only
+from stribeck.exports.request import ascii_only, wrapped
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
@@ -200,5 +200,5 @@ def render(template: str, **values: object) -> str:
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
         comment_start_string="{##", autoescape=False,
     )  # fmt: skip
-    environment.filters["plain"] = ascii_only
+    environment.filters |= {"plain": ascii_only, "wrapped": wrapped}
     return environment.get_template(template).render(repr=_number, **values)

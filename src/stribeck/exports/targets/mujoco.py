@@ -12,7 +12,7 @@ import re
 from dataclasses import replace
 
 from stribeck.errors import InputError
-from stribeck.exports.request import Content, Part, Request, Target
+from stribeck.exports.request import Content, Part, Request, Target, wrapped
 from stribeck.expressions.emit import PYTHON, Writer
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.expressions.names import Names
@@ -106,7 +106,9 @@ def _mass(request: Request) -> float:
 
 
 def _model(request: Request, actuator: str, how: str, integrator: str) -> str:
-    lines = re.sub("-(?=-)", "- ", "\n".join(f"  {line}".rstrip() for line in request.about()))  # no end of a comment
+    lines = re.sub(
+        "-(?=-)", "- ", "\n".join(f"  {line}".rstrip() for line in wrapped(request.about()))
+    )  # no end of a comment
     return f"""\
 <!--
 {lines}

@@ -7,7 +7,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.exports.controller.block import Block
-from stribeck.exports.request import Content, Part, Request, Target, made_by
+from stribeck.exports.request import Content, Part, Request, Target, made_by, wrapped
 from stribeck.laws.base import Law
 
 POINTS = 20
@@ -30,7 +30,7 @@ def files(request: Request) -> Content:
         "The table has no memory: no presliding, no hysteresis, no varying break-away.",
         f"v in {speed}, F in {N}",
     ]
-    head = "".join(f"# {line}".rstrip() + "\n" for line in [*request.about(), *rest])
+    head = "".join(f"# {line}".rstrip() + "\n" for line in wrapped([*request.about(), *rest]))
     rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))
     return {f"{request.name}.csv": f"{head}v,F\n{rows}"}
 

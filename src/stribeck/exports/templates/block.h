@@ -1,5 +1,5 @@
 /*
-{% for line in about %}
+{% for line in about | wrapped %}
  *{{ " " + line if line else "" }}
 {% endfor %}
  *
