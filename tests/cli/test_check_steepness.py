@@ -30,6 +30,18 @@ def test_the_smallest_k_v_and_the_verdicts_on_the_law_with_it(stribeck, tmp_path
     assert own["steepness"] == found["steepness"]
 
 
+def test_verdicts_are_on_the_k_v_that_a_scenario_s_position_needs(stribeck, tmp_path, monkeypatch):
+    """They were on the k_v of the scenario's own law."""
+    monkeypatch.chdir(tmp_path)
+    assert stribeck("new", "presliding").status == 0
+    words = ("check", "lugre_sobczyk", "--scenario", "presliding.toml", "--position-error", "1e-5", "--json")
+    result = json.loads(stribeck(*words).out)
+    assert result["constants"]["k_v"] == result["steepness"]["lugre_sobczyk"]["k_v"] != 1e7
+    assert result["constants"]["F_s"] == 1.5
+    given = json.loads(stribeck(*words, "--set", "k_v=2e7").out)
+    assert given["constants"]["k_v"] == 2e7
+
+
 def test_without_a_k_v_that_will_do_there_are_no_verdicts(stribeck):
     found = json.loads(stribeck(*SOBCZYK, "--creep", "2e-3", "--json").out)
     assert found["steepness"]["lugre_sobczyk"]["k_v"] is None

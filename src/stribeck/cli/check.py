@@ -57,7 +57,7 @@ class SteepnessOptions:
     ] = None
     scenario: Annotated[
         Path | None,
-        _tolerance("FILE", "Scenario of --position-error; its constants are used unless --parameters is given."),
+        _tolerance("FILE", "Scenario of --position-error; its constants except k_v are used unless --parameters is given."),
     ] = None
     sample_time: Annotated[
         float | None, _tolerance("S", "Find k_v with which explicit Euler is stable at this step (s).")
@@ -227,14 +227,14 @@ class _Law:
 
         reads = Path(name.rpartition(":")[0]), Path(parameters or "")
         bounds, given = level_of(level), parse_assignments(assignments)
+        open_k_v = bool(tolerated) and "k_v" not in given and "k_v" in laws.find(name).constants()
         if "scenario" in tolerated:
             tolerated["scenario"] = scenario = load_scenario(Path(str(tolerated["scenario"])), [], trust)
             given = given if parameters else _constants_of(name, scenario) | given
         if parameters is None and _lacks_parameters(name, given):
             parameters = _DEFAULT_SET
             note(f"no parameters given: checked with the set {parameters}")
-        open_k_v = bool(tolerated) and "k_v" not in given and "k_v" in laws.find(name).constants()
-        law = laws.law(name, parameters, **given, **({"k_v": 1.0} if open_k_v else {}))
+        law = laws.law(name, parameters, **{**given, **({"k_v": 1.0} if open_k_v else {})})
         if problem := laws.trouble(law):
             raise InputError(f"{name!r}: {problem}")
         return cls(reads, law, bounds, tolerated, open_k_v, ":" in name)
