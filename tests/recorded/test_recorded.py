@@ -49,6 +49,19 @@ def test_a_line_of_units_has_a_short_word_or_nothing_for_each_column(line, units
     assert is_units(line, ",", 3) is units
 
 
+@pytest.mark.parametrize("first", ["0", '"1,000"'])
+@pytest.mark.parametrize("arrow", [True, False])
+def test_a_quoted_comma_of_thousands_between_commas_is_named(tmp_path, monkeypatch, first, arrow):
+    """It was reported as text, and in the first row as a missing column."""
+    if not arrow:
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    (tmp_path / "log.csv").write_text(f't,v\n0,{first}\n1,"1,250.5"\n2,"2,500"\n')
+    row, cell = ("2", "1,000") if first != "0" else ("3", "1,250.5")
+    text = f"v: column 'v': '{cell}': must be written without the comma of thousands \\(.*log.csv, row {row}\\)"
+    with pytest.raises(InputError, match=text):
+        read_columns(tmp_path / "log.csv", {"v": "v"})
+
+
 def test_columns_of_matrices_and_constants_of_a_mat_file(tmp_path):
     savemat = pytest.importorskip("scipy.io").savemat
     savemat(tmp_path / "a.mat", {"time": T[:, None], "q": np.stack([T, T**2], axis=1), "rate": 200.0, "note": "hello"})

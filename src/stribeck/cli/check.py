@@ -57,7 +57,9 @@ class SteepnessOptions:
     ] = None
     scenario: Annotated[
         Path | None,
-        _tolerance("FILE", "Scenario of --position-error; its constants except k_v are used unless --parameters is given."),
+        _tolerance(
+            "FILE", "Scenario of --position-error; its constants except k_v are used unless --parameters is given."
+        ),
     ] = None
     sample_time: Annotated[
         float | None, _tolerance("S", "Find k_v with which explicit Euler is stable at this step (s).")

@@ -25,9 +25,11 @@ from stribeck.recorded.layout import (
     commas_twice,
     decimals_shown,
     encoding_of,
+    is_thousands,
     is_units,
     mark_of,
     number,
+    split_cells,
     table_begins,
     thousands_without_mark,
 )
@@ -232,7 +234,7 @@ class CsvSource(Source):
         lines = text.splitlines()
         self.skipped, self.head, self.separator = table_begins(lines)
         first, second = lines[self.skipped], "\n".join(lines[self.skipped + 1 :])
-        cells = [cell.strip().strip('"') for cell in first.split(self.separator)]
+        cells = [cell.strip().strip('"') for cell in split_cells(first, self.separator)]
         if self.head and not second.strip():
             raise InputError(f"{arg('data')}: '{path}': has a head but no rows")
         self.rows_from = self.skipped + int(self.head)
@@ -243,7 +245,7 @@ class CsvSource(Source):
         ):
             self.rows_from += 1  # a line of units below the names
         self.names = cells if self.head else [str(i + 1) for i in range(len(cells))]
-        if self.head and len(lines[self.rows_from].split(self.separator)) == len(cells) + 1:
+        if self.head and len(split_cells(lines[self.rows_from], self.separator)) == len(cells) + 1:
             self.names.append(str(len(cells) + 1))  # rows alone end in a separator
         if not self.head and self.skipped and commas_twice(lines, self.skipped):
             text = "decimal commas between columns that commas part: must be points, or semicolons between columns"
@@ -341,6 +343,8 @@ class CsvSource(Source):
     def _text(self, name: str, cell: str, wanted: dict[str, str], row: str) -> str:
         role = next((role for role, column in wanted.items() if column == name), "data")
         place = f"{self.path}, row {row}" if row.isdigit() else self.path
+        if is_thousands(cell.strip("'"), self.separator):
+            return f"{arg(role)}: column {name!r}: {cell}: must be written without the comma of thousands ({place})"
         return f"{arg(role)}: column {name!r} holds text: {cell}, not numbers ({place})"
 
     def _reason(self, error: Exception, wanted: dict[str, str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ MISSING = (  # cells without a number, as pyarrow reads them by default; spreads
     "n/a", "nan", "null",
 )  # fmt: skip
 _NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|inf|infinity|nan)", re.ASCII | re.IGNORECASE)
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(,\d{3})+(\.\d*)?", re.ASCII)
 _LONGEST_PREAMBLE = 200  # lines before the head of a text file: settings of instruments have at most some dozens
 
 
@@ -31,6 +33,16 @@ def encoding_of(path: Path) -> str:
     except UnicodeDecodeError as error:
         return "utf-8-sig" if error.start > len(start) - 4 else "latin-1"
     return "utf-8-sig"
+
+
+def split_cells(line: str, separator: str) -> list[str]:
+    """The cells of a line, without quotation marks around them."""
+    return next(csv.reader([line], delimiter=separator), [""])
+
+
+def is_thousands(cell: str, separator: str) -> bool:
+    """Whether a cell is a number whose thousands a comma marks, as in a quoted "1,000" between commas."""
+    return separator == "," and _THOUSANDS.fullmatch(cell) is not None
 
 
 def number(cell: str, decimal: str) -> float:
@@ -56,7 +68,7 @@ def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
     """
     for i, line in enumerate(lines[:_LONGEST_PREAMBLE]):
         separator = _separator(line)
-        cells = line.split(separator)
+        cells = split_cells(line, separator)
         if (
             not line.strip()
             or not all(_is_number(c) or not c.strip() for c in cells)
@@ -64,23 +76,23 @@ def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
         ):
             continue
         below = lines[i + 1 : i + 3]
-        if any(len(other.split(separator)) != len(cells) for other in below if other.strip()):
+        if any(len(split_cells(other, separator)) != len(cells) for other in below if other.strip()):
             continue
-        rows = [cells, *(other.split(separator) for other in below if other.strip())]
+        rows = [cells, *(split_cells(other, separator) for other in below if other.strip())]
         counts = {len(cells), len(cells) - (not any(row[-1].strip() for row in rows))}  # rows may end in a separator
-        heads = [j for j in range(i - 1, max(i - 3, -1), -1) if len(lines[j].split(separator)) in counts]
+        heads = [j for j in range(i - 1, max(i - 3, -1), -1) if len(split_cells(lines[j], separator)) in counts]
         if (
             len(heads) == 2
             and heads[1] == i - 2
-            and is_units(lines[i - 1], separator, len(lines[i - 2].split(separator)))
+            and is_units(lines[i - 1], separator, len(split_cells(lines[i - 2], separator)))
         ):
             return i - 2, True, separator
         if heads and heads[0] == i - 1:
-            return _above_bad_rows(lines, i - 1, separator, len(lines[i - 1].split(separator))), True, separator
+            return _above_bad_rows(lines, i - 1, separator, len(split_cells(lines[i - 1], separator))), True, separator
         return i, False, separator
     first = lines[0]
     separator = _separator(first)
-    return 0, not all(_is_number(cell) for cell in first.split(separator)), separator
+    return 0, not all(_is_number(cell) for cell in split_cells(first, separator)), separator
 
 
 def commas_twice(lines: Sequence[str], first: int) -> bool:
@@ -121,7 +133,7 @@ def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int)
     """The line of the names, if the supposed head contains numbers and a line of words is above it: the supposed head is then
     a row with an invalid cell."""
     for j in range(head, -1, -1):
-        cells = lines[j].split(separator)
+        cells = split_cells(lines[j], separator)
         if len(cells) != count:
             break
         if not any(map(_is_number, cells)):
@@ -136,7 +148,7 @@ def _separator(line: str) -> str:
 
 def is_units(line: str, separator: str, count: int) -> bool:
     """Whether a line below the names contains their units: short words other than numbers, such as s, mm, [N]."""
-    cells = [cell.strip().strip('"') for cell in line.split(separator)]
+    cells = [cell.strip().strip('"') for cell in split_cells(line, separator)]
     return len(cells) == count and any(cells) and all(len(c) <= 8 and not _is_number(c) for c in cells)
 
 
