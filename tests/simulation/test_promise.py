@@ -148,6 +148,22 @@ def test_errors_that_grow_beyond_any_tolerance_are_said(lacking):
         stribeck.simulate(pushed_to_the_top(lacking)[0])
 
 
+@pytest.mark.parametrize("backend", ["auto", "wasm"])
+def test_lanes_beyond_the_promise_are_counted_as_single_runs_are(backend, monkeypatch):
+    """A lane of a batch missed it without a word."""
+    monkeypatch.setenv("STRIBECK_BACKEND", backend)
+    data = pushed_to_the_top(1e-6)[0]
+    speeds = [data["bodies"]["arm"]["initial"]["v"], pushed_to_the_top(1e-13)[0]["bodies"]["arm"]["initial"]["v"]]
+    vary = {"bodies.arm.initial.v": speeds}
+    with pytest.warns(StribeckNote, match="^1 of 2 lanes do not reach the promised accuracy$"):
+        many = stribeck.simulate(data, vary)
+    assert many.inaccurate.tolist() == [False, True]
+    assert many.message == "2 of 2 lanes done; 1 of 2 lanes do not reach the promised accuracy"
+    with pytest.warns(StribeckNote, match="accuracy not reached"):
+        singles = [stribeck.simulate(stribeck.Scenario(data).with_changes({"bodies.arm.initial.v": v})) for v in speeds]
+    assert [single.inaccurate for single in singles] == [False, True]
+
+
 def test_a_body_within_the_play_of_a_link_stays_where_it_is():
     """The damper of the play acts in contact only, and so do its derivatives: at rest on both sides they did not."""
     law = {"name": "lugre_majorant", "k_v": 1e4, "parameters": NEARLY}

@@ -126,6 +126,20 @@ def test_a_store_that_accepts_and_never_answers_ends_by_the_library_s_own_time_l
             stribeck.sweep(SCENARIO, LANES, "s3://bucket/x", summary=True)
 
 
+def test_the_manifest_counts_the_lanes_beyond_the_promised_accuracy(tmp_path):
+    """Also of parts from an earlier run."""
+    speed = 2 / np.sqrt(1 - 1e-13)  # over the top of the pendulum by so little that rounding decides when it falls
+    data = {
+        "schema": 2, "bodies": {"arm": {"inertia": 1.0}},
+        "loads": {"gravity": {"on": "arm", "kind": "pendulum", "amplitude": 1.0}},
+        "solve": {"t_end": 20.0}, "output": {"step": 0.1},
+    }  # fmt: skip
+    for _ in range(2):
+        found = stribeck.sweep(data, {"bodies.arm.initial.v": [1.0, speed]}, tmp_path, summary=True)
+        manifest = json.loads((tmp_path / "_manifest.json").read_text())
+        assert found.inaccurate == sum(manifest["inaccurate"].values()) == 1
+
+
 def test_the_manifest_counts_the_lanes_that_failed(tmp_path):
     found = stribeck.sweep(SCENARIO, {"plant.mass": [1.0, -1.0, 2.0]}, tmp_path, summary=True)
     manifest = json.loads((tmp_path / "_manifest.json").read_text())

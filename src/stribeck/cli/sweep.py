@@ -52,6 +52,7 @@ def sweep(
     """Simulate a scenario over ranges of its parameters; the same command continues after an interruption."""
     from time import perf_counter
 
+    from stribeck.simulation.ensemble import inaccurate_lanes
     from stribeck.sweeps.job import Sweep, check_cluster
     from stribeck.sweeps.places import Folder
 
@@ -68,12 +69,14 @@ def sweep(
     all_failed = job.failed == len(job.lanes)
     data = {
         "status": "failed" if all_failed else "done", "scenario": loaded.name, "lanes": len(job.lanes),
-        "failed": job.failed, "parts": job.parts, "parts_found": job.found, "seconds": seconds,
+        "failed": job.failed, "inaccurate": job.inaccurate, "parts": job.parts, "parts_found": job.found, "seconds": seconds,
     }  # fmt: skip
     shown = [job.place.path(name) for name in ("_manifest.json", "part-*.parquet")]
     tell(lambda: job.document(seconds), data if json else None, job.files if json else shown)
     if job.failed:
         print(f"stribeck: {job.failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
+    if text := inaccurate_lanes(job.inaccurate, len(job.lanes)):
+        print(f"stribeck: {text}", file=sys.stderr)
     return 1 if all_failed else 0
 
 

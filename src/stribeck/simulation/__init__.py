@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from stribeck.codegen import source
-from stribeck.errors import InputError, arg
+from stribeck.errors import InputError, arg, note
 from stribeck.scenario import Scenario
 from stribeck.simulation import single
 from stribeck.simulation.solution import Solution
@@ -85,9 +85,12 @@ def simulate(
 
         several = vary is not None or isinstance(what, VariedMachine)
     if several:
-        from stribeck.simulation.ensemble import simulate_ensemble
+        from stribeck.simulation.ensemble import inaccurate_lanes, simulate_ensemble
 
-        return simulate_ensemble(what, vary, t_end=t_end, step=step, threads=threads, progress=progress, **solve)  # type: ignore[arg-type]
+        ensemble = simulate_ensemble(what, vary, t_end=t_end, step=step, threads=threads, progress=progress, **solve)  # type: ignore[arg-type]
+        if text := inaccurate_lanes(int(ensemble.inaccurate.sum()), len(ensemble)):
+            note(text)
+        return ensemble
     if threads is not None:
         raise InputError(f"{arg('threads')}: {threads}: goes with vary, which is not given")
     return single.simulate_once(what, progress, t_end=t_end, step=step, **solve)  # type: ignore[arg-type]

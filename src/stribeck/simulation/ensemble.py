@@ -36,6 +36,7 @@ class Ensemble:
         slips, sticks: for each lane how often \\|v\\| rises, and falls, through v_s; of a machine, at all contacts.
         happened: for each element and event, the count in each lane.
         accepted, rejected: steps of each lane.
+        inaccurate: whether each lane reached its end, but not the promised accuracy.
         not_finite: whether each lane ended because its equations were no longer finite.
     """
 
@@ -54,6 +55,7 @@ class Ensemble:
             sum((x[kind] for x in self.happened.values() if kind in x), np.zeros(len(states), np.int64))
             for kind in ("slip", "stick")
         )
+        self.inaccurate = counts["inaccurate"].astype(bool)
         self.accepted, self.rejected = counts["accepted"], counts["rejected"]
         self.not_finite = counts["status"] == NOT_FINITE
         self._variations, self._states, self._given = variations, states, columns
@@ -73,10 +75,11 @@ class Ensemble:
 
     @property
     def message(self) -> str:
-        """The number of lanes that are done, and why the first other one failed."""
+        """The number of lanes that are done, why the first other one failed, and how many are not accurate."""
         failed = [(i, reason) for i, reason in enumerate(self.reason) if reason is not None]
         first = f"; lane {failed[0][0]}: {failed[0][1]}" if failed else ""
-        return f"{len(self) - len(failed)} of {len(self)} lanes done{first}"
+        beyond = f"; {text}" if (text := inaccurate_lanes(int(self.inaccurate.sum()), len(self))) else ""
+        return f"{len(self) - len(failed)} of {len(self)} lanes done{first}{beyond}"
 
     def __repr__(self) -> str:
         columns = ", ".join(("t", *(column.name for column in self.columns)))
@@ -184,7 +187,7 @@ class _Lanes:
         self.variations, self.reason = variations, variations.problems()
         self.possible = np.flatnonzero([text is None for text in self.reason])
         scenario, count = variations.scenario, len(variations)
-        self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected", "status")}
+        self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected", "status", "inaccurate")}
         self.counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
 
     @cached_property
@@ -210,6 +213,8 @@ class _Lanes:
         for name, x in self.counts.items():
             if name == "happened":
                 x[self.possible, :watched] = outcome.counts[name]
+            elif name == "inaccurate":
+                x[self.possible] = outcome.inaccurate
             else:
                 x[self.possible] = outcome.counts[name]
         for lane, status, t in zip(self.possible, outcome.counts["status"], outcome.t_reached, strict=True):
@@ -238,11 +243,17 @@ def _simulate_singly(batch: _Lanes, threads: int, progress: Callable[[float], No
             x[lane, : len(solution.t)] = solution[name]
         batch.reason[lane] = solution.reason
         batch.counts["happened"][lane] = solution.counts
+        batch.counts["inaccurate"][lane] = solution.inaccurate
         batch.counts["accepted"][lane] = solution.stats["accepted"]
         batch.counts["rejected"][lane] = solution.stats["rejected"]
 
     lanes.one_by_one(run, batch.possible.tolist(), threads, progress)
     return columns
+
+
+def inaccurate_lanes(number: int, lanes: int) -> str:
+    """How many of the lanes do not reach the promised accuracy, in words; empty if all reach it."""
+    return f"{number} of {lanes} lanes do not reach the promised accuracy" if number else ""
 
 
 def happened(scenario: Scenario, counts: NDArray[np.int64]) -> dict[str, dict[str, NDArray[np.int64]]]:

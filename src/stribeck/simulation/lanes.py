@@ -22,7 +22,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.native import SolverInput, Solving, finest_scale, step_share
-from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Promise, Tolerances, given, measures
+from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Pass, Promise, Tolerances, given, measures
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
 
@@ -49,12 +49,14 @@ class Outcome:
         counts: rows reached, status (as in runtime/lanes.c), steps, and ``happened``: the count of each event, shape
             (lanes, watched quantities, 4).
         largest: the measured magnitudes of each lane (simulation/promise.py).
+        inaccurate: whether each lane does not reach the promised accuracy.
     """
 
     states: Array
     t_reached: Array
     counts: dict[str, Integers]
     largest: Array
+    inaccurate: NDArray[np.bool_]
 
     @property
     def digest(self) -> str:
@@ -163,7 +165,13 @@ def outcome(arrays: Arrays) -> Outcome:
     filled = arrays.by_name
     for lane in np.flatnonzero(filled["rows_reached"] < arrays.batch.rows):
         filled["out"][lane, filled["rows_reached"][lane] :] = np.nan
-    return Outcome(filled["out"], filled["t_reached"], {name: filled[name] for name in _COUNTS}, filled["largest"])
+    return Outcome(
+        filled["out"],
+        filled["t_reached"],
+        {name: filled[name] for name in _COUNTS},
+        filled["largest"],
+        np.zeros(len(filled["out"]), bool),
+    )
 
 
 def compiled(system: Equations) -> ctypes.CDLL:
@@ -182,23 +190,30 @@ def compiled(system: Equations) -> ctypes.CDLL:
 def solve(once: LaneSolver, lanes: Variations, progress: Progress | None = None, growth: bool = True) -> Outcome:
     """Integrate every lane, and repeat lanes whose motion needs tighter tolerances for the promised accuracy
     (:mod:`stribeck.simulation.promise`); ``growth``: of errors that grow along it, too."""
-    scenario, tolerances = lanes.scenario, _first(lanes)
-    result, promise = once(lanes, progress, None), Promise(scenario, finest_scale, growth)
-    width = len(scenario.system.states)
-    missed = promise.missed(tolerances, MeasuredMotion(result.largest, width))
-    where = places = np.flatnonzero((result.counts["status"] == 0) & promise.mends(tolerances, missed))
+    scenario, promise = lanes.scenario, Promise(lanes.scenario, finest_scale, growth)
+
+    def run(which: Integers, tolerances: Tolerances | None) -> tuple[Outcome, Pass]:
+        some = lanes if len(which) == len(lanes) else lanes.part(which)
+        result, width = once(some, progress, tolerances), len(scenario.system.states)
+        states, measured = result.states[:, :, :width], MeasuredMotion(result.largest, width)
+        return result, Pass(_first(lanes) if tolerances is None else tolerances, measured, states)
+
+    lane_numbers = np.arange(len(lanes))
+    result, coarse = run(lane_numbers, None)
+    missed = promise.missed(coarse.tolerances, coarse.measured)
+    done = result.counts["status"] == 0
+    result.inaccurate[:] = done & missed.lanes
     for _ in range(MOST_PASSES):
-        if not len(places):
+        repeated = np.flatnonzero(done & promise.mends(coarse.tolerances, missed))
+        if not len(repeated):
             break
-        some, measured = promise.part(tolerances, places), MeasuredMotion(result.largest[places], width)
-        wanted = promise.tightened(some, measured, missed.part(where))
-        again = once(lanes.part(places), progress, wanted)
-        better = again.counts["status"] == 0
-        result.put(places[better], again, better)
-        tolerances.atol[places[better]], tolerances.scale[places[better]] = wanted.atol[better], wanted.scale[better]
-        missed = promise.missed(wanted, MeasuredMotion(again.largest, width))
-        where = np.flatnonzero(better & promise.mends(wanted, missed))
-        places = places[where]
+        lane_numbers, coarse, missed = lane_numbers[repeated], coarse.part(repeated), missed.part(repeated)
+        again, fine = run(lane_numbers, promise.tightened(coarse.tolerances, coarse.measured, missed))
+        done = again.counts["status"] == 0
+        missed = promise.after(missed, coarse, fine)
+        result.put(lane_numbers[done], again, done)
+        result.inaccurate[lane_numbers[done]] = promise.beyond(missed, fine.measured)[done]
+        coarse = fine
     return result
 
 

@@ -60,6 +60,11 @@ class Tolerances:
     force: Array | None = None
     rows_are_steps: bool = False
 
+    def part(self, lanes: NDArray[np.int64]) -> Tolerances:
+        """Those of some lanes."""
+        force = None if self.force is None else self.force[lanes]
+        return replace(self, atol=self.atol[lanes], scale=self.scale[lanes], force=force)
+
 
 @dataclass(frozen=True)
 class MeasuredMotion:
@@ -113,6 +118,26 @@ class MeasuredMotion:
         return self.largest[:, 2 * self.states + 4 * self._forces :]
 
 
+@dataclass(frozen=True)
+class Pass:
+    """A run of all lanes.
+
+    Attributes:
+        tolerances: those that it was given.
+        measured: the numbers that the solver measured.
+        states: the rows of the states, shape (lanes, rows, states).
+    """
+
+    tolerances: Tolerances
+    measured: MeasuredMotion
+    states: Array
+
+    def part(self, lanes: NDArray[np.int64]) -> Pass:
+        """The run of some of its lanes."""
+        measured = MeasuredMotion(self.measured.largest[lanes], self.measured.states)
+        return Pass(self.tolerances.part(lanes), measured, self.states[lanes])
+
+
 def measures(scenario: Scenario) -> int:
     """The count of numbers that the compiled solver measures."""
     return 2 * len(scenario.system.states) + 5 * len(scenario.system.contacts)
@@ -157,9 +182,9 @@ class Missed:
             np.maximum(np.max(self.states, axis=1, initial=0.0), np.max(self.forces, axis=1, initial=0.0))
         )
 
-    def corrected(self, by: float) -> Missed:
-        """The same with errors by that of the run before: it was ``by`` of its estimate."""
-        return replace(self, states=by * self.states, forces=by * self.forces)
+    def corrected(self, by: Array) -> Missed:
+        """The same with errors by those of the run before: in each lane it was ``by`` of its estimate."""
+        return replace(self, states=by[:, None] * self.states, forces=by[:, None] * self.forces)
 
     @property
     def lanes(self) -> NDArray[np.bool_]:
@@ -254,17 +279,25 @@ class Promise:
             np.minimum(tolerances.atol, wanted), self._scale(tolerances, missed), force, rows_are_steps=True
         )
 
-    def part(self, tolerances: Tolerances, lanes: NDArray[np.int64]) -> Tolerances:
-        """The tolerances of some lanes."""
-        force = None if tolerances.force is None else tolerances.force[lanes]
-        return replace(tolerances, atol=tolerances.atol[lanes], scale=tolerances.scale[lanes], force=force)
+    def after(self, missed: Missed, coarse: Pass, fine: Pass) -> Missed:
+        """What may miss the promise after a run with finer tolerances, whose rows measure the errors of the run before.
 
-    def measured_share(self, coarse: Result, fine: Result, measured: MeasuredMotion) -> float:
-        """The largest error of the rows of a run as a share of the promise, by a run with finer tolerances."""
-        off = np.max(abs(fine.states[:, : measured.states] - coarse.states[:, : measured.states]), axis=0)
+        Args:
+            missed: the same before that run.
+            coarse: the run before.
+            fine: the run with finer tolerances.
+        """
+        now = self.missed(fine.tolerances, fine.measured)
+        off = np.max(abs(fine.states - coarse.states), axis=1, initial=0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = off / (MOTION * self._rtol * measured.peaks[0])
-        return float(np.max(share[self._promised & (measured.peaks[0] > 0)], initial=0.0))
+            share = off / (MOTION * self._rtol * fine.measured.peaks)
+            share = np.max(np.where(self._promised & (fine.measured.peaks > 0), share, 0.0), axis=1, initial=0.0)
+            by = share / missed.share
+        return now.corrected(np.where(fine.tolerances.scale < coarse.tolerances.scale, by, 1.0))
+
+    def beyond(self, missed: Missed, measured: MeasuredMotion) -> NDArray[np.bool_]:
+        """The lanes that do not reach the promise after their last run, rounding included."""
+        return missed.lanes | self.rounded(measured).any(axis=1)
 
     def remark(self, missed: Missed, measured: MeasuredMotion) -> str:
         """The accuracy that one lane does not reach, in words; empty if it reaches all."""
@@ -309,21 +342,24 @@ def solve_to_promise(
         finest_scale: finds the least scale of its tolerances that rounding allows.
     """
     promise, most, tolerances = Promise(scenario, finest_scale), scenario.solve.max_steps, first(scenario)
-    result, measured = once(tolerances, most)
-    missed = promise.missed(tolerances, measured)
+
+    def run(tolerances: Tolerances, most: int) -> tuple[Result, Pass]:
+        result, measured = once(tolerances, most)
+        return result, Pass(tolerances, measured, result.states[None, :, : measured.states])
+
+    result, coarse = run(tolerances, most)
+    missed = promise.missed(tolerances, coarse.measured)
     if result.reason is not None or not missed.lanes[0]:
         return result
     for _ in range(MOST_PASSES):
-        if not promise.mends(tolerances, missed)[0]:
+        if not promise.mends(coarse.tolerances, missed)[0]:
             break
-        wanted = promise.tightened(tolerances, measured, missed)
-        finer, again = once(wanted, min(most, _most_attempts(result.stats["accepted"], scenario.rows)))
+        wanted = promise.tightened(coarse.tolerances, coarse.measured, missed)
+        finer, fine = run(wanted, min(most, _most_attempts(result.stats["accepted"], scenario.rows)))
         if finer.reason is not None:
             break
-        share, now = missed.share[0], promise.missed(wanted, again)
-        if wanted.scale[0] < tolerances.scale[0]:
-            now = now.corrected(promise.measured_share(result, finer, again) / share)
-        result, measured, tolerances, missed = finer, again, wanted, now
-    if remark := promise.remark(missed, measured):
+        missed = promise.after(missed, coarse, fine)
+        result, coarse = finer, fine
+    if remark := promise.remark(missed, coarse.measured):
         result.remarks.append(remark)
     return result

@@ -101,6 +101,11 @@ class Solution:
         return self.reason is None
 
     @property
+    def inaccurate(self) -> bool:
+        """Whether the run reached its end, but not the promised accuracy."""
+        return self.success and bool(self._remarks)
+
+    @property
     def message(self) -> str:
         """Why the run failed, or the promised accuracy that it did not reach; otherwise that it is done."""
         return self.reason or "; ".join(self._remarks) or f"done: t = {self.scenario.end:g} s reached"

@@ -38,7 +38,7 @@ _MANIFEST = "_manifest.json"  # readers of a folder of Parquet files skip names 
 class Sweep:
     """A sweep in a folder: parts of some lanes each, and a manifest.
 
-    The manifest describes the sweep, with the SHA-256 and the number of failed lanes of each finished part.
+    The manifest describes the sweep. Of each finished part it has the SHA-256 and the numbers of failed and inaccurate lanes.
 
     Args:
         scenario: the scenario that the lanes vary.
@@ -62,6 +62,7 @@ class Sweep:
         self.found = 0  # number of parts from an earlier run
         self._digests: dict[str, str] = {}  # SHA-256 of the finished parts, by name
         self._failed: dict[str, int] = {}  # number of failed lanes in the same parts
+        self._inaccurate: dict[str, int] = {}  # number of lanes in them that do not reach the promised accuracy
         self._about: dict[str, object] = {
             "format": 1,
             "stribeck": __version__,
@@ -96,6 +97,11 @@ class Sweep:
     def failed(self) -> int:
         """The number of failed lanes in the finished parts."""
         return sum(self._failed.values())
+
+    @property
+    def inaccurate(self) -> int:
+        """The number of lanes in the finished parts that do not reach the promised accuracy."""
+        return sum(self._inaccurate.values())
 
     def lanes_of(self, part: int) -> range:
         """The lanes of a part."""
@@ -142,6 +148,7 @@ class Sweep:
                         self.place.put(self.name(part), result.content)
                         self._digests[self.name(part)] = sha256(result.content).hexdigest()
                         self._failed[self.name(part)] = result.failed
+                        self._inaccurate[self.name(part)] = result.inaccurate
                         self._write_manifest()
                         lanes += len(self.lanes_of(part))
                         tell(lanes)
@@ -159,7 +166,7 @@ class Sweep:
             if parts:
                 raise InputError(f"{here}: holds parts of an unknown sweep: must be another folder")
             return list(range(self.parts))
-        about, digests, failed = self._manifest(here)
+        about, digests, failed, inaccurate = self._manifest(here)
         if about != self._about:
             text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
             raise InputError(f"{here}: {text}")
@@ -169,19 +176,21 @@ class Sweep:
         todo = []
         for part in range(self.parts):
             name = self.name(part)
-            if name in parts and name in failed and name in digests and digests[name] == self._digest_of(name):
-                self._digests[name], self._failed[name] = digests[name], failed[name]
+            known = all(name in each for each in (parts, digests, failed, inaccurate))
+            if known and digests[name] == self._digest_of(name):
+                self._digests[name] = digests[name]
+                self._failed[name], self._inaccurate[name] = failed[name], inaccurate[name]
             else:
                 todo.append(part)
         self.found = self.parts - len(todo)
         return todo
 
-    def _manifest(self, here: str) -> tuple[dict[str, object], dict[str, str], dict[str, int]]:
-        """The manifest: description of the sweep, digests of its parts, and their numbers of failed lanes."""
+    def _manifest(self, here: str) -> tuple[dict[str, object], dict[str, str], dict[str, int], dict[str, int]]:
+        """The manifest: description of the sweep, digests of its parts, their numbers of failed and of inaccurate lanes."""
         try:
             manifest = json.loads(self.place.get(_MANIFEST) or b"")
-            digests, failed = (dict(manifest.pop(key)) for key in ("sha256", "failed"))
-            return dict(manifest), digests, failed
+            digests, failed, inaccurate = (dict(manifest.pop(key)) for key in ("sha256", "failed", "inaccurate"))
+            return dict(manifest), digests, failed, inaccurate
         except OSError as error:
             raise InputError(f"{here}: {_MANIFEST} in it cannot be read: {error.strerror or error}") from None
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
@@ -199,6 +208,7 @@ class Sweep:
             **self._about,
             "sha256": dict(sorted(self._digests.items())),
             "failed": dict(sorted(self._failed.items())),
+            "inaccurate": dict(sorted(self._inaccurate.items())),
         }
         self.place.put(_MANIFEST, (json.dumps(about, indent=2, allow_nan=False) + "\n").encode())
 
@@ -297,7 +307,7 @@ def sweep(
             ``pip install 'stribeck[cluster]'``. The files are the same to the last byte.
 
     Returns:
-        The sweep; ``files`` lists the manifest and the parts, ``failed`` counts failed lanes.
+        The sweep; ``files`` lists the manifest and the parts, ``failed`` and ``inaccurate`` count lanes.
 
     Raises:
         InputError: if a path cannot be varied, or the folder contains another sweep.

@@ -39,10 +39,12 @@ class MadePart:
     Attributes:
         content: the bytes of its Parquet file.
         failed: the number of its lanes that failed.
+        inaccurate: the number of its lanes that do not reach the promised accuracy.
     """
 
     content: bytes
     failed: int
+    inaccurate: int
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,8 @@ class Order:
         """Simulate some lanes; ``first`` is the number of the first one."""
         ensemble = simulate_ensemble(self.scenario, values, threads=threads, progress=progress)
         columns = tables.summary(ensemble, first) if self.summary else tables.trajectories(ensemble, first)
-        return MadePart(tables.as_parquet(columns), sum(reason is not None for reason in ensemble.reason))
+        failed = sum(reason is not None for reason in ensemble.reason)
+        return MadePart(tables.as_parquet(columns), failed, int(ensemble.inaccurate.sum()))
 
     def probe(self, values: Mapping[str, Array]) -> str:
         """The SHA-256 of the first lane's file, which depends on all bits and on how they are written."""
