@@ -218,7 +218,7 @@ def test_ranges():
         (("--cluster", "127.0.0.1:1", "--threads", "2"), "--threads: 2: does not go with --cluster"),
         (("--out", "nothing://a/b"), "--out: 'nothing://a/b': must be a folder, or a URL that fsspec knows"),
         (("--out", "file://"), "--out: 'file://': must name a place behind ://"),
-        (("--out", "memory://x"), "--out: memory://x: is gone when the command ends"),
+        (("--out", "memory://x"), "--out: memory://x: does not outlast the command"),
         (("--out", "zip://none/x.zip"), "--out: 'zip://none/x.zip': cannot be opened: "),
     ],
     ids=lambda x: x[0] if isinstance(x, tuple) else "",

@@ -419,7 +419,7 @@ def test_the_condition_in_the_header_is_the_one_that_is_derived(tmp_path, monkey
     header = stribeck.export(law("lugre_majorant"), "c", tmp_path / "other")[0].read_text()
     assert "K_D >= K sigma_1 (sigma_1 w/2 - sigma_0), w = " in header
     derive.cache_clear()
-    with pytest.raises(stribeck.StribeckError, match="smallest K_D that exports tell"):
+    with pytest.raises(stribeck.StribeckError, match="smallest K_D of the exports"):
         derive()
     derive.cache_clear()
 

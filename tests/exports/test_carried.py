@@ -253,9 +253,7 @@ def test_a_deflection_at_the_start_is_carried_or_refused_by_name(target, part, d
         assert repr(z).encode() in written(z) or target in ("fmu", "table")
         assert (written(z) == written(0.0)) is (target == "table")
     else:
-        with pytest.raises(
-            InputError, match=f"^{re.escape(key)}: {z:g}.*would be lost: target '{target}' begins with 0"
-        ):
+        with pytest.raises(InputError, match=f"^{re.escape(key)}: {z:g}.*must be 0 for target '{target}'"):
             written(z)
         written(0.0)
 
@@ -271,11 +269,11 @@ def test_a_body_keeps_its_start_or_refuses_it_by_name(target, tmp_path):
         assert b"0.125" in text
         assert b"-0.375" in text
     else:
-        with pytest.raises(InputError, match=r"plant.initial.y: 0.125: would be lost.*\n.*initial.v: -0.375: would"):
+        with pytest.raises(InputError, match=r"plant.initial.y: 0.125: must be 0.*\n.*initial.v: -0.375: must"):
             stribeck.export(Scenario(data), target, tmp_path / "out", part="body")
 
 
 def test_what_a_table_cannot_have_is_refused_by_name(tmp_path):
     files, said = exported(EVERY, "table", "compensator", tmp_path / "out")
     assert not files
-    assert said.startswith("controllers.axis.compensation.lead: would be lost")
+    assert said.startswith("controllers.axis.compensation.lead: must be left out")

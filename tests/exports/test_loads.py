@@ -363,11 +363,11 @@ def test_a_target_without_inputs_refuses_them_by_name(tmp_path, capsys):
     words = ["export", str(file), "--contact", "friction", "--out", str(tmp_path / "out")]
     assert _status([*words, "--target", "table"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("contacts.friction.loads: would be lost: target 'table' cannot be given them")
+    assert line.startswith("contacts.friction.loads: must be left out: target 'table' has no input for them")
     assert _status([*words[:1], "lugre_majorant", "--scenario", *words[1:], "--target", "c"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line == "contacts.friction.loads: would be lost: the contact's law is 'stribeck', not 'lugre_majorant'"
-    with pytest.raises(InputError, match=r"contacts\.friction\.loads: would be lost"):
+    assert line == "contacts.friction.loads: need the contact's own law 'stribeck', not 'lugre_majorant'"
+    with pytest.raises(InputError, match=r"contacts\.friction\.loads: must be left out"):
         stribeck.export(Scenario.load(file), "table", tmp_path / "out", part="law")
     assert not (tmp_path / "out").exists()
     for target in ("mujoco", "isaaclab", "newton", "mjwarp"):

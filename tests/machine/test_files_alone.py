@@ -150,7 +150,7 @@ def test_a_controller_follows_a_sum():
 
 
 @pytest.mark.parametrize(("path", "value", "text"), [
-    ("links.k.gap", 0.1, "links.k.gap: 0.1: must be left out where preload is given: a preloaded spring has no play"),
+    ("links.k.gap", 0.1, "links.k.gap: 0.1: must be left out where preload is given: a preloaded spring has no backlash"),
     ("links.k", {"kind": "spring", "from": "a", "to": "ground", "stiffness": 1.0, "reach": 0.1},
      "links.k.second: missing: must be given with reach"),
     ("loads.q.position", [0.0, 0.0, 1.0], "loads.q.position[1]: 0.0: positions must increase (the one before is 0.0)"),

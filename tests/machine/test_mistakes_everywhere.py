@@ -176,7 +176,7 @@ MISTAKES = [
     ({'contacts.rail.loads': [{'force': {'rope': nan}, 'F_c': 0.1}]},
      'contacts.rail.loads[0].force.rope: nan: must be a finite number'),
     ({'contacts.rail.factors.sigma_3': {'signal': RAMP}},
-     "contacts.rail.factors.sigma_3: unknown key: law 'lugre_majorant' has no such number (did you mean 's"),
+     "contacts.rail.factors.sigma_3: unknown key: law 'lugre_majorant' has no such constant (did you mean 's"),
     ({'contacts.pin.factors': {'z_ba': {'signal': {'kind': 'points', 't': [0], 'value': [9.0]}}}},
      'contacts.pin.factors.z_ba: z_ba (up to 0.018) must stay below F_c/sigma_0, which factors bring down '),
     ({'contacts.pin.factors': {'level': {'amplitude': [0.7], 'waves': [3]}}},

@@ -75,7 +75,7 @@ def servo(**changes):
 
 @pytest.mark.parametrize("changes", [{"drive__delay": 0.04}, {"drive__sample_time": 0.05}], ids=["delay", "coarse"])
 def test_a_servo_that_oscillates_says_so(changes):
-    with pytest.warns(StribeckNote, match="the valve goes to and fro"):
+    with pytest.warns(StribeckNote, match="the valve swings"):
         assert simulate(servo(**changes)).status == "done"
 
 

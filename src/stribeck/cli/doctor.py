@@ -71,7 +71,7 @@ def doctor(json: Json = False) -> int:
         "stribeck": stribeck.__version__, "python": python, "machine": machine, "packages": packages, "compiler": compiler,
         "backend": backend or None, "cache": cache, "self_test": test,
     }  # fmt: skip
-    none = trouble or "none: WebAssembly solves, in about half as much time again"
+    none = trouble or "none: WebAssembly solves instead, about 1.4 times slower"
     state = "writable" if cache["writable"] else "NOT writable: every process compiles anew"
     kept = f"{cache['folder']}, {state}, {cache['systems']} systems, {cache['bytes'] / 1e6:.1f} MB"
     rows = {

@@ -240,7 +240,7 @@ def _law(
     elif rig is not None and own_law is not None:
         if (whole := contact_law(rig, contact)).inputs:
             if kind is not type(own_law):
-                text = f"would be lost: the contact's law is {own_law.name!r}, not {name!r}"
+                text = f"need the contact's own law {own_law.name!r}, not {name!r}"
                 raise InputError(f"{', '.join(whole.beside)}: {text}")
             return _at_contact(whole, given)
         constants = kind.own_constants()

@@ -228,7 +228,7 @@ def _of_log(data: list[Path], laws: list[str], assignments: list[str], given: re
     try:
         return fitted(data, laws, constants=record.constants(assignments), **given)
     except KeyboardInterrupt:
-        print("stribeck: nothing was found yet", file=sys.stderr)
+        print("stribeck: there is no estimate yet", file=sys.stderr)
         raise
 
 

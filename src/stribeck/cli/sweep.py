@@ -57,7 +57,7 @@ def sweep(
     from stribeck.sweeps.places import Folder
 
     if out.startswith("memory:"):
-        raise InputError(f"--out: {out}: is gone when the command ends: must be a folder, or a URL of what stays")
+        raise InputError(f"--out: {out}: does not outlast the command: must be a folder or a persistent URL")
     loaded = source.load()
     check_cluster(cluster, threads)
     job = Sweep(loaded, _lanes(vary or [], samples, seed), out, summary)

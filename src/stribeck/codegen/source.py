@@ -156,7 +156,7 @@ class SystemCode:
                 changes.append((f"dw[{j}]", ZERO if self.curved[j] else total))
             parts = [
                 self.function(
-                    "What events are told by.", "watch", f"{_COMMON}, {_NOW}, real *w",
+                    "Quantities whose level crossings are events.", "watch", f"{_COMMON}, {_NOW}, real *w",
                     [(f"w[{j}]", node) for j, node in enumerate(self.watched)],
                 ),
                 self.function(
@@ -292,7 +292,7 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
             f"#define HELD {len(self.system.held)} /* outputs of sampled controllers */\n"
             f"#define SHOWN {len(self.system.shown)} /* of what they remember, how much the rows have */\n"
             f"#define FORCES {len(self.forces)} /* friction forces */\n"
-            f"#define WATCHES {len(self.watched)} /* quantities that events are told by */\n"
+            f"#define WATCHES {len(self.watched)} /* quantities whose level crossings are events */\n"
             f"#define WATCHED {len(moving)}\n"
             f"#define CURVED {sum(self.curved)}\n"
             "#define MAY_WATCH (WATCHES > 0)\n#define MAY_CURVE (CURVED > 0)\n#define MAY_HOLD (HELD > 0)\n"

@@ -141,7 +141,7 @@ def _law(law: Law | None, scenario: Scenario | None, contact: str | None, target
     assert friction is not None
     if friction.beside and not target.loads:
         able = ", ".join(name for name, each in TARGETS.items() if each.loads)
-        text = f"would be lost: target '{target.name}' cannot be given them; {able} can"
+        text = f"must be left out: target '{target.name}' has no input for them; {able} have one"
         raise InputError(f"{', '.join(friction.beside)}: {text}")
     return friction
 
@@ -160,7 +160,7 @@ def _deflection(law: Law, part: str, scenario: Scenario | None, contact: str | N
         start |= {f"{path.removesuffix('z')}{name}": scenario.initial.get(name, 0.0) for name in "yv"}
     if not target.started and (lost := [f"{key}: {show(x)}" for key, x in start.items() if x]):
         able = ", ".join(name for name, each in TARGETS.items() if each.started and part in each.parts)
-        text = f"would be lost: target '{target.name}' begins with 0; {able} do not"
+        text = f"must be 0 for target '{target.name}', which starts there; {able} take it"
         raise InputError([f"{each}: {text}" for each in lost])
     return start[path]
 

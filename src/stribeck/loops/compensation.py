@@ -82,7 +82,7 @@ def contact_of(scenario: Scenario, controller: str) -> str:
             return contact.name
     raise InputError(
         f"controllers.{controller}.measures: {each.measures}: no contact between it and the ground whose friction could be "
-        "made up for"
+        "compensated"
     )
 
 

@@ -227,7 +227,7 @@ class _LaneRecord:
         keeps &= spread <= _ALIKE * max(quarters) + _COUNTS * rest and change <= _KEEPS * quarters[0] + _COUNTS * rest
         wanted = 0.0 if keeps else 2 * length
         if self._saturates():
-            return Judgement("unstable", body, amplitude, period, "the oscillation is held by a limit"), wanted
+            return Judgement("unstable", body, amplitude, period, "the oscillation is bounded by saturation"), wanted
         thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)]
         if self.last and thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]:
             return Judgement("unstable", body, amplitude, period, "the oscillation grows"), wanted

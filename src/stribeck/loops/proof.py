@@ -134,7 +134,7 @@ def _hold_against(form: QuadraticForm, K_D: sympy.Symbol, least: sympy.Expr) -> 
 
     at_least, slope = sympy.expand(form.exact.subs(K_D, least)), sympy.diff(form.exact, K_D)
     if at_least != 0 or not slope.is_positive:
-        raise StribeckError("the smallest K_D that exports tell is not the one that dV/dt gives")
+        raise StribeckError("the smallest K_D of the exports differs from that of dV/dt")
 
 
 def _form(

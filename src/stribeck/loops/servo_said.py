@@ -30,9 +30,7 @@ def servo(result: ServoDesign) -> Document:
     given = gains_of(scenario)
     facts = [f"by intervals, for all errors, in {proof.boxes} boxes{f': {proof.reason}' if proof.reason else ''}"]
     if not v.exact.holds:
-        facts.append(
-            f"gains that hold with a factor of two to spare: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}"
-        )
+        facts.append(f"gains with a margin of two: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}")
     facts.append("not covered: " + "; ".join(result.not_covered))
     rows = [_row("exact condition", v.exact), _row("corrected (21)", v.sufficient)]
     numbers = [Head(text, 4) for text in ("needs K_D at least (N s/m)", "margin", "up to (m/s)")]

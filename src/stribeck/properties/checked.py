@@ -101,8 +101,8 @@ def _safely(decided: Callable[[str], Verdict], name: str) -> Verdict:
     except Unreadable as error:
         return undecided(str(error))
     except (OverflowError, ZeroDivisionError) as error:
-        _log.debug("numbers of '%s' leave the floats", name, exc_info=True)
-        return undecided(f"a number on the way is too large or too small for a float ({error})")
+        _log.debug("the values of '%s' exceed the floating-point range", name, exc_info=True)
+        return undecided(f"an intermediate result exceeds the floating-point range ({error})")
     except Exception as error:
         _log.debug("the check of '%s' failed", name, exc_info=True)
         return undecided(f"the equations cannot be treated: {type(error).__name__}: {error}")

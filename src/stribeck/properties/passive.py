@@ -137,7 +137,7 @@ def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certif
                 return verdict
             reasons.append("with a fitted storage function no proof was found")
         else:
-            reasons.append("the elastic energy does not serve near z = 0")
+            reasons.append("the elastic energy is no storage function near z = 0")
     reason = "no proof: " + ("; ".join(dict.fromkeys(reasons)) or "the law stores no energy that is known")
     return undecided(reason, sampled="a storage function exists as far as sampled", **bounds)
 

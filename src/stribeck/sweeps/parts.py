@@ -140,7 +140,7 @@ def _order(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
             (folder / name).write_bytes(base64.b64decode(content))
         order = Order(Scenario(given["data"], folder=folder, trust=True), given["summary"])
         if order.probe(_values(dict(first_lane))) != given["probe"]:
-            raise StribeckError("makes other bits than this machine (another processor, compiler or pyarrow)")
+            raise StribeckError("computes other bits than this machine (another processor, compiler or pyarrow)")
         _files.append(files.pop_all())
     return order
 

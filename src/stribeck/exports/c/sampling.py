@@ -37,8 +37,8 @@ def _creeping(law: Law) -> list[str]:
     straight = law.jacobian(0.0, z)[1] == law.jacobian(0.0, 0.0)[1]
     if straight or not creep > _FASTEST_CREEP * speed:
         return []
-    text = f"|v| is smoothed so far that at rest its deflection falls at {creep:.3g} m/s, {creep / speed:.2g} times {speed:g} m/s"
-    return [f"law '{law.name}': {text}: a step may be off by a large part of F_s/sigma_0; take a larger k_v"]
+    text = f"|v| is so smooth that at rest the deflection decays at {creep:.3g} m/s, {creep / speed:.2g} times {speed:g} m/s"
+    return [f"law '{law.name}': {text}: the error of a step may be a large part of F_s/sigma_0; take a larger k_v"]
 
 
 def unstable(request: Request) -> list[str]:

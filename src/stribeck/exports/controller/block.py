@@ -77,7 +77,7 @@ class Block:
     def inputs(self) -> tuple[Column, ...]:
         """What it is given at a sample; what its equations do not use is left out."""
         every = (
-            self._column("r", "m", "reference: the position asked for"),
+            self._column("r", "m", "reference: commanded position"),
             self._column("r_rate", "m/s", "its first derivative"),
             self._column("r_second", "m/s^2", "its second derivative"),
             self._column("y", "m", "position as the encoder reads it"),
@@ -96,7 +96,7 @@ class Block:
         """What it computes."""
         if self.part == "compensator":
             return (self._column("F", "N", "force to add against friction"),)
-        return (self._column("u", "N", "output: the force that is asked for"),)
+        return (self._column("u", "N", "output: commanded force"),)
 
     @cached_property
     def states(self) -> tuple[Column, ...]:
@@ -261,7 +261,7 @@ class Block:
         controller = next(c for c in machine.system.controllers if c.name == self.controller.name)
         if controller.sampling is None:
             notes.append(
-                f"controllers.{controller.name} is continuous in the file: simulate what is exported with "
+                f"controllers.{controller.name} is continuous in the file: to simulate the exported one, set "
                 f"sampling = {{ period = {self.step:g} }}"
             )
             return notes
@@ -287,7 +287,7 @@ class Block:
         path = f"{self.controller.path}.compensation"
         given = [f"{path}.{n}" for n in names if (path, n) in self.scenario.elements.values]
         if given:
-            raise InputError(f"{', '.join(given)}: would be lost: target '{target}' cannot carry it")
+            raise InputError(f"{', '.join(given)}: must be left out: target '{target}' cannot carry it")
 
 
 def block_of(

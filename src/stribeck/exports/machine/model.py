@@ -162,7 +162,7 @@ class MachineModel:
     def notes(self) -> list[str]:
         """What differs from the simulation."""
         if any(each.sampling is not None and each.sampling.noise is not None for each in self.machine.controllers):
-            return [f"the noise of the readings is kept until t = {self.scenario.end:g} s; there is none after it"]
+            return [f"measurement noise is exported up to t = {self.scenario.end:g} s; later readings have none"]
         return []
 
     @cached_property

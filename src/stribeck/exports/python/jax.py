@@ -125,7 +125,7 @@ def to_jax(law: Law) -> JaxLaw:
     jax: ModuleType = package("jax")
     if not jax.config.jax_enable_x64:
         note(
-            "JAX computes in single precision unless told otherwise: jax.config.update('jax_enable_x64', True) gives "
+            "JAX computes in single precision by default: jax.config.update('jax_enable_x64', True) gives "
             "the numbers of Stribeck"
         )
     return JaxLaw(law)

@@ -43,7 +43,7 @@ def notes(request: Request) -> list[str]:
     """What MuJoCo cannot keep at the time step."""
     law, warnings = request.law, []
     if law.jumps_at_rest:
-        warnings.append(f"law '{law.name}': F jumps at v = 0: a body shakes about rest by F/mass * step in v")
+        warnings.append(f"law '{law.name}': F jumps at v = 0: a body at rest chatters by F/mass * step in v")
     if maps_to_dcmotor(law) and _step(request) > (period := (_mass(request) / law.p.sigma_0) ** 0.5):
         warnings.append(
             f"{request.name}_dcmotor.xml: at a step of {_step(request):g} s above sqrt(mass/sigma_0) = {period:.3g} s "

@@ -25,7 +25,7 @@ def files(request: Request) -> Content:
         f"Steady friction at v >= 0: F(-v) = -F(v). At v = 0 the force jumps: 0 there, {force[0]:.6g} {N} next to it."
         if force[0] > 1e-3 * size
         else "Steady friction at v >= 0: F(-v) = -F(v).",
-        f"Interpolate linearly; beyond the last point go on along the last two. {len(v)} points, fitted by minimax.",
+        f"Interpolate linearly; extrapolate linearly beyond the last point. {len(v)} points, fitted by minimax.",
         f"Greatest error for 0 < v <= {v[-1]:g} {speed}: {error:.3g} {N} ({100 * error / size:.2g} % of the greatest force).",
         "The table has no memory: no presliding, no hysteresis, no varying break-away.",
         f"v in {speed}, F in {N}",
@@ -119,7 +119,7 @@ def _compensation(block: Block) -> Content:
     speed, unit = ("rad/s", "N m") if block.rotary else ("m/s", "N")
     head = [
         f"{block.name}: {share:g} of the steady friction of {law.name}, to be added at the {compensation.speed} speed.",
-        "F(-v) = -F(v), and 0 at v = 0. Interpolate linearly; beyond the last point go on along the last two.",
+        "F(-v) = -F(v), and 0 at v = 0. Interpolate linearly; extrapolate linearly beyond the last point.",
         f"Greatest error for 0 < v <= {v[-1]:g} {speed}: {share * error:.3g} {unit}.",
         *((_DEFLECTION,) if compensation.observes(machine) else ()),
         f"v in {speed}, F in {unit}", made_by(),

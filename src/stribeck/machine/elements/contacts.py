@@ -325,14 +325,14 @@ def _not_to_multiply(constant: str, law: Law, numbers: list[str]) -> str | None:
     """Why a factor cannot be on a parameter, or None."""
     if constant == "sigma_0":
         why = "a stiffness that changes stores energy at no cost; use level, or F_c and F_s"
-        return f"must be left out: sigma_0 is not a thing to multiply ({why})"
+        return f"must be left out: sigma_0 cannot be multiplied ({why})"
     known = [n for n in numbers if n != "sigma_0"]
     if constant == "level":
         return None if any(n in known for n in LEVELS) else f"law '{law.name}' has no level F_c or F_s"
     if constant in known:
         return None
     guess = nearest(constant, (*known, "level")) or f" (it has {', '.join(known)}, and level)"
-    return f"unknown key: law '{law.name}' has no such number{guess}"
+    return f"unknown key: law '{law.name}' has no such constant{guess}"
 
 
 def _not_positive(signal: waveforms.Signal) -> str | None:

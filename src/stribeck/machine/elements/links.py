@@ -144,7 +144,7 @@ class StagedSpring(Link):
             if getattr(self, name) is not None and getattr(self, other) is None:
                 problems.append((other, f"missing: must be given with {name}"))
         if self.gap is not None and self.preload is not None:
-            text = "must be left out where preload is given: a preloaded spring has no play"
+            text = "must be left out where preload is given: a preloaded spring has no backlash"
             problems.append(("gap", f"{show(self.gap)}: {text}"))
         return problems
 

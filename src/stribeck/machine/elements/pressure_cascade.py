@@ -137,7 +137,7 @@ def _complete(value: object, handler: Callable[[object], KnownPlant], info: Vali
 
 
 class _OfObserver:
-    """An annotation: the field is the law that the controller takes for true, with the plant's parameters where it gives
+    """An annotation: the field is the law that the controller assumes, with the plant's parameters where it gives
     none: None for no law, ... where it, or the plant's, is in a file that must not be executed yet."""
 
     def __get_pydantic_core_schema__(self, source: object, handler: object) -> core_schema.CoreSchema:
@@ -285,11 +285,11 @@ class PressureCascade(AnyController):
     )
     adaptive: bool = Field(False, description="adapt sigma_0, sigma_1, sigma_2 and the level F_c on line")
     observer: Annotated[Held, _OfObserver()] = Field(
-        description="the law that the controller takes for true: name ('none' for no compensation), its own constants, and "
+        description="the law that the controller assumes: name ('none' for no compensation), its own constants, and "
         "parameters where they differ from the plant's"
     )
     model: Annotated[KnownPlant, WrapValidator(_complete)] = Field(
-        default_factory=dict, validate_default=True, description="plant constants that the controller takes for true"
+        default_factory=dict, validate_default=True, description="plant constants that the controller assumes"
     )
     adaptation: Gains = Field(default_factory=Gains, description="gains of the adaptation, with adaptive = true")
     signal: SignalTable = Field(description="desired position, m")
@@ -584,7 +584,7 @@ class PressureCascade(AnyController):
         if needed[i] <= room:
             return []
         text = f"the path needs a pressure difference of {needed[i]:.4g} Pa at t = {t[i]:.4g} s"
-        text += f", and {room:.4g} Pa above the atmosphere are all there is; must be higher, or the path slower"
+        text += f", and {room:.4g} Pa above the atmosphere are available; must be higher, or the path slower"
         return [(f"{p.path}.supply_pressure", f"{show(p.supply_pressure)}: {text}")]
 
     # -- what is said of a run -----------------------------------------------------------------------------------------
@@ -600,7 +600,7 @@ class PressureCascade(AnyController):
         if len(rows.t) - first <= 0.1 * len(rows.t):
             return ""
         since = f"from t = {rows.t[first]:.4g} s to the end"
-        return f"the valve is at its limit of {self.u_max:g} V {since}: it cannot do what is asked of it"
+        return f"the valve is at its limit of {self.u_max:g} V {since}: it saturates"
 
     def _swinging(self, rows: Courses, end: float) -> str:
         """That the valve of a sampled controller goes to and fro to the end far more often than the path."""
@@ -612,7 +612,7 @@ class PressureCascade(AnyController):
         if swings <= max(_MOST_SWINGS, 6 * waves):
             return ""
         swing = _SWING * self.u_max
-        text = f"the valve goes to and fro {swings} times by more than {swing:g} V in the last quarter of the run"
+        text = f"the valve swings {swings} times by more than {swing:g} V in the last quarter of the run"
         return f"{text}: sample_time, delay or noise are too large for these gains"
 
 

@@ -28,7 +28,7 @@ class Cylinder:
         "stroke": Constant("m", "stroke; the position y runs from 0 to it", above=0, example=1.0),
         "dead_volume_1": Constant("m^3", "volume of chamber 1 at y = 0", above=0, example=1.96e-6),
         "dead_volume_2": Constant("m^3", "volume of chamber 2 at y = stroke", above=0, example=4.91e-6),
-        "heat_ratio": Constant("", "exponent of the polytropic change of state", above=0, example=1.4),
+        "heat_ratio": Constant("", "polytropic exponent", above=0, example=1.4),
         "gas_constant": Constant("J/(kg K)", "specific gas constant", above=0, example=286.9),
         "temperature": Constant("K", "temperature of the gas", above=0, example=293.15),
         "supply_pressure": Constant("Pa", "absolute pressure of the supply", above=0, example=7e5),

@@ -32,7 +32,7 @@ def power(leaf: Leaf, node: Expr, base: Quotient, exponent: Quotient) -> Quotien
     if base.is_zero and leaf.signs(exponent)[0] and leaf.signs(exponent)[2]:
         return ring.zero
     if not leaf.signs(base)[0]:
-        raise Unclear("a power of what may be negative")
+        raise Unclear("the base of a power may be negative")
     if value is None or not abs(value) < _MOST:
         return ranged(leaf, ring.atom(("pow", base.number, exponent.number), node), node)
     n = floor(value)
@@ -43,7 +43,7 @@ def power(leaf: Leaf, node: Expr, base: Quotient, exponent: Quotient) -> Quotien
 
 def _integer_power(leaf: Leaf, base: Quotient, n: int) -> Quotient:
     if n <= 0 and not leaf.signs(base)[2]:
-        raise Unclear("a power of what may be 0")
+        raise Unclear("the base of a power may be 0")
     power = leaf.ring.one
     for _ in range(abs(n)):
         power = leaf.ring.apply("mul", power, base)
