@@ -113,7 +113,7 @@ def test_what_is_changed_is_refused(what):
 def test_a_speed_limit_makes_a_weaker_statement_of_its_own():
     limited = changed(by_hand.passive(), ("v_max",), "1/100")
     assert refusal(limited) is None
-    assert "up to 1/100" in refusal(limited, None, "passive")
+    assert "up to 0.01 m/s" in refusal(limited, None, "passive")
     assert verify(limited, None, "passive", v_max=0.01) != []  # 0.01 is a little more than 1/100
     assert verify(limited, None, "passive", v_max=0.009) == []
     assert verify(by_hand.passive(), None, "passive", v_max=0.009) == []

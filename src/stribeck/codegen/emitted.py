@@ -61,8 +61,8 @@ from stribeck.machine.equations import Equations
 
 ADD, SUB, MUL, DIV = (OPS[name] for name in ("add", "sub", "mul", "div"))
 STAGES = 8
-# From so many states on, the rates are a function that each stage calls, and the sums over stages are found for two
-# states at once: eight copies of the rates are more than Cranelift allots registers to well. Below, pairs cost 1 to 8 %.
+# From so many states on, each stage calls the rates as a function, and the sums over stages are computed for two states
+# at once. Cranelift allots registers badly to eight copies of the rates. For fewer states, pairs cost 1 to 8 %.
 LARGE = 5
 LINE = 64  # bytes: arrays begin on lines of their own
 MOST_WATCHED = 64  # length of the arrays in runtime/any.c's struct Shape

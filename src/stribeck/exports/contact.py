@@ -30,9 +30,13 @@ def contact_law(scenario: Scenario, contact: str | None = None) -> Law:
     """The friction of one of a machine's contacts as a law.
 
     Its constants are those of the contact's law, and the gains, weights and waves of its loads and factors. Its
-    ``inputs`` are constants too, which change from instant to instant: ``load_NAME``, the force of the link, motor or load
-    NAME; ``factor_NAME``, where a signal multiplies the constant NAME; ``position``, where waves of it do. An underscore is
-    added where the contact's law has a constant of that name.
+    ``inputs`` are constants that change from instant to instant:
+
+    - ``load_NAME``: the force of the link, motor or load NAME;
+    - ``factor_NAME``: a signal's factor of the constant NAME;
+    - ``position``: of the contact, if factors are waves of it.
+
+    An underscore is added if the contact's law has a constant of that name.
 
     Raises:
         InputError: there is no such contact, or none is named where there are several.

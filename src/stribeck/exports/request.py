@@ -180,9 +180,9 @@ _LONGEST = 48  # letters: C99 compilers keep 63 of a name apart, and our own wor
 def identifier(name: str, kind: str = "machine") -> str:
     """A name that the exported files can begin theirs with, in every language.
 
-    It is of ASCII, of bounded length, other than for other names of that length, and no word (nor the begin of one, up to
-    a "_") of C, C++, Python or the templates, nor that of a file beside them. What libraries call their functions and
-    types may change: no exported C calls anything by this name alone.
+    It is of ASCII, of bounded length, and different for different names. It is no word of C, C++, Python or the templates,
+    no beginning of such a word up to a "_", and no name of a file beside them. Libraries may rename their functions and
+    types, so no exported C calls anything by this name alone.
     """
     text = re.sub(r"\W", "_", name, flags=re.ASCII)
     if len(text) > _LONGEST:

@@ -36,12 +36,12 @@ class CompensationResult:
     """One remedy against friction.
 
     Attributes:
-        kind: "none"; "reference": the steady curve at the signal's speed; "measured": the law as an observer at the
-            measured speed; "inner_loop": that with dF/dt, led by the lag of the drive; "dither": an oscillation.
+        kind: "none", "reference" (the steady curve at the signal's speed), "measured" (the law as an observer at the
+            measured speed), "inner_loop" (that with dF/dt, led by the lag of the drive), or "dither" (an oscillation).
         share: the compensated share of the friction in ``reversal_error``: 1, or the largest quiet share below 1. For a
             dither: amplitude over the largest friction below v_s; the quiet amplitude with the least worst error.
-        largest_quiet_share: the loop is quiet up to here with every sample of the friction; None if it is not even
-            quiet at 0, and 1.5 (3 for a dither) if it is quiet at all shares tried.
+        largest_quiet_share: the loop is quiet up to here with every sample of the friction. None if it is not quiet at
+            0; 1.5 (3 for a dither) if it is quiet at all shares tried.
         reversal_error: the largest error after a reversal of the standard sine, with the friction of the file (m or rad).
         worst_error: the same with the worst sample (m or rad).
         loop: the machine with this remedy.

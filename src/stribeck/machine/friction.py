@@ -16,12 +16,13 @@ from stribeck.waveforms.pieces import Reference
 def compensation(
     law: Friction, speed: str, r: Reference, v: Expr, z: Expr, called: Names, exact: bool, lead: Expr | None = None
 ) -> tuple[Expr, Expr | None]:  # fmt: skip
-    """The force that makes up for friction, and the rate of the observer's deflection where there is one.
+    """The force that compensates friction, and the rate of the observer's deflection if there is one.
 
     ``speed``: of the reference, or as measured.
-    ``exact``: where the reference rests the force is 0, as at a sample; else the sign is that of the present piece.
-    ``lead``: that times dF/dt is added, with the reference's second derivative for the acceleration: what lags by it
-    follows F (the paper's inner loop, Sobczyk, Perondi, Cunha, eq. 13, which has dF/dt in the derivative of p_d).
+    ``exact``: if the reference rests, the force is 0, as at a sample; otherwise the sign is that of the present piece.
+    ``lead``: this time multiplies dF/dt, which is added, with the reference's second derivative as acceleration. A drive
+    that lags by it then follows F. The paper's inner loop does the same (Sobczyk, Perondi, Cunha, eq. 13): it has dF/dt in
+    the derivative of p_d.
     """
     kind, p = law.kind, law.with_named_terms(called.term)
     if speed == "reference":

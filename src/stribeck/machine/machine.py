@@ -152,8 +152,10 @@ class Elements:
 
     @cached_property
     def places(self) -> dict[str, Key]:
-        """Every number in which lanes can differ, by its path: run-time constants by their keys, where states start by
-        :data:`INITIAL` and the state, and constants of signals that make pieces."""
+        """The key of every number in which lanes can differ, by its path.
+
+        These are run-time constants, initial values (key :data:`INITIAL` and the state), and constants of signals that are
+        made of pieces."""
         keys: dict[str, Key] = {leaf.path: leaf.key for leaf, _ in self.leaves}
         for each in self:
             if "initial" in type(each).model_fields:
@@ -166,8 +168,9 @@ class Elements:
         return keys
 
     def with_values(self, values: Mapping[Key, Value], signals: Mapping[str, Signal] | None = None) -> Elements:
-        """The same machine with these in the place of some constants: numbers, arrays of one for each lane, or symbols; and
-        of some signals, by their paths, of the same kinds. Nothing is compiled anew."""
+        """The same machine with other values of some constants: numbers, arrays with one for each lane, or symbols.
+
+        ``signals`` replaces signals by others of the same kinds, by their paths. Nothing is compiled anew."""
         put = lambda owner, name: values.get((owner, name), self.values.get((owner, name)))  # noqa: E731
         machine = self.carrying(Carrier(put, signals=signals or {}))
         vars(machine)["system"] = self.system  # which no value changes

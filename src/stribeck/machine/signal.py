@@ -38,8 +38,15 @@ _TIMES, _VALUES = Constant("s", "times of the points"), Constant("", "the signal
 
 @dataclass(frozen=True)
 class SignalUse:
-    """A signal in the equations: a name for its numbers in the code, its table, its kind (None: straight pieces), whether
-    it is cut where it turns, and whether something is added to it from outside (an export's input)."""
+    """A signal in the equations.
+
+    Attributes:
+        name: of its numbers in the code.
+        path: of its table.
+        kind: its class; None: straight pieces.
+        turns: whether it is cut where it turns.
+        open: whether an input of an export is added to it.
+    """
 
     name: str
     path: str

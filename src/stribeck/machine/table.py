@@ -244,8 +244,10 @@ class ConstantLeaf:
 
 @dataclass(frozen=True)
 class Carrier:
-    """What stands in the place of run-time constants: symbols (``structure``: nothing else of the values stays either),
-    or other numbers, or arrays of one for each lane; and of signals, by their paths."""
+    """What replaces run-time constants, and signals by their paths.
+
+    Symbols, other numbers, or arrays with one number for each lane replace the constants. With ``structure``, no other value
+    of the file stays either."""
 
     put: Callable[[str, str], Value]
     structure: bool = False

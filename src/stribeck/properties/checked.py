@@ -412,8 +412,9 @@ def _swung(nominal: Law, swing: cycles.Swing, drawn: tuple[float, float]) -> Ver
 
 
 def thresholds(varied: Varied) -> dict[str, float | None]:
-    """What would make the contact passive at every level: the sigma_2 that this takes, or else the largest v_d; and how
-    far the level may rise above its lowest with the constants as they are."""
+    """Limits within which the contact is passive at every level.
+
+    They are the least sigma_2, the largest v_d, and the highest level over the lowest with the constants as they are."""
     low, high = varied.newtons
     sigma_1, sigma_2 = varied.range("sigma_1")[1], varied.range("sigma_2")[0]
     limits: dict[str, float | None] = {"largest_v_d": largest_v_d(varied)}

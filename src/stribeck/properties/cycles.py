@@ -24,7 +24,7 @@ _SLOW = 0.02  # share of its mean below which dz/dt ends a window: the time woul
 _SAFE = 1e-9  # net energy drawn as a share of what flows, below which rounding could have made it
 _REPEATS = 100  # cycles in a run, at most: so many until more is drawn than winding up cost
 _SWING_SPEEDS = 70  # of each sign, over 13 decades or more: 5 in a decade, as Storage samples
-# Of the deflection where damping that falls with speed loses least: how far off a cycle turns.
+# Distances at which a cycle turns, as shares of the deflection where damping that falls with speed loses least.
 _AROUND = (0.3, 0.1, 0.03)
 _NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: how far below it a cycle may turn
 
@@ -86,8 +86,9 @@ def find(law: Law, storage: Storage) -> Cycle | None:
 
 
 def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | None:
-    """A run from z = high that draws more than a million times the energy that a spring would keep there, or the most
-    that was found; None where none draws any."""
+    """A run from z = high that draws energy; None if none draws any.
+
+    It draws more than a million times the energy that a spring would store there, or else as much as was found."""
     side = 1 if high > 0 else -1
     wanted = 1e6 * abs(float(law.force(0.0, high)) * high)
     speeds = abs(storage.v)
@@ -203,8 +204,10 @@ def _longest(keep: NDArray[np.bool_], offset: int) -> tuple[int, int]:
 
 
 def _closed(law: Law, up: float, down: float, low: float, high: float) -> Cycle:
-    """The cycle between two deflections as pieces: from 0 where it passes it, else with the quicker way first, so that
-    a short way after a long one does not drown in the rounding of the time."""
+    """The cycle between two deflections as pieces.
+
+    It begins at 0 if it passes 0, otherwise with the quicker way: after a long one, a short one would drown in the rounding
+    of the time."""
     t_up, t_down = integrate(law, up, low, high)[0], integrate(law, down, high, low)[0]
     if low <= 0 <= high and 1e-3 < t_up / t_down < 1e3:
         start, path = 0.0, [(up, high), (down, low), (up, 0.0)]

@@ -77,8 +77,9 @@ def _departs(model: Model) -> dict[str, float] | None:
 
 
 def _shown(law: Law, apart: dict[str, float]) -> Verdict:
-    """The verdict, with a sawtooth load between a fifth and all of its peak that begins and ends at 0: fast enough to be
-    short, or slow enough for the smooth signs to be felt."""
+    """The verdict, with a sawtooth load between a fifth and all of its peak.
+
+    The load begins and ends at 0. It is fast, so that the run is short, or slow, so that the smooth signs have an effect."""
     slow = own_speeds(law)[0]
     best: Verdict | None = None
     for speed in (_SLOW * getattr(law.p, "v_s", law.scales(law.p).speed), slow, slow / 10):

@@ -44,8 +44,9 @@ def _sum(x: Interval) -> tuple[float, float] | None:
 
 
 def programme(pieces: Sequence[tuple[Model, float, float, float]]) -> tuple[float, float] | None:
-    """Bounds of the energy that goes in, J, while held speeds take z from place to place; tight enough to have a sign
-    where more panels give one, None where dz/dt may stop on the way.
+    """Bounds of the energy put in, J, while held speeds take z from one deflection to the next.
+
+    More panels are used until the bounds have a sign. None if dz/dt may be 0 on the way.
 
     Args:
         pieces: (law, speed in m/s, z at its start, z at its end) of each piece.

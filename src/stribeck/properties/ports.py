@@ -168,8 +168,10 @@ def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
 
 
 def static_passive(varied: Varied) -> Verdict:
-    """A law without z is passive where F v >= 0: where F is affine in the constants that vary, and the rest and the factor
-    of each are >= 0, by the signs of polynomials, it is at every history of them."""
+    """Whether F v >= 0, which makes a law without z passive.
+
+    If F is affine in the varying constants, signs of polynomials decide: of the remainder and of each constant's factor. If
+    all are >= 0, the law is passive for every history of the constants."""
     law, names = varied.law, list(varied.ranges)  # a constant that is held may be held elsewhere than at its value
     cls = type(f"_{law.name}", (type(law),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
     model = Model(cls({**law.machine, **law.values, **law.choices}, law.rotary))

@@ -1,8 +1,10 @@
 """The interval that a storage function's slope must lie in, by sampling: which sets are passive, and up to which speed.
 
-dz/dt = f(z, v). A storage function S(z) exists if and only if L <= S' <= U where z can be driven both ways, with
-L(z) = sup of F v/f over the v with f < 0 (energy given back for a metre of unwinding) and U(z) = inf of F v/f over the
-v with f > 0 (energy needed for a metre of winding up), and F v >= 0 where f = 0. (docs/explanation/theory.md)
+dz/dt = f(z, v). A storage function S(z) exists if and only if L <= S' <= U where z can be driven both ways, and F v >= 0
+where f = 0 (docs/explanation/theory.md).
+
+- L(z) = sup of F v/f over the v with f < 0: the energy given back for a metre of unwinding.
+- U(z) = inf of F v/f over the v with f > 0: the energy needed for a metre of winding up.
 """
 
 from __future__ import annotations
@@ -222,8 +224,8 @@ def largest_speed(law: Law, reach: float | None) -> float | None:
     """The largest v_max in m/s for which a storage function exists; None where there is no limit, 0 where no speed is slow
     enough.
 
-    Bisection, and between its steps the secant through the last two speeds that leave no room: what is lacking there falls
-    to 0 smoothly, while the room on the other side may be a plateau.
+    Bisection alternates with the secant through the last two speeds at which U < L. There U - L rises to 0 smoothly; on the
+    other side it may be a plateau.
     """
 
     def room(v_max: float | None) -> float:

@@ -1,5 +1,7 @@
-"""Laws that stand for a contact whose constants vary: at the worst of what they may be, so that a proof about them holds
-for every history (docs/explanation/theory.md, "A level that varies")."""
+"""Laws at the worst values of constants that vary.
+
+A proof about them holds for every history of the constants (docs/explanation/theory.md, "A level that varies").
+"""
 
 from __future__ import annotations
 
@@ -130,8 +132,9 @@ class Varied:
         return min(lows), None if None in highs else max(highs)
 
     def with_ends(self, ends: Mapping[str, int], most: Fraction | None = None) -> Law:
-        """The law with some constants at the low (-1) or the high (1) end of their ranges; an end that is open is
-        ``most`` times the nominal value, or the lower end where that is more.
+        """The law with some constants at the low (-1) or the high (1) end of their ranges.
+
+        An open end is ``most`` times the nominal value, or the lower end if that is more.
 
         Raises:
             InputError: the law does not allow these constants.

@@ -105,8 +105,8 @@ class Scenario:
     ) -> Scenario:
         """The scenario in a TOML file, with the values at some paths replaced (``{"law.k_v": 1e6}``).
 
-        A law in a file (``FILE.py:NAME``) is a program: it is executed when everything else is valid, and only from the
-        scenario's folder or below it, unless ``changes`` name it or ``trust`` is given (docs/reference/scenario.md).
+        A law in a file (``FILE.py:NAME``) is a program. It is executed last, if everything else is valid. It must be in the
+        scenario's folder or below, unless ``changes`` name it or ``trust`` is given (docs/reference/scenario.md).
 
         Raises:
             InputError: the file cannot be read, is not TOML, or is no valid scenario; one line for each problem.

@@ -36,8 +36,9 @@ def read_machine(
 
 
 def _listed(elements: Elements, called: Called) -> tuple[tuple[Column, str], ...]:
-    """The columns of a file of schema 1, and their quantities: the motion, the friction, what the drive adds, and the body's
-    own states; those of a servo in an order of their own."""
+    """The columns of a file of schema 1, and their quantities.
+
+    They are the motion, the friction, the drive's columns and the body's own states; a servo has its own order."""
     if called.order:
         known = {c.name: c for each in elements for c in each.columns(elements)}
         return tuple((known[name], name) for name in called.order if name in known)

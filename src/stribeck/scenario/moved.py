@@ -12,8 +12,9 @@ Renamed = Callable[[str], str]
 
 
 def moved(data: Mapping[str, object], folder: Path, to: Path) -> dict[str, object]:
-    """The tables with every relative path (a parameter set, a recorded signal, a law in a file) seen from ``to`` instead
-    of ``folder``; what is None is left out, for TOML has no such value."""
+    """The tables with every relative path seen from ``to`` instead of ``folder``.
+
+    Paths are those of parameter sets, recorded signals and laws in files. None is left out: TOML has no such value."""
 
     def seen(path: str) -> str:
         return path if Path(path).is_absolute() else seen_from(to, folder / path)

@@ -236,8 +236,8 @@ def _model(model: type[BaseModel], instead: Mapping[str, Node] = MappingProxyTyp
     definitions = schema.pop("$defs", {})
 
     def plain(node: object) -> Any:
-        """Without titles, which only repeat the names, without nulls, which TOML does not have, and with references replaced
-        by what they mean, or by what stands ``instead`` of it."""
+        """Without titles, which repeat the names, and without nulls, which TOML does not have. A reference is replaced by its
+        definition, or by the node that stands ``instead`` of it."""
         if isinstance(node, list):
             return [plain(inner) for inner in node]
         if not isinstance(node, dict):

@@ -2,8 +2,7 @@
 
 A scenario may come from a stranger. It may name laws and elements (``law.name``, ``drive.observer.name``,
 ``links.gear.kind``) as ``FILE.py:NAME``, and reading one executes the file. So that happens last, when everything else
-is valid, and only for files in the scenario's own folder or below it, unless the user trusts the scenario or has named
-the law himself.
+is valid. The file must be in the scenario's folder or below, unless the user trusts the scenario or named the law.
 """
 
 from __future__ import annotations

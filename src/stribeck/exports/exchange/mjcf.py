@@ -27,9 +27,9 @@ _STILL = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
 def from_mujoco_file(path: str | Path) -> Tables:
     """The tables of a machine from a MuJoCo model.
 
-    Each slide or hinge becomes a body with the inertia that it moves at the model's initial position (including armature),
-    a contact with ``frictionloss`` and ``damping``, and a link to the ground with ``stiffness``. Joints do not act on each
-    other. A note reports everything else in the model, which is left out.
+    Each slide or hinge becomes a body, a contact with ``frictionloss`` and ``damping``, and a link to the ground with
+    ``stiffness``. The body's inertia is what the joint moves at the model's initial position, with armature. Joints do not
+    act on each other. A note reports everything else in the model, which is left out.
 
     Raises:
         InputError: if MuJoCo cannot read the model, or it has no such joint.

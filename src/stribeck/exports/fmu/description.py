@@ -63,9 +63,21 @@ class Details(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Description:
-    """An FMU: the prefix of its names in C, its model, the version of FMI, what its header says, its variables, the
-    continuous states among them, whether it is for model exchange too, has events and gives directional derivatives;
-    end (s), step (s) and tolerance of its default experiment; whether it has binaries for other platforms too."""
+    """An FMU.
+
+    Attributes:
+        prefix: of its names in C.
+        model: its model identifier.
+        fmi: version of FMI, 2 or 3.
+        about: lines of its header.
+        variables: all of them.
+        states: the continuous states among them.
+        exchange: whether it supports model exchange beside co-simulation.
+        events: whether it has events.
+        slopes: whether it gives directional derivatives.
+        t_end, step, rtol: end (s), step (s) and tolerance of its default experiment.
+        everywhere: whether it has binaries for other platforms too.
+    """
 
     prefix: str
     model: str

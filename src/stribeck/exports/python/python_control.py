@@ -65,9 +65,9 @@ def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem
 def response(system: Value, T: ArrayLike, U: ArrayLike = 0.0, X0: ArrayLike = 0.0, **options: Value) -> Value:
     """``control.input_output_response`` with a solver that suits friction.
 
-    LSODA, which turns implicit where the contact is stiff, with a relative tolerance of 1e-8 and an absolute one of
-    1e-9 of the smallest deflection F_s/sigma_0 in the system (1e-6, SciPy's own, is of the size of z itself), and steps
-    of at most 1/100 of the time span, so that no corner of the input is passed over.
+    The solver is LSODA, which turns implicit where the contact is stiff. The relative tolerance is 1e-8. The absolute one is
+    1e-9 of the smallest deflection F_s/sigma_0 in the system: SciPy's default, 1e-6, is of the size of z itself. Steps are
+    at most 1/100 of the time span, so that no corner of the input is passed over.
 
     Args:
         system: what :func:`to_control` gives, or a system interconnected from such.

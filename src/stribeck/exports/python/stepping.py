@@ -1,9 +1,10 @@
 """One implicit step of a joint and its bristles, for arrays of any library; the exported files carry this text.
 
-w, the velocity at the end of the step, solves inertia/dt (w - v) + F(w, z(w)) = effort, with z(w) the root x of
-x = z + dt dz/dt(w, x): backward Euler, as the exported C's ``body_step`` does it and by the same iteration. ``xp`` is
-the library (``torch``, ``jax.numpy``, ``numpy``), ``loop(body, state)`` is :func:`loop` or JAX's, and ``law`` has the
-equations: see :func:`stribeck.exports.python.written.equations`.
+The step is backward Euler. The velocity w at its end solves inertia/dt (w - v) + F(w, z(w)) = effort. Here z(w) is the
+root x of x = z + dt dz/dt(w, x). The exported C's ``body_step`` does the same, by the same iteration.
+
+``xp`` is the library (``torch``, ``jax.numpy``, ``numpy``), and ``loop(body, state)`` is :func:`loop` or JAX's. ``law`` has
+the equations: see :func:`stribeck.exports.python.written.equations`.
 """
 
 from __future__ import annotations

@@ -37,8 +37,8 @@ def load(source: str) -> dict[str, Value]:
 class WarpLaw:
     """A law on Warp's arrays: every argument an array of one entry a joint (``inertia``, ``dt``: or one for all).
 
-    ``constants`` is the array of the law's constants, in the order of ``names``, one row for all joints or one row a
-    joint; give another to ``step`` for other worlds. Numbers are float32, or float64 with ``precision="double"``.
+    ``constants`` is the array of the law's constants in the order of ``names``. It has one row for all joints, or one a
+    joint; ``step`` takes another one. Numbers are float32, or float64 with ``precision="double"``.
     """
 
     def __init__(self, law: Law, precision: str = "single") -> None:

@@ -1,9 +1,9 @@
 """MuJoCo: a model with the law as an actuator, and the callback that computes it.
 
-MuJoCo's ``dcmotor`` holds LuGre friction: stiffness, damping, coulomb, static and stribeck of its attribute ``lugre``
-are sigma_0, sigma_1, F_c, F_s and v_s of ``lugre``, and the attribute ``damping`` is sigma_2; ``dahl`` is the same with
-F_s = F_c and no damping. It advances z exactly at held velocity, but takes the force from the z before, so the contact
-answers a step late. The callback has every law, and looks a step ahead.
+MuJoCo's ``dcmotor`` has LuGre friction. Its attribute ``lugre`` holds sigma_0, sigma_1, F_c, F_s and v_s, as stiffness,
+damping, coulomb, static and stribeck. Its attribute ``damping`` is sigma_2. ``dahl`` is the same with F_s = F_c and no
+damping. It advances z exactly at held velocity, but takes the force from the z before: the contact answers a step late.
+The callback has every law, and looks a step ahead.
 """
 
 from __future__ import annotations

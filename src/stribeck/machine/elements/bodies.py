@@ -125,8 +125,9 @@ class Body(Element, family=True):
     # -- its equations -------------------------------------------------------------------------------------------------
 
     def acceleration(self, force: Value, inertia: Value, x: Own = NONE) -> Value:
-        """dv/dt in m/s^2 (rad/s^2) under the force on the body, friction among it, N (N m); ``inertia`` is that of the body
-        and of all that is tied to it."""
+        """dv/dt in m/s^2 (rad/s^2) under the force on the body, friction included, N (N m).
+
+        ``inertia`` is that of the body and of all that is tied to it."""
         return force / inertia
 
     def rates(self, y: Value, v: Value, acceleration: Value, x: Own) -> Own:

@@ -77,8 +77,9 @@ def _force(value: object) -> object:
 
 
 class Raise(FileTable):
-    """A force that raises the level of friction: F_c + F_c |f|, F_s + F_s |f|; ``against``: only while that force is of the
-    other sign and larger, and then by the square."""
+    """A force that raises the level of friction: F_c + F_c |f|, F_s + F_s |f|.
+
+    ``against``: it counts only while that force is larger and of the other sign, and then by the square."""
 
     force: Annotated[Any, Refers(FORCES), BeforeValidator(_force)] = Field(
         description="a link, motor or load, or a table of weights of these"

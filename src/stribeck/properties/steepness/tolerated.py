@@ -29,8 +29,8 @@ class Tolerated:
         share: of F_s, between 0 and 1.
         steady_error: the largest error of the steady friction force at ``speed``, relative to the exact law's.
         speed: in m/s.
-        presliding_error: the largest error of the position, relative to its peak, in a cycle of the force between
-            +- ``share`` F_s at ``force_rate``, held for half the ramp's time at both ends.
+        presliding_error: the largest error of the position, relative to its peak, in a cycle of the force. The force goes
+            between +- ``share`` F_s at ``force_rate``, and is held for half the ramp's time at both ends.
         force_rate: in N/s.
         position_error: the largest error of the position in ``scenario``, m.
         scenario: a scenario whose position is compared.
