@@ -13,7 +13,7 @@ import pytest
 
 from stribeck import platforms
 from stribeck.errors import InputError, StribeckNote
-from stribeck.recorded import opened, read_columns
+from stribeck.recorded import opened, with_columns
 from stribeck.recorded.layout import is_units
 
 T = np.arange(200) * 1e-3
@@ -28,6 +28,10 @@ def mat73(path, fill):
     with path.open("r+b") as file:
         file.write(b"MATLAB 7.3 MAT-file, HDF5 schema 1.00 .".ljust(116) + bytes(8) + b"\x00\x02IM")
     return path
+
+
+def read_columns(data, wanted):
+    return with_columns(data, wanted).columns(wanted)
 
 
 def zeros_in_npz(path, count):
@@ -78,6 +82,39 @@ def test_columns_of_matrices_and_constants_of_a_mat_file(tmp_path):
         source.columns({"position": "note"})
 
 
+def test_complex_numbers_are_refused(tmp_path):
+    savemat = pytest.importorskip("scipy.io").savemat
+    savemat(tmp_path / "a.mat", {"time": T, "force": T + 1j})
+    with pytest.raises(InputError, match=r"^force: 'force': this column of .* holds complex numbers, not real ones$"):
+        read_columns(tmp_path / "a.mat", {"time": "time", "force": "force"})
+
+    def fill(h5py, file):
+        file["position"] = np.array([(1.0, 2.0)] * 200, [("real", "f8"), ("imag", "f8")])
+
+    with pytest.raises(InputError, match="holds complex numbers"):
+        read_columns(mat73(tmp_path / "b.mat", fill), WANTED)
+
+
+@pytest.mark.parametrize("chunks", [None, (50,)])
+def test_rows_that_were_never_written_are_not_zeros(tmp_path, chunks):
+    def fill(h5py, file):
+        x = file.create_dataset("position", (200,), "f8", chunks=chunks)
+        if chunks:
+            x[:50] = 1.0
+
+    with pytest.raises(InputError, match=r"position: 'position': this column of .* has rows that were never written"):
+        read_columns(mat73(tmp_path / "a.mat", fill), WANTED)
+
+
+@pytest.mark.parametrize("name", ["arrow", "lines"])
+def test_cells_of_other_columns_may_hold_line_breaks(tmp_path, name, monkeypatch):
+    if name == "lines":
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    path = tmp_path / "a.csv"
+    path.write_text("t,x,what\n" + "".join(f'{k},{k}.5,"a,""b\nc"\n' for k in range(9)))
+    assert read_columns(path, {"time": "t", "x": "x"})["x"].tolist() == [k + 0.5 for k in range(9)]
+
+
 def zeros_in(kind, folder, count):
     """A file with two short columns and one of zeros, of which nothing is in memory."""
     if kind == "npz":
@@ -87,7 +124,9 @@ def zeros_in(kind, folder, count):
 
     def fill(h5py, file):
         file["position"] = T**2
-        file.create_dataset("other", shape=(count,), dtype="f8", chunks=(1 << 20,), compression="gzip")
+        x = file.create_dataset("other", shape=(count,), dtype="f8", chunks=(1 << 20,), compression="gzip")
+        for begin in range(0, count, 1 << 20):
+            x[begin : begin + (1 << 20)] = 0.0
 
     return mat73(folder / "big.mat", fill)
 
@@ -151,8 +190,8 @@ def test_a_column_of_mat_5_that_nobody_names_takes_bounded_memory(tmp_path):
     assert opened(path).variables["other"].shape == (1 << 27, 1)
     text = f"""
 from pathlib import Path
-from stribeck.recorded import read_columns
-found = read_columns({str(path)!r}, {WANTED!r})
+from stribeck.recorded import with_columns
+found = with_columns({str(path)!r}, {WANTED!r}).columns({WANTED!r})
 lines = Path("/proc/self/status").read_text().splitlines()
 print(found["position"].sum(), next(line.split()[1] for line in lines if line.startswith("VmHWM:")))
 """

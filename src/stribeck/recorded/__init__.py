@@ -60,16 +60,16 @@ def no_column(role: str, name: str, source: Source) -> str:
     return f"{arg(role)}: {name!r}: {source.path} has no such column{guess}"
 
 
-def read_columns(data: Any, wanted: dict[str, str]) -> dict[str, Array]:
-    """The columns of a file or table by role; ``wanted`` has the column's name for each role. Empty cells are nan.
+def with_columns(data: Any, wanted: Mapping[str, str]) -> Source:
+    """An open file or table that has these columns; ``wanted`` has the column's name for each role.
 
     Raises:
-        InputError: if the file cannot be read, or a column is missing or has no numbers; one line for each problem.
+        InputError: if the file cannot be read, or a column is missing; one line for each problem.
     """
     source = opened(data)
     if missing := [no_column(role, name, source) for role, name in wanted.items() if name not in source.names]:
         raise InputError(missing)
-    return source.columns(wanted)
+    return source
 
 
 @dataclass(frozen=True)
@@ -93,6 +93,8 @@ class Source:
 
     Each column of a matrix has a name: q[0], q[1], ...; time is along the matrix's longer side.
     """
+
+    stated: Mapping[str, str] = {}  # units by column, where the file has a row of them
 
     def __init__(self, path: Path | str, variables: Mapping[str, Any]) -> None:
         self.path = path
@@ -119,8 +121,20 @@ class Source:
         x = self.variables[name]
         return (x.shape, x.kind) if isinstance(x, Later) else (np.shape(x), np.asarray(x).dtype.kind)
 
+    def unit(self, name: str, known: Mapping[str, float]) -> str:
+        """The unit that the file itself states of a column; empty if it states none, or none of those ``known``.
+
+        A note says which word of a row of units is not used.
+        """
+        word = self.stated.get(name, "").strip("[]() ")
+        if word and word not in known:
+            note(
+                f"'{self.path}': column {name!r}: {word!r} below its name is no unit of it: the numbers are read as in SI"
+            )
+        return word if word in known else ""
+
     def columns(self, wanted: dict[str, str], times: Mapping[str, str] | None = None) -> dict[str, Array]:
-        """The columns by role, as separate arrays.
+        """The columns by role, as separate arrays; empty cells are nan.
 
         Args:
             wanted: the column's name for each role.
@@ -132,7 +146,7 @@ class Source:
         """
         holders = {name: self._parts.get(name, (name, None))[0] for name in wanted.values()}
         if problems := [
-            f"{arg(role)}: {name!r}: this column of {self.path} {x.refused}; must be in the file itself, once"
+            f"{arg(role)}: {name!r}: this column of {self.path} {x.refused}; must be in the file itself, whole and once"
             for role, name in wanted.items()
             if isinstance(x := self.variables[holders[name]], Later) and x.refused
         ]:
@@ -144,6 +158,10 @@ class Source:
         columns = {}
         with _readable(self.path):
             arrays = {name: self._read(name) for name in set(holders.values())}
+        if problems := [  # MAT files of version 5 list complex numbers as real ones
+            self._no_numbers(role, name, "c") for role, name in wanted.items() if np.iscomplexobj(arrays[holders[name]])
+        ]:
+            raise InputError(problems)
         for role, name in wanted.items():
             matrix, i = self._parts.get(name, (name, None))
             column = arrays[matrix]
@@ -166,7 +184,7 @@ class Source:
             shape, kind = self._stated(matrix)
             size = math.prod(shape)
             if kind not in "fiub":
-                problems.append(f"{arg(role)}: {name!r}: this column of {self.path} holds text or dates, not numbers")
+                problems.append(self._no_numbers(role, name, kind))
             elif i is None and len(shape) > 1 and max(shape) != size:
                 hint = f"; its columns are {name}[0], {name}[1], ..." if f"{name}[0]" in self.names else ""
                 problems.append(f"{arg(role)}: {name!r}: this variable of {self.path} is a matrix, {shape}{hint}")
@@ -180,6 +198,10 @@ class Source:
                 problems.append(f"{arg(role)}: {wanted[role]!r}: this column of {self.path} {text}")
         if problems:
             raise InputError(problems)
+
+    def _no_numbers(self, role: str, name: str, kind: str) -> str:
+        what = "complex numbers, not real ones" if kind == "c" else "text or dates, not numbers"
+        return f"{arg(role)}: {name!r}: this column of {self.path} holds {what}"
 
     def _read(self, name: str) -> Numbers:
         x = self.variables[name]
@@ -243,14 +265,16 @@ class CsvSource(Source):
             and len(lines) > self.rows_from + 1
             and is_units(lines[self.rows_from], self.separator, len(cells))
         ):
-            self.rows_from += 1  # a line of units below the names
+            words = next(csv.reader([lines[self.rows_from]], delimiter=self.separator))
+            self.stated = {name: word.strip() for name, word in zip(cells, words, strict=True)}
+            self.rows_from += 1
         self.names = cells if self.head else [str(i + 1) for i in range(len(cells))]
-        if self.head and len(split_cells(lines[self.rows_from], self.separator)) == len(cells) + 1:
+        if self.head and len(next(csv.reader(lines[self.rows_from :], delimiter=self.separator))) == len(cells) + 1:
             self.names.append(str(len(cells) + 1))  # rows alone end in a separator
         if not self.head and self.skipped and commas_twice(lines, self.skipped):
             text = "decimal commas between columns that commas part: must be points, or semicolons between columns"
             raise InputError(f"{arg('data')}: '{path}': {text}")
-        self.constants = {}
+        self.constants, self.quoted = {}, '"' in text
         self.decimal = "," if self.separator != "," and "," in second and "." not in second else "."
 
     def columns(self, wanted: dict[str, str], times: Mapping[str, str] | None = None) -> dict[str, Array]:
@@ -323,7 +347,7 @@ class CsvSource(Source):
                     use_threads=False,
                     encoding="utf8" if self.encoding == "utf-8-sig" else self.encoding,
                 ),
-                arrow_csv.ParseOptions(delimiter=self.separator),
+                arrow_csv.ParseOptions(delimiter=self.separator, newlines_in_values=self.quoted),
                 options,
             )
             joined = {name: np.empty(0) for name in include}
@@ -447,6 +471,10 @@ def _hdf5(path: Path) -> dict[str, Later]:
                 return None, f"is the first of more than {_LINKS} links"
         return node, ""
 
+    def kind_of(x: h5py.Dataset) -> str:
+        """The kind of its numbers; MATLAB's complex ones have two fields."""
+        return "c" if x.dtype.names == ("real", "imag") else str(x.dtype.kind)
+
     variables = {}
     with h5py.File(path) as file:
         for name in file:
@@ -455,10 +483,12 @@ def _hdf5(path: Path) -> dict[str, Later]:
             x, refused = resolved(file, name)
             if refused:
                 variables[name] = Later((2,), "f", partial(read, name), refused)
-            elif isinstance(x, h5py.Dataset) and x.dtype.kind in "fiu" and x.shape is not None:
+            elif isinstance(x, h5py.Dataset) and (kind := kind_of(x)) in "fiuc" and x.shape is not None:
                 elsewhere = "a virtual dataset" if x.is_virtual else "external storage" if x.external else ""
                 refused = f"lies in another file ({elsewhere})" if elsewhere else ""
-                variables[name] = Later(x.shape, x.dtype.kind, partial(read, name), refused)
+                if not refused and x.size and x.id.get_space_status() != h5py.h5d.SPACE_STATUS_ALLOCATED:
+                    refused = "has rows that were never written"
+                variables[name] = Later(x.shape, kind, partial(read, name), refused)
     return variables
 
 

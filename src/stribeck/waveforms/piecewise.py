@@ -17,7 +17,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value, pi, sin
-from stribeck.recorded import read_columns
+from stribeck.recorded import with_columns
 from stribeck.recorded.units import ANGLE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
 
@@ -281,7 +281,7 @@ class FileSignal(PointsSignal):
         Args:
             path: the file; the separator and decimal sign of CSV are detected.
             time: the name of the column of times; ``time_unit`` is its unit.
-            value: the name of the column of values; ``unit`` is their unit (SI unless given).
+            value: the name of the column of values; ``unit`` is their unit (the file's, or SI, unless given).
             scale: a factor of the values, applied after their unit.
 
         Raises:
@@ -297,8 +297,13 @@ class FileSignal(PointsSignal):
                     for name in wrong
                 ]
             )
-        columns = read_columns(path, {"time": time, "value": value})
         names = {"time": time, "value": value}
+        source = with_columns(path, names)
+        columns = source.columns(names)
+        if unit is None:
+            unit = source.unit(value, known["unit"]) or None
+        if time_unit == "s":
+            time_unit = source.unit(time, TIME) or time_unit
         if empty := [(key, count) for key, x in columns.items() if (count := int(np.isnan(x).sum()))]:
             text = f"this column of {path} has {{}} empty or nan cells"
             raise InputError([f"{key}: {names[key]!r}: {text.format(count)}" for key, count in empty])

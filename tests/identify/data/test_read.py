@@ -14,13 +14,14 @@ from scipy import signal
 from scipy.io import savemat
 
 from stribeck import InputError, examples
+from stribeck.errors import StribeckNote
 from stribeck.identify.api import fit
 from stribeck.identify.data.clocks import released
 from stribeck.identify.data.filters import decimate, low_pass, shifted
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.quality import clean
 from stribeck.identify.data.read import ColumnNames, read
-from stribeck.recorded import read_columns
+from stribeck.recorded import with_columns
 
 T = np.arange(400) * 1e-3
 X, F = np.sin(8 * T), np.cos(8 * T) + 3
@@ -238,12 +239,20 @@ def test_a_head_in_latin_1_is_read(tmp_path):
     assert found["position"][100] == pytest.approx(1e-6 * np.sin(1.0), rel=1e-5)
 
 
-def test_titles_before_the_head_and_units_below_it_are_skipped(tmp_path):
+def test_titles_before_the_head_are_skipped_and_units_below_it_are_used(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text(f"Rig 3, run 7\nDate: 2026-01-02\n\nRate;1000\nt;x;F\ns;mm;N\n{ROWS}\n")
     found = read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
     assert len(found["time"]) == 400
     assert found["time"][:2].tolist() == [0.0, 1e-3]
+    assert found["position"][100] == pytest.approx(1e-3 * np.sin(1.0), rel=1e-5)
+    named = ColumnNames({"time": "t", "position": "x", "force": "F"}, {"x": "um"})
+    assert read(path, named)["position"][100] == pytest.approx(1e-6 * np.sin(1.0), rel=1e-5)
+    path.write_text(f"t;x;F\n[ms];deg;double\n{ROWS}\n")
+    with pytest.warns(StribeckNote, match="column 'F': 'double' below its name is no unit of it: the numbers"):
+        found = read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
+    assert found["time"][1] == 1e-6
+    assert found["position"][100] == pytest.approx(np.deg2rad(np.sin(1.0)), rel=1e-5)
 
 
 @pytest.mark.parametrize("above", ["t,x,F\n", "Rig 3\n\nt,x,F\ns,m,N\n"])
@@ -363,7 +372,7 @@ def test_a_first_row_with_text_is_not_taken_for_the_head(arrow, tmp_path, monkey
     if not arrow:
         monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"column 'v' holds text: 'a', not numbers \(.*log.csv, row 2\)"):
-        read_columns(tmp_path / "log.csv", {"time": "t", "velocity": "v"})
+        with_columns(tmp_path / "log.csv", wanted := {"time": "t", "velocity": "v"}).columns(wanted)
 
 
 @pytest.mark.parametrize("factor", [-1.0, 1000.0, np.pi / 180])
@@ -514,8 +523,8 @@ def test_pandas_is_not_read_for_a_file(tmp_path):
     table = pa.table({"t": pa.array([1, None, 3], pa.int32()), "x": pa.array([0.5, 0.5, None]).dictionary_encode()})
     parquet.write_table(table, tmp_path / "a.parquet")
     (tmp_path / "a.csv").write_text("t,x\n1,0.5\n,0.5\n3,\n")
-    code = "import sys; from stribeck.recorded import read_columns as r; w = {'t': 't', 'x': 'x'}\n"
-    code += "print([v.tolist() for p in sys.argv[1:] for v in r(p, w).values()], 'pandas' in sys.modules)"
+    code = "import sys; from stribeck.recorded import with_columns as r; w = {'t': 't', 'x': 'x'}\n"
+    code += "print([v.tolist() for p in sys.argv[1:] for v in r(p, w).columns(w).values()], 'pandas' in sys.modules)"
     files = [str(tmp_path / name) for name in ("a.csv", "a.parquet")]
     done = subprocess.run([sys.executable, "-c", code, *files], capture_output=True, text=True, check=True)
     assert done.stdout == f"{[[1.0, math.nan, 3.0], [0.5, 0.5, math.nan]] * 2} False\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -316,6 +316,7 @@ def _read(
         first = next(c.column for (group, _), c in wanted.items() if group == "outputs")
         usual = "timestamp" if "episode" in entry else "t"
         time = Named(time_of(source, first) or usual)
+    time, wanted = _in_si(time, source, TIME), {key: _in_si(c, source, _UNITS) for key, c in wanted.items()}
     own = {key: c.time or time_of(source, c.column) for key, c in wanted.items()}
     names = {f"{where}.time": time.column}
     names |= {f"{where}.{g}.{n}": c.column for (g, n), c in wanted.items()}
@@ -350,6 +351,13 @@ def _read(
         str(entry.get("name", entry["file"])), t[keep] - origin, found["outputs"], found["inputs"], known,
         bool(entry.get("hold_out", False)), window, tuple(notes),
     )  # fmt: skip
+
+
+def _in_si(column: Named, source: Source, known: Mapping[str, float]) -> Named:
+    """A column in the unit that its file states, unless LOGS.toml gives a unit or a gain."""
+    if column.unit or column.factor != 1.0 or not (unit := source.unit(column.column, known)):
+        return column
+    return replace(column, factor=known[unit], unit=unit)
 
 
 def _columns(source: Source, where: str, names: Mapping[str, str], times: Mapping[str, str]) -> dict[str, Array]:

@@ -18,10 +18,10 @@ from stribeck.identify.data.clocks import on_one_clock, released, steady_stretch
 from stribeck.identify.data.effect import LITTLE, by_effect, quiet
 from stribeck.identify.data.filters import SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
-from stribeck.identify.data.read import ColumnNames, beside, read
+from stribeck.identify.data.read import ColumnNames, named_in, read
 from stribeck.identify.data.units import is_rotary
 from stribeck.identify.log import INTEGRAL, Log
-from stribeck.recorded import is_table
+from stribeck.recorded import is_table, opened
 
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
@@ -79,7 +79,7 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
             notes = []
     hashes = tuple(sha256_of(Path(each)) for each in sources if not is_table(each))
     log = prepare(on_one_clock(cleaned), how, owners)
-    named = columns if is_table(sources[0]) else columns.over(beside(Path(sources[0])))
+    named = named_in(opened(sources[0]), columns)
     motion = (named.names.get(role, "") for role in ("position", "velocity"))
     turns = any(is_rotary(named.units.get(name, "")) for name in motion)
     return log.with_columns(hashes=hashes if len(hashes) == len(sources) else (), rotary=turns)

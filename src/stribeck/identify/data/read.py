@@ -13,9 +13,9 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
-from stribeck.identify.data.units import ROLES, factor, is_drive
+from stribeck.identify.data.units import ROLES, factor, is_drive, known_units
 from stribeck.parameter_sets import read_toml
-from stribeck.recorded import Source, is_table, listed, no_column, opened
+from stribeck.recorded import Source, listed, no_column, opened
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,19 @@ def beside(path: Path) -> ColumnNames:
     return ColumnNames(names, units, gain)
 
 
+def named_in(source: Source, columns: ColumnNames) -> ColumnNames:
+    """The columns of a file, completed by the TOML file beside it and then by the file's own row of units."""
+    if not isinstance(source.path, Path):
+        return columns
+    columns = columns.over(beside(source.path))
+    stated = {
+        name: unit
+        for role, name in columns.names.items()
+        if name not in columns.units and (unit := source.unit(name, known_units(role)))
+    }
+    return columns.over(ColumnNames(units=stated))
+
+
 def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str, Array]:
     """The columns of a file or table by role, in SI units, as long as each other; NaN where a cell is empty.
 
@@ -87,7 +100,7 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
         InputError: the file or a column is not there, or holds no numbers; an unknown unit; a line for each problem.
     """
     source = opened(data)
-    columns = columns if is_table(data) else columns.over(beside(Path(data)))
+    columns = named_in(source, columns)
     problems = _missing(columns, source, needs_force)
     wanted = {}
     for role, name in columns.names.items():

@@ -25,6 +25,11 @@ _COUNT = re.compile(r"counts(?=$|/)")
 _PART = re.compile(r"rev/(\d+)(?=$|/)")  # of a turn: rev/2000, rev/2000/s
 
 
+def known_units(role: str) -> Mapping[str, float]:
+    """The units of a role and their factors to SI."""
+    return _KNOWN[role]
+
+
 def with_counts(units: Mapping[str, str], counts: float | None) -> dict[str, str]:
     """The units of columns, with an encoder's ``counts`` as the part of a turn that they are: ``rev/2000``.
 
