@@ -208,11 +208,24 @@ def _begins(solver: bool) -> frozenset[str]:
         *_CPP.split(),
         "main",
         *_BESIDE,
+        *_HEADERS.split(),
     }
     return frozenset(word[:i] for word in words for i in (*(m.start() for m in re.finditer("_", word)), len(word)))
 
 
 _BESIDE = ("fmu", "fmi2", "fmi3")  # files that an FMU has too
+
+# Headers of C, POSIX and the usual libraries of C: a NAME.h of ours in an include path would be taken for them.
+_HEADERS = """
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic stdbit
+    stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype
+    aio cpio dirent dlfcn fcntl fmtmsg fnmatch ftw glob grp iconv langinfo libgen monetary mqueue ndbm netdb nl_types poll
+    pthread pwd regex sched search semaphore spawn strings stropts syslog tar termios trace ulimit unistd utime utmpx wordexp
+    aliases alloca ar argp argz byteswap crypt elf endian envz err error execinfo features fstab fts gconv getopt gnumake
+    gshadow ieee754 ieeefp ifaddrs lastlog libintl link malloc mcheck memory mntent newlib obstack paths printf proc_service
+    pty re_comp reent regexp resolv sgtty shadow stab stdio_ext syscall sysexits thread_db ttyent ucontext unwind utmp values
+    varargs wait xlocale conio direct intrin io process windows winsock winsock2
+"""
 
 # Of C++ alone, which reads the headers too.
 _CPP = """
