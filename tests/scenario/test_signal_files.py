@@ -8,7 +8,7 @@ import pytest
 from pyarrow import parquet
 
 from stribeck import InputError, Scenario
-from stribeck.recorded import read_columns
+from stribeck.recorded import with_columns
 from tests.scenario.valid_scenarios import VALID, edited, toml
 
 DATA = VALID["velocity_file"]
@@ -108,6 +108,14 @@ def test_a_german_spreadsheet_in_other_units_is_read_as_fit_reads_it(tmp_path):
     np.testing.assert_allclose(found.signal.value, [-2e-3, -2.5e-3, 4e-3], rtol=1e-15)
 
 
+def test_the_units_that_a_file_states_are_used(tmp_path):
+    text = "t;Weg\n[ms];mm\n0;1\n250;1,25\n"
+    found = load(tmp_path, text, value="Weg")
+    assert found.signal.t.tolist() == [0.0, 0.25]
+    np.testing.assert_allclose(found.signal.value, [1e-3, 1.25e-3], rtol=1e-15)
+    np.testing.assert_allclose(load(tmp_path, text, value="Weg", unit="um").signal.value, [1e-6, 1.25e-6], rtol=1e-15)
+
+
 def test_tabs_and_numpy_archives_are_read(tmp_path):
     assert load(tmp_path, "t\tv\n0\t1\n1\t2\n", "record.tsv").signal.at(0.5) == 1.5
     np.savez(tmp_path / "record.npz", t=[0.0, 1.0], v=[3.0, 5.0])
@@ -123,11 +131,12 @@ def test_an_unknown_unit_is_refused(key, unit, tmp_path):
 def test_csv_is_read_the_same_without_pyarrow(tmp_path, monkeypatch):
     text = "t;v\n0;0,1\n1;1e-3\n2;\n"
     (tmp_path / "log.csv").write_text(text)
-    with_arrow = read_columns(tmp_path / "log.csv", {"time": "t", "value": "v"})
+    wanted = {"time": "t", "value": "v"}
+    with_arrow = with_columns(tmp_path / "log.csv", wanted).columns(wanted)
     monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
-    without = read_columns(tmp_path / "log.csv", {"time": "t", "value": "v"})
+    without = with_columns(tmp_path / "log.csv", wanted).columns(wanted)
     for name in ("time", "value"):
         np.testing.assert_array_equal(with_arrow[name], without[name])
     (tmp_path / "bad.csv").write_text("t,v\n0,1\n1,abc\n")
     with pytest.raises(InputError, match=r"^value: column 'v' holds text: 'abc', not numbers"):
-        read_columns(tmp_path / "bad.csv", {"time": "t", "value": "v"})
+        with_columns(tmp_path / "bad.csv", wanted).columns(wanted)

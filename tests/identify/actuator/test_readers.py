@@ -268,3 +268,14 @@ def test_an_episode_of_lerobot(version, tmp_path):
     assert "episode must be given" in missing
     assert "7: there is none (it has 2, from 0)" in none
     assert "log.2.episode: -1: must be a whole number >= 0" in wrong
+
+
+def test_the_units_that_a_file_states_are_used_unless_others_are_given(tmp_path):
+    rows = "".join(f"{10 * k},{k},{2 * k}\n" for k in range(N))
+    (tmp_path / "run.csv").write_text(f"t,q,i\nms,deg,kN\n{rows}")
+    columns = {"outputs": {"a.y": "q"}, "inputs": {"loads.push.signal": {"column": "i", "unit": "mN"}}}
+    (one,) = read_logs(logs(tmp_path, [{"file": "run.csv", **columns}], UNKNOWN)).recordings
+    np.testing.assert_allclose(one.t, T, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(one.outputs["a.y"].x, np.deg2rad(np.arange(N)), rtol=1e-12)
+    assert one.outputs["a.y"].unit == "deg"
+    np.testing.assert_allclose(one.inputs["loads.push.signal"].x, 2e-3 * np.arange(N), rtol=1e-12)
