@@ -13,7 +13,7 @@ import pytest
 
 from stribeck import platforms
 from stribeck.errors import InputError, StribeckNote
-from stribeck.recorded import opened, with_columns
+from stribeck.recorded import opened, opened_with
 from stribeck.recorded.layout import is_units
 
 T = np.arange(200) * 1e-3
@@ -31,7 +31,7 @@ def mat73(path, fill):
 
 
 def read_columns(data, wanted):
-    return with_columns(data, wanted).columns(wanted)
+    return opened_with(data, wanted).columns(wanted)
 
 
 def zeros_in_npz(path, count):
@@ -190,8 +190,8 @@ def test_a_column_of_mat_5_that_nobody_names_takes_bounded_memory(tmp_path):
     assert opened(path).variables["other"].shape == (1 << 27, 1)
     text = f"""
 from pathlib import Path
-from stribeck.recorded import with_columns
-found = with_columns({str(path)!r}, {WANTED!r}).columns({WANTED!r})
+from stribeck.recorded import opened_with
+found = opened_with({str(path)!r}, {WANTED!r}).columns({WANTED!r})
 lines = Path("/proc/self/status").read_text().splitlines()
 print(found["position"].sum(), next(line.split()[1] for line in lines if line.startswith("VmHWM:")))
 """

@@ -8,7 +8,7 @@ import pytest
 from pyarrow import parquet
 
 from stribeck import InputError, Scenario
-from stribeck.recorded import with_columns
+from stribeck.recorded import opened_with
 from tests.scenario.valid_scenarios import VALID, edited, toml
 
 DATA = VALID["velocity_file"]
@@ -132,11 +132,11 @@ def test_csv_is_read_the_same_without_pyarrow(tmp_path, monkeypatch):
     text = "t;v\n0;0,1\n1;1e-3\n2;\n"
     (tmp_path / "log.csv").write_text(text)
     wanted = {"time": "t", "value": "v"}
-    with_arrow = with_columns(tmp_path / "log.csv", wanted).columns(wanted)
+    with_arrow = opened_with(tmp_path / "log.csv", wanted).columns(wanted)
     monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
-    without = with_columns(tmp_path / "log.csv", wanted).columns(wanted)
+    without = opened_with(tmp_path / "log.csv", wanted).columns(wanted)
     for name in ("time", "value"):
         np.testing.assert_array_equal(with_arrow[name], without[name])
     (tmp_path / "bad.csv").write_text("t,v\n0,1\n1,abc\n")
     with pytest.raises(InputError, match=r"^value: column 'v' holds text: 'abc', not numbers"):
-        with_columns(tmp_path / "bad.csv", wanted).columns(wanted)
+        opened_with(tmp_path / "bad.csv", wanted).columns(wanted)

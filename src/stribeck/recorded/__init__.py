@@ -60,7 +60,7 @@ def no_column(role: str, name: str, source: Source) -> str:
     return f"{arg(role)}: {name!r}: {source.path} has no such column{guess}"
 
 
-def with_columns(data: Any, wanted: Mapping[str, str]) -> Source:
+def opened_with(data: Any, wanted: Mapping[str, str]) -> Source:
     """An open file or table that has these columns; ``wanted`` has the column's name for each role.
 
     Raises:

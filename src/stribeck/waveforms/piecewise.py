@@ -17,7 +17,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value, pi, sin
-from stribeck.recorded import with_columns
+from stribeck.recorded import opened_with
 from stribeck.recorded.units import ANGLE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
 
@@ -298,7 +298,7 @@ class FileSignal(PointsSignal):
                 ]
             )
         names = {"time": time, "value": value}
-        source = with_columns(path, names)
+        source = opened_with(path, names)
         columns = source.columns(names)
         if unit is None:
             unit = source.unit(value, known["unit"]) or None

@@ -21,7 +21,7 @@ from stribeck.identify.data.filters import decimate, low_pass, shifted
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.quality import clean
 from stribeck.identify.data.read import ColumnNames, read
-from stribeck.recorded import with_columns
+from stribeck.recorded import opened_with
 
 T = np.arange(400) * 1e-3
 X, F = np.sin(8 * T), np.cos(8 * T) + 3
@@ -372,7 +372,7 @@ def test_a_first_row_with_text_is_not_taken_for_the_head(arrow, tmp_path, monkey
     if not arrow:
         monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"column 'v' holds text: 'a', not numbers \(.*log.csv, row 2\)"):
-        with_columns(tmp_path / "log.csv", wanted := {"time": "t", "velocity": "v"}).columns(wanted)
+        opened_with(tmp_path / "log.csv", wanted := {"time": "t", "velocity": "v"}).columns(wanted)
 
 
 @pytest.mark.parametrize("factor", [-1.0, 1000.0, np.pi / 180])
@@ -523,7 +523,7 @@ def test_pandas_is_not_read_for_a_file(tmp_path):
     table = pa.table({"t": pa.array([1, None, 3], pa.int32()), "x": pa.array([0.5, 0.5, None]).dictionary_encode()})
     parquet.write_table(table, tmp_path / "a.parquet")
     (tmp_path / "a.csv").write_text("t,x\n1,0.5\n,0.5\n3,\n")
-    code = "import sys; from stribeck.recorded import with_columns as r; w = {'t': 't', 'x': 'x'}\n"
+    code = "import sys; from stribeck.recorded import opened_with as r; w = {'t': 't', 'x': 'x'}\n"
     code += "print([v.tolist() for p in sys.argv[1:] for v in r(p, w).columns(w).values()], 'pandas' in sys.modules)"
     files = [str(tmp_path / name) for name in ("a.csv", "a.parquet")]
     done = subprocess.run([sys.executable, "-c", code, *files], capture_output=True, text=True, check=True)
