@@ -76,7 +76,7 @@ def design(
 
 
 def _document(result: Design | ServoDesign, path: Path, out: Path | None) -> Document:
-    """What is told, under the file's name, with the next step."""
+    """The result as a document, under the file's name, with the next step."""
     from stribeck.loops import Design
 
     document = result.document()

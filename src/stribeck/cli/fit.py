@@ -215,7 +215,7 @@ def _fit(
         try:
             if out is not None:
                 write_fit(result, out, command_line(), written)
-        finally:  # while the page is drawn, too: what was found is said
+        finally:  # the result is printed even if drawing the page was interrupted
             _show(result, data, written, out, verbose=verbose, json=json)
     missed = result.status == "done" and unmet(result, given["require"])
     return 1 if missed else {"done": 0, "stopped": 130}.get(result.status, 1)

@@ -66,7 +66,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Options:
-    """What only some targets are told.
+    """Options that only some targets have.
 
     Attributes:
         self_test: also write a program that tests the result.

@@ -39,7 +39,7 @@ class Design:
     """The result of :func:`design` for a machine with a controller.
 
     Attributes:
-        loop: the machine with signals that come to rest, and its slowest time constant.
+        loop: the machine with signals that end at rest, and its slowest time constant.
         controller: name of the controller that is judged.
         judgement: the verdict: "quiet", "creeping", "hunting", "unstable" or "failed", with amplitude and period.
         tracked: signal, position and tracking errors of each move ("file", "sine", "slow_ramp", "step").

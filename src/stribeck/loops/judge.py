@@ -25,7 +25,7 @@ _ENOUGH_CYCLES = 8  # of a sustained oscillation: two in each judged quarter
 _KEEPS = 0.003  # relative change of a sustained oscillation from the first judged quarter to the last
 _COUNTS = 0.2  # of the rest band, such as an encoder's step: an additional allowance for the quarters' differences
 _ALIKE = 0.01  # relative spread of the quarters of a regular oscillation
-_STEADY = 0.98  # motion in the second half over that in the first: creep that slows down more may come to rest
+_STEADY = 0.98  # motion in the second half over that in the first: creep that slows down more may end in sticking
 _SLOWS = 0.9  # the same of a contact's force: one that slows down less is extrapolated linearly
 _MOVES_ON = 1e-3  # of F_s, in the judged time: a contact's force that changes less counts as constant up to LONGEST
 _NEAR = 0.9  # of F_s: a contact whose force settles above may break away
@@ -45,7 +45,7 @@ Tell = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Judgement:
-    """The behavior of a loop after its signals have come to rest.
+    """The behavior of a loop after its signals rest.
 
     Attributes:
         verdict: "quiet", "creeping", "hunting", "unstable"; "failed" where the simulation ended early.
@@ -68,7 +68,7 @@ class Judgement:
 
     @property
     def quiet(self) -> bool:
-        """Whether every body comes to rest."""
+        """Whether every body ends at rest."""
         return self.verdict == "quiet"
 
 

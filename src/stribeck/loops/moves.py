@@ -64,7 +64,7 @@ def moves_of(loop: Loop, controller: str) -> Moves:
 
 
 def given_signal(loop: Loop, each: Controller) -> Signal:
-    """A controller's signal as in the file, not as it is held: the spline that comes to rest also begins at rest."""
+    """A controller's signal as in the file, not as it is held: its spline begins and ends at rest."""
     machine = (loop.given or loop.scenario).elements
     return next(signal for use, signal in machine.signals.items() if use.path == each.use.path)
 

@@ -187,7 +187,7 @@ class Friction:
 
     @property
     def slip_speed(self) -> Value:
-        """The speed by which slip and stick are told: v_s, also where the law does not use it; 0 where there is none."""
+        """The speed at which slip and stick occur: v_s, even if the law does not use it; 0 if there is none."""
         return self.p.numbers.get("v_s", self.machine.get("v_s", 0.0))
 
     def with_named_terms(self, on_term: OnTerm) -> Constants:

@@ -93,7 +93,7 @@ class MachineSystem(Equations):
 
     @property
     def by_element(self) -> bool:
-        """Whether events are told by the element's name."""
+        """Whether events have the element's name."""
         return not self.elements.unnamed
 
     # -- what the code generator needs -----------------------------------------------------------------------------
@@ -225,7 +225,7 @@ class MachineSystem(Equations):
 
     @cached_property
     def watched(self) -> tuple[Watched, ...]:
-        """What events are told by, without the quantities."""
+        """The elements and events that are watched, without the quantities."""
         return tuple((watch.element, watch.events) for watch in self.watches())
 
     def watches(self, called: Names | None = None) -> list[Watch]:

@@ -187,7 +187,7 @@ def problems_of(error: ValidationError, path: str = "") -> list[Problem]:
 
 
 def unknown_key(key: str, value: object, known: list[str]) -> str:
-    """What is said of a key that a table does not have."""
+    """The message about a key that a table does not have."""
     guess = nearest(key, known) or f" (known here: {', '.join(known)})"
     return f"{show(value)}: unknown key{guess}"
 

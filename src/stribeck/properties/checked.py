@@ -354,7 +354,7 @@ class CheckedAlways:
         return self._dropped(low, high) if self.known and self.v_max is None else None
 
     def _by_swing(self, low: Law, high: Law) -> Verdict | None:
-        """A cycle that is certain to draw energy; one that a run confirms, where there is such a one among the best."""
+        """A cycle that is certain to draw energy; if a run confirms one of the best, that one."""
         refutations: list[Verdict] = []
         for swing in islice(cycles.find_swings(low, high, self.v_max), _TRIED):
             if (drawn := swing.drawn()) is not None:

@@ -83,7 +83,7 @@ def refusals(certificate: Json, law: Law, name: str, v_max: float | None = None)
 
 
 def accepted(verdict: Verdict, law: Law, name: str, v_max: float | None = None) -> Verdict:
-    """The verdict; undecided in place of a yes whose certificate the independent checker refuses."""
+    """The verdict; undecided in place of a yes whose certificate the independent checker rejects."""
     if not verdict.holds:
         return verdict
     refused = refusals(verdict.certificate, law, name, v_max)

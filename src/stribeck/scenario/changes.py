@@ -14,7 +14,7 @@ from stribeck.laws.base import PARAMETERS
 from stribeck.machine.element import SECTIONS
 from stribeck.machine.table import FileTable
 
-_DEEPEST = 8
+_DEEPEST = 8  # tables or lists within each other: a valid file has five (contacts.a.loads[0].force, and its weights)
 _LAW_NAME = re.compile(r"(.+\.)?law\.name")
 _INSIDE = ".parameters."
 

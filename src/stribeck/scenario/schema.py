@@ -33,7 +33,7 @@ Node = dict[str, Any]
 
 FILE = "scenario.schema.json"
 _MACHINE: Node = {name: {"$ref": f"#/$defs/{name}"} for name in PARAMETERS}
-_INSTEAD: Mapping[str, Node] = {n: {"$ref": f"#/$defs/{at}"} for n, at in (("SignalTable", "signal"), (LAW, "law"),
+_INSTEAD: Mapping[str, Node] = {n: {"$ref": f"#/$defs/{name}"} for n, name in (("SignalTable", "signal"), (LAW, "law"),
                                                                           ("observer", "observer"))}  # fmt: skip
 _TOML_FILE: Node = {"type": "string", "pattern": "\\.toml$", "description": "a file, relative to the scenario file"}
 

@@ -41,7 +41,7 @@ class Block:
         part: "controller" (the whole) or "compensator" (what it adds against friction alone).
         step: the sample time where the file's controller is continuous, s; the file's otherwise.
         origin: where the numbers are from, for the header.
-        options: what the target is told.
+        options: those that only some targets have.
     """
 
     scenario: Scenario
@@ -302,7 +302,7 @@ def block_of(
         controller: which one; the only one unless given.
         step: the sample time of a controller that is continuous in the file, s.
         origin: where the numbers are from.
-        options: what the target is told.
+        options: those that only some targets have.
 
     Raises:
         InputError: there is no such controller, no sample time, or no compensation.

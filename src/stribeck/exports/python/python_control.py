@@ -18,7 +18,7 @@ from stribeck.machine.elements.bodies import MASS, sum_of_forces
 if TYPE_CHECKING:
     import control
 
-_RTOL = 1e-8
+_RTOL = 1e-8  # the default of a scenario, solve.rtol
 
 
 def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem:

@@ -10,7 +10,7 @@ from stribeck.exports.controller.block import Block
 from stribeck.exports.request import Content, Part, Request, Target, made_by, wrapped
 from stribeck.laws.base import Law
 
-POINTS = 20
+POINTS = 20  # at most: 160 bytes in single precision, and less than 0.2 % error for the laws with canudas1995
 _DEFLECTION = "The law at the measured speed follows a deflection, which no table has."
 _RANGE = 100.0  # the last velocity in multiples of the law's own (v_s)
 

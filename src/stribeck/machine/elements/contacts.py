@@ -142,7 +142,7 @@ class Factor(FileTable):
         return problems
 
     def extremes(self) -> tuple[float, float]:
-        """The least and the largest value; (1, 1) where a signal begins at 0, which is refused."""
+        """The least and the largest value; (1, 1) where a signal begins at 0, which is an error."""
         if self.signal is not None:
             return extremes(self.signal.built) or (1.0, 1.0)
         size = sum(map(abs, self.amplitude or ()))

@@ -146,7 +146,7 @@ class AnyController(Element, family=True):
         return float("inf")
 
     def remarks(self, rows: Courses, end: float) -> list[str]:
-        """What is to be said of a run, from the rows of its solution."""
+        """Remarks on a run, from the rows of its solution."""
         return []
 
 
@@ -321,7 +321,7 @@ class Controller(AnyController, for_users=True):
                 after[name] = x[name] + s.period * rate
         return wrap(self.limited(raw)), {n: wrap(x) for n, x in after.items()}
 
-    # -- what is told of it ------------------------------------------------------------------------------------------
+    # -- events, steps, columns ---------------------------------------------------------------------------------------
 
     def watches(self, a: Assembly) -> tuple[Events, Expr] | None:
         """The limit of a continuous controller."""

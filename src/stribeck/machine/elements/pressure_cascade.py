@@ -384,8 +384,9 @@ class PressureCascade(AnyController):
     # -- its equations -------------------------------------------------------------------------------------------------
 
     def valve(self, a: Assembly, body: Piston, p: SimpleNamespace, F: Expr) -> tuple[SimpleNamespace, Expr]:
-        """The plant as the supply feeds it, which droops, and the valve voltage now: of a sampled controller that which it
-        holds. ``F`` is what holds the piston back: friction, links, less the loads."""
+        """The plant under its drooping supply, and the valve voltage; a sampled controller holds its voltage.
+
+        ``F`` is the force against the piston: friction and links, less the loads."""
         before = self._acceleration(body, p, F)
         a.called.give(before, body.name_of("acceleration", "_"))
         (y, v), (p_1, p_2) = a.motion(body.name), body.pressures
@@ -525,7 +526,7 @@ class PressureCascade(AnyController):
         body, problems = m.machine.bodies.get(self.on), list[tuple[Loc, str]]()
         before = next(x.name for x in m.machine.controllers.values() if x.moves_valve and x.on == self.on)
         if body is None and self.on in m.names["bodies"]:
-            return []  # which is told
+            return []  # that body has problems of its own
         if not isinstance(body, Piston):
             return [
                 (("on",), f"{show(self.on)}: must be a body with kind = 'pneumatic', whose valve this controller moves")
@@ -587,7 +588,7 @@ class PressureCascade(AnyController):
         text += f", and {room:.4g} Pa above the atmosphere are available; must be higher, or the path slower"
         return [(f"{p.path}.supply_pressure", f"{show(p.supply_pressure)}: {text}")]
 
-    # -- what is said of a run -----------------------------------------------------------------------------------------
+    # -- remarks on a run ----------------------------------------------------------------------------------------------
 
     def remarks(self, rows: Courses, end: float) -> list[str]:
         """Where the valve is at its limit to the end, or goes to and fro."""
