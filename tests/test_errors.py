@@ -11,7 +11,7 @@ import pytest
 from stribeck import InputError, StribeckError
 from stribeck.cli import _status
 from stribeck.constants import Constant, show
-from stribeck.errors import MissingExtra, arg, nearest
+from stribeck.errors import MissingExtra, arg, error_text, nearest
 
 
 def test_every_problem_is_one_line_that_a_terminal_can_show():
@@ -22,6 +22,20 @@ def test_every_problem_is_one_line_that_a_terminal_can_show():
     assert InputError("only one").problems == ["only one"]
     assert isinstance(error, StribeckError)
     assert isinstance(error, ValueError)
+
+
+def test_an_error_without_words_has_its_kind():
+    class Mute(Exception):
+        def __str__(self):
+            raise RuntimeError
+
+    assert error_text(Mute()) == "Mute"
+    assert error_text(ValueError("x")) == "ValueError: x"
+
+
+@pytest.mark.parametrize(("value", "text"), [(12345, "12345"), (10**20, "a whole number of 21 digits")])
+def test_a_long_whole_number_is_counted(value, text):
+    assert show(value) == text
 
 
 def test_no_message_holds_the_marks_of_arguments():

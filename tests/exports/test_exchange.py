@@ -93,6 +93,13 @@ def test_the_offset_of_bam_s_encoder_turns_gravity_and_comes_back():
     assert to_bam(data)["q_offset"] == -0.05
 
 
+@pytest.mark.parametrize(("text", "words"), [("{", "is not JSON: "), ("[1]", "must be a table of numbers")])
+def test_what_is_no_file_of_bam_is_refused(tmp_path, text, words):
+    (tmp_path / "a.json").write_text(text)
+    with pytest.raises(InputError, match=f"a.json: {words}"):
+        from_bam(tmp_path / "a.json")
+
+
 def test_what_is_missing_or_strange_is_told():
     with pytest.warns(StribeckNote, match="command_delay: left out"):
         from_bam({**PLAIN, "command_delay": 0.01, "model": "m1"})

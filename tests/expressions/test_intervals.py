@@ -22,6 +22,12 @@ def holds(x, value):
     return Fraction(float(x.low)) <= value <= Fraction(float(x.high))
 
 
+def test_powers_are_as_narrow_as_they_are():
+    assert intervals.power((0.0, 2.0), (2.0, 2.0)) == pytest.approx((0.0, 4.0))
+    assert intervals.power((2.0, 4.0), (-1.0, 0.5)) == pytest.approx((0.25, 2.0))
+    assert intervals.power((0.0, 2.0), (-1.0, 1.0)) == (-inf, inf)
+
+
 @given(reals, reals)
 def test_sums_products_and_quotients_hold_the_exact_result_within_a_rounding(a, b):
     with np.errstate(all="ignore"):

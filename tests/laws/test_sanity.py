@@ -33,6 +33,12 @@ def make(law: type, set_name: str = "canudas1995", **constants: Any):
     return law({**known, **constants})
 
 
+def test_a_law_that_cannot_be_used_is_told_once(monkeypatch):
+    law = make(LuGreMajorant)
+    monkeypatch.setattr("stribeck.laws.sanity.laws.trouble", lambda law: "no equations")
+    assert problems(law) == ["no equations"]
+
+
 @pytest.mark.parametrize("set_name", parameters())
 @pytest.mark.parametrize("name", builtin())
 def test_built_in_laws_make_sense(name, set_name):

@@ -170,10 +170,11 @@ def test_what_is_wrong(path, value, text):
 
 
 def test_a_mass_that_is_taken_away():
-    """By a ramp without end, and in a wave."""
+    """By a ramp without end, in a wave, and along a curve."""
     for signal, least in (
         ({"kind": "ramp", "rate": -1.0}, "-inf"),
         ({"kind": "sine", "amplitude": 2.0, "frequency": 1.0}, "-1"),
+        ({"kind": "spline", "t": [0.0, 1.0, 2.0], "value": [0.0, -2.0, 0.0]}, "-1"),
     ):
         with pytest.raises(
             InputError, match=f"^bodies.a.added: takes the mass down to {least}: must leave more than 0$"

@@ -1,16 +1,20 @@
 """Files are whole or not there; JSON is JSON; thinned lines keep their peaks."""
 
 import json
+import os
+import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stribeck.files import json_of, write_json, write_sealed, write_with
-from stribeck.mouth.document import Chapter, FigureSvg, Table
+from stribeck.files import json_of, together, trouble, write_json, write_sealed, write_text, write_with
+from stribeck.mouth.document import Chapter, Document, FigureSvg, Table
 from stribeck.mouth.page import html
 from stribeck.mouth.plots import in_time, thin
+from stribeck.mouth.terminal import lines
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_beside(tmp_path):
@@ -25,6 +29,39 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_beside(tmp_path):
         write_with(path, fail)
     assert [p.name for p in tmp_path.iterdir()] == ["a.txt"]
     assert path.read_text() == "old"
+
+
+def test_a_brief_chapter_has_five_facts_on_the_screen():
+    notes = Chapter("notes", "Notes", facts=[f"fact {k}" for k in range(7)], brief=True)
+    shown = [line.strip() for line in lines(Document("run", "done", chapters=(notes,)))]
+    assert "fact 4" in shown
+    assert "fact 5" not in shown
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes by name")
+def test_a_pipe_is_written_directly(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    read = list[str]()
+    reader = threading.Thread(target=lambda: read.append((tmp_path / "pipe").read_text()))
+    reader.start()
+    write_text(tmp_path / "pipe", "through")
+    reader.join()
+    assert read == ["through"]
+    assert [p.name for p in tmp_path.iterdir()] == ["pipe"]
+
+
+def test_the_last_file_moves_last(tmp_path, monkeypatch):
+    moved, replace = list[str](), Path.replace
+    monkeypatch.setattr(Path, "replace", lambda self, target: (moved.append(self.name), replace(self, target))[1])
+    with together(tmp_path / "out") as folder:
+        for name in ("summary.json", "a.csv", "z.csv"):
+            (folder / name).write_text("{}")
+    assert moved == ["a.csv", "z.csv", "summary.json"]
+
+
+def test_one_long_name_in_a_path_is_said_before_any_work(tmp_path):
+    assert trouble(tmp_path / ("n" * 300)) == "cannot be written: File name too long"
+    assert trouble(tmp_path / "n") is None
 
 
 def test_json_has_null_for_what_is_not_finite(tmp_path):

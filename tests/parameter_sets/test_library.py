@@ -18,6 +18,7 @@ def test_each_machine_is_valid_and_says_where_it_is_from(name):
     Scenario(dict(found.machine))
     for word in ("title", "source", "licence", "date", "record", "holds", "command"):
         assert len(getattr(found, word)) > 3, word
+        assert getattr(found, word) != word
     assert found.origin in ("published", "fitted")
     assert found.record.startswith("https://")
     assert all(isinstance(p["value"], float) for p in found.parameters.values())

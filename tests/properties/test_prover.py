@@ -25,6 +25,10 @@ TABLE_1 = {"sigma_0": 1e5, "sigma_1": 1e5**0.5, "sigma_2": 200.0, "F_c": 1.0, "F
 EVERYWHERE = {"u": (Fraction(0), None), "w": (Fraction(0), None)}
 
 
+def test_an_expression_of_too_many_functions_is_left_undecided():
+    assert not shown(sum((exp(-(k + 2) * U) for k in range(25)), constant(1.0)))
+
+
 def shown(expr, relation=">=0", ranges=EVERYWHERE):
     return Prover(Ring({}), {}).show(expr, relation, ranges, Budget(200)) is not None
 

@@ -82,6 +82,11 @@ def test_columns_of_matrices_and_constants_of_a_mat_file(tmp_path):
         source.columns({"position": "note"})
 
 
+def test_a_title_with_a_number_is_not_the_table(tmp_path):
+    (tmp_path / "a.csv").write_text("Rig,7\nday,2\n\nt,F\n0,1\n1,2\n2,3\n")
+    assert opened(tmp_path / "a.csv").names == ["t", "F"]
+
+
 def test_complex_numbers_are_refused(tmp_path):
     savemat = pytest.importorskip("scipy.io").savemat
     savemat(tmp_path / "a.mat", {"time": T, "force": T + 1j})
