@@ -162,7 +162,7 @@ def test_a_programme_over_one_with_a_synthetic_log(stribeck, tmp_path):
     assert stribeck(*words, "--simulate").status == 0
     assert {"synthetic_log.csv", "synthetic_truth.toml"} < content(tmp_path).keys()
     assert stribeck(*words).status == 0
-    assert content(tmp_path).keys() == {"programme.csv", "motion.csv", "programme.svg"}
+    assert content(tmp_path).keys() == {"programme.csv", "motion.csv"}
 
 
 @pytest.mark.parametrize(

@@ -24,10 +24,10 @@ LOOPS = [loop(size, rate) for size in (8e-6, 2e-5) for rate in (4.0, 20.0)]
 STROKES = [stroke(speed) for speed in (5e-4, 2e-3, 5e-3, 1e-2, 3e-2, 0.1)]
 
 
-def measured(tests, law="lugre", noise=0.1, body=None, seed=1, memory=0.0, **own):
+def measured(tests, law="lugre", noise=0.1, body=None, seed=1, **own):
     """The log of a rig that plays the tests."""
     made = find(law)({**TRUTH, **own})
-    sensors = Sensors(force_noise=noise, force_memory=memory)
+    sensors = Sensors(force_noise=noise)
     return experiment(made, motion(tests, STEP / FINER), sensors, body, seed, FINER).log
 
 

@@ -10,7 +10,7 @@ import pytest
 import stribeck
 from stribeck.identify.api import read_log
 from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.formula import FACTORS, model_lines
+from stribeck.identify.formula import model_lines
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.said import HEAD
@@ -50,9 +50,10 @@ def test_the_formula_of_a_term_is_the_column_that_is_fitted():
         "sqrt": np.sqrt,
         "ripple_waves": 3.0,
     }
-    assert set(FACTORS) == {n for n, term in TERMS.items() if term.column is not None}
-    for name, text in FACTORS.items():
-        made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", re.sub(r"([\w)]) (?=[\w|])", r"\1 * ", text)), known)
+    for name, term in TERMS.items():
+        if term.column is None:
+            continue
+        made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", re.sub(r"([\w)]) (?=[\w|])", r"\1 * ", term.factor)), known)
         assert np.allclose(column(name, log, {"ripple_waves": 3.0}), made), name
 
 

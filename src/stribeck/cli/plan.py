@@ -47,7 +47,7 @@ def plan(
         truth = None if experiment is None else {"law": law, "constants": experiment.law.values, "label": LABEL}
         print_json({"tests": [asdict(t) for t in tests], "synthetic": truth, "files": files})
     else:
-        print(plan_files.csv(plan_files.HEAD, plan_files.table(tests)), end="")
+        print(plan_files.table(tests), end="")
     wrote(files, error=True)
     return 0
 

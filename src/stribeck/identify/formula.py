@@ -12,13 +12,6 @@ from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.render import equations
 
-FACTORS = {
-    "mass": "a", "offset": "1", "stiffness": "y", "gravity_sin": "sin(y)", "gravity_cos": "cos(y)",
-    "ripple_sin": "sin(ripple_waves y)", "ripple_cos": "cos(ripple_waves y)", "area": "p", "sigma_2_by_direction": "|v|",
-    "drag": "v |v|", "thinning": "sign(v) sqrt(|v|)", "F_c_by_direction": "sign(v)", "F_c_by_position": "y",
-    "F_c_by_load": "N", "F_c_by_pressure": "p",
-    "F_c_by_time": "t",
-}  # fmt: skip
 _MEANING = {
     "a": ("acceleration", "m/s^2"), "y": ("position", "m"), "p": ("pressure", "Pa"), "N": ("load", "N"),
     "t": ("time from the middle of the record", "s"), "v": ("velocity", "m/s"), "z": ("deflection of the bristles", "m"),
@@ -37,7 +30,7 @@ def model_lines(fit: LogFit) -> list[str]:
         lines.append("the motion is that of delay later, as it is measured late")
     given = {n: x for n, x in fit.values.items() if n in fit.given and n in law.constants()}
     lines += [each.text for each in equations(law, form_of(law, given))]
-    letters = {"v", *(["z"] if law.has_z else []), *(FACTORS[n] for n in own)}
+    letters = {"v", *(["z"] if law.has_z else []), *(TERMS[n].factor for n in own)}
     letters |= {"y"} if any(letter.endswith("y)") for letter in letters) else set()
     turns = fit.log is not None and fit.log.rotary
     named = [
@@ -47,7 +40,7 @@ def model_lines(fit: LogFit) -> list[str]:
 
 
 def _product(name: str) -> str:
-    factor = FACTORS[name]
+    factor = TERMS[name].factor
     return name if factor == "1" else f"{name} {factor}"
 
 

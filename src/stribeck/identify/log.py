@@ -87,6 +87,13 @@ class Log:
             if last > first:
                 yield slice(first, last)
 
+    @property
+    def file_of_rows(self) -> NDArray[np.intp]:
+        """The number of the file that each row is from."""
+        names = list(dict.fromkeys(self.files))
+        numbers = [names.index(n) for n in self.files] or [0] * (int(self.run.max()) + 1)
+        return np.array(numbers, np.intp)[self.run]
+
     def with_columns(self, **columns: Any) -> Log:
         """The log with some columns or notes replaced."""
         unknown = set(columns) - {f.name for f in fields(self)}

@@ -33,7 +33,7 @@ from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
-from stribeck.identify.models.static_problem import in_stretches
+from stribeck.identify.models.static_problem import MOST_RAW, in_stretches
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import FrictionRows, LogFit
@@ -44,7 +44,6 @@ from stribeck.simulation import simulate
 Progress = Callable[[float], None]
 Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
-_MOST_ROWS = 100_000  # of a record; a longer one is reduced to even stretches, as in static fits
 _FEWEST = 8  # rows of a simulated run
 _SIGN = 0.01  # of the largest speed: width of the smooth sign for initial values
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
@@ -151,7 +150,7 @@ def simulated(
         InputError: constants are unknown, missing or not allowed; nothing moves.
         StribeckError: the law cannot be simulated along the motion.
     """
-    log = log if len(log) <= _MOST_ROWS else in_stretches(log, at_rest(log))[0]
+    log = log if len(log) <= MOST_RAW else in_stretches(log, at_rest(log))[0]
     model = _model(log, name, options)
     sought, names = _sought(model, log, options)
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
@@ -259,10 +258,11 @@ def _first(model: OneBody, log: Log) -> None:
 # -- the machine and its recordings --------------------------------------------------------------------------------------
 
 
-def _law_table(model: OneBody, values: Values) -> dict[str, object]:
-    own = {n: x for n, x in values.items() if n in model.law.constants()}
-    parameters = {n: own.pop(n) for n in list(own) if n in PARAMETERS}
-    return {"name": model.name, **own, **({"parameters": parameters} if parameters else {})}
+def _law_table(name: str, values: Values) -> dict[str, object]:
+    """A law with its constants, of all values."""
+    constants = {n: x for n, x in values.items() if n in laws.find(name).constants()}
+    parameters = {n: constants.pop(n) for n in list(constants) if n in PARAMETERS}
+    return {"name": name, **constants, **({"parameters": parameters} if parameters else {})}
 
 
 def _tables(model: OneBody, rotary: bool) -> dict[str, object]:
@@ -285,7 +285,7 @@ def _tables(model: OneBody, rotary: bool) -> dict[str, object]:
             elif n == "stiffness":
                 links[n] = {"from": "body", "to": "ground", "stiffness": values[n], "damping": 0.0}
     return {
-        "schema": 2, "bodies": {"body": body}, "contacts": {"contact": {"from": "body", "law": _law_table(model, values)}},
+        "schema": 2, "bodies": {"body": body}, "contacts": {"contact": {"from": "body", "law": _law_table(model.name, values)}},
         **({"loads": loads} if loads else {}), **({"links": links} if links else {}),
         "solve": {"t_end": 1.0}, "output": {"step": 1e-3},
     }  # fmt: skip
@@ -523,17 +523,15 @@ def _along(name: str, values: Values, log: Log, bent: Sequence[float | None]) ->
 
 def scenario_along(name: str, values: Values, log: Log, z: float | None = None) -> Scenario:
     """The law under the measured velocity of one run."""
-    law = laws.find(name)
-    own = {n: x for n, x in values.items() if n in law.constants()}
-    start = {"y": float(log.position[0])}
-    if law.has_z:
-        start["z"] = float(law(own).steady_deflection(float(log.velocity[0]))) if z is None else z
-    parameters = {n: own.pop(n) for n in list(own) if n in PARAMETERS}
+    law, start = laws.find(name), {"y": float(log.position[0])}
+    if law.has_z and z is None:
+        constants = {n: x for n, x in values.items() if n in law.constants()}
+        z = float(law(constants).steady_deflection(float(log.velocity[0])))
+    start |= {"z": z} if law.has_z and z is not None else {}
     t = log.step * np.arange(len(log))
     return Scenario(
         {
-            "schema": 1, "law": {"name": name, **own, **({"parameters": parameters} if parameters else {})},
-            "plant": {"initial": start},
+            "schema": 1, "law": _law_table(name, values), "plant": {"initial": start},
             "drive": {"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": log.velocity.tolist()}},
             "solve": {"t_end": float(t[-1])}, "output": {"step": float(log.step), "energy": False},
         },

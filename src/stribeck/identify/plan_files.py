@@ -1,12 +1,14 @@
-"""A rig's test programme as a table, a plot and motions to play; and a synthetic rig that plays them."""
+"""A rig's test programme as a table and as motions to play; and a synthetic rig that plays them."""
 
 from __future__ import annotations
 
+import csv
 import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import tomli_w
 
 from stribeck import laws
 from stribeck.arrays import Array
@@ -15,8 +17,6 @@ from stribeck.expressions.ops import Value
 from stribeck.files import write_text
 from stribeck.identify.plan import SMALLEST, Limits, Test, motion, programme
 from stribeck.identify.synthetic import LABEL, Experiment, Sensors, experiment
-from stribeck.mouth import plots
-from stribeck.mouth.document import FigureSvg
 
 HEAD = (
     "test",
@@ -36,34 +36,25 @@ _FINER = 4  # the synthetic rig moves on a mesh so many times as fine as its sen
 _NOISE = 0.01  # of F_c
 
 
-def table(tests: Sequence[Test]) -> list[list[str]]:
-    """A row of text a test, under :data:`HEAD`."""
-
-    def show(value: float | None) -> str:
-        return "" if value is None else f"{value:.4g}"
-
-    return [
-        [
-            str(i), t.kind, t.control, show(t.amplitude), show(t.speed), show(t.force_rate), show(t.duration),
-            str(t.repeats), t.identifies,
-        ]
-        for i, t in enumerate(tests, start=1)
-    ]  # fmt: skip
-
-
-def csv(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table as CSV text; cells with commas in quotes."""
-    return "".join(",".join(f'"{cell}"' if "," in cell else cell for cell in row) + "\n" for row in (head, *rows))
+def table(tests: Sequence[Test]) -> str:
+    """The tests as CSV text, a row each under :data:`HEAD`."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(HEAD)
+    for i, test in enumerate(tests, start=1):
+        numbers = (test.amplitude, test.speed, test.force_rate, test.duration)
+        cells = ["" if x is None else f"{x:.4g}" for x in numbers]
+        rows.writerow([i, test.kind, test.control, *cells, test.repeats, test.identifies])
+    return text.getvalue()
 
 
 def write_rig(limits: Limits, folder: Path) -> list[str]:
-    """Write programme.csv, motion.csv (what motion-controlled tests play, every ms) and programme.svg; their names."""
+    """Write programme.csv and motion.csv (what motion-controlled tests play, every ms); their names."""
     tests = programme(limits)
     t, v = motion(tests, STEP)
-    write_text(folder / "programme.csv", csv(HEAD, table(tests)))
+    write_text(folder / "programme.csv", table(tests))
     _write_columns(folder / "motion.csv", {"time": t, "position": _position(v), "velocity": v})
-    write_text(folder / "programme.svg", figure(limits, tests).svg)
-    return ["programme.csv", "motion.csv", "programme.svg"]
+    return ["programme.csv", "motion.csv"]
 
 
 def _position(v: Array) -> Array:
@@ -77,46 +68,6 @@ def _write_columns(path: Path, columns: Mapping[str, Array]) -> None:
     write_text(path, text.getvalue())
 
 
-def figure(limits: Limits, tests: Sequence[Test]) -> FigureSvg:
-    """The motions against time, the tests between the rig's limits, and the force ramps."""
-    t, v = motion(tests, STEP)
-    moving: list[tuple[Value, Value, Value]] = [
-        (x.kind, x.amplitude, x.speed) for x in tests if x.amplitude is not None and x.speed is not None
-    ]
-    kinds = list(dict.fromkeys(kind for kind, *_ in moving))
-    from matplotlib.ticker import SymmetricalLogLocator
-
-    with plots.style():
-        made, axes = plots.figure([["v", "v"], ["y", "y"], ["limits", "force"]], 6.6)
-        axes["v"].plot(*plots.thin(t, v), color="black", linewidth=0.8)
-        for panel, i in (("v", 2), ("y", 1)):  # from the smallest to the largest, both signs
-            smallest = 10.0 ** np.floor(np.log10(min(each[i] for each in moving)))
-            axes[panel].set_yscale("symlog", linthresh=smallest)
-            axes[panel].yaxis.set_major_locator(SymmetricalLogLocator(base=100, linthresh=smallest))
-        axes["v"].set(xlabel="t (s)", ylabel="v (m/s)", title="motion-controlled tests, one after the other")
-        axes["y"].plot(*plots.thin(t, _position(v)), color="black", linewidth=0.8)
-        axes["y"].set(xlabel="t (s)", ylabel="y (m)")
-        for i, kind in enumerate(kinds):
-            way, speed = zip(*((a, v) for each, a, v in moving if each == kind), strict=True)
-            axes["limits"].plot(
-                way, speed, "os^"[i], color=plots.COLOURS[i],
-                label=kind, markersize=4,
-            )  # fmt: skip
-        axes["limits"].axvline(limits.stroke, color=plots.GREY, linestyle="--")
-        axes["limits"].axhline(limits.speed, color=plots.GREY, linestyle="--")
-        axes["limits"].set(xscale="log", yscale="log", xlabel="way there and back (m)", ylabel="largest speed (m/s)")
-        axes["limits"].set_title("limits dashed")
-        for i, test in enumerate(test for test in tests if test.force_rate is not None):
-            rate = test.force_rate or 0.0
-            times = np.geomspace(1e-3 * test.duration, test.duration, 50)
-            plots.line(axes["force"], i, times, rate * times, f"{rate:.3g} N/s")
-        axes["force"].axhline(limits.force, color=plots.GREY, linestyle="--")
-        axes["force"].set(xscale="log", xlabel="t (s)", ylabel="force (N)", title="force ramps from rest")
-        axes["limits"].legend(loc="upper left", fontsize=7)
-        axes["force"].legend(loc="upper left", fontsize=7)
-        return plots.finish(made, "programme", "the test programme")
-
-
 # -- the synthetic rig -----------------------------------------------------------------------------------------------
 
 
@@ -128,20 +79,20 @@ def simulated(limits: Limits, law: str, given: Mapping[str, float], seed: int) -
     Raises:
         InputError: the law is unknown, or its constants are not allowed.
     """
-    found = laws.find(law)
-    values = {n: v for n, v in {**_suiting(limits), **given}.items() if n in found.constants() or n in given}
-    own = {n: c.example for n, c in found.own_constants().items() if c.required and n not in values}
-    # a law's own constants have examples of their own; z_ba must stay below F_c/sigma_0
-    if "z_ba" in own:
-        own["z_ba"] = 0.5 * values["F_c"] / values["sigma_0"]
-    made = found({**own, **values})
-    length = made.scales(made.p).length
+    kind = laws.find(law)
+    values = {n: v for n, v in {**_suiting(limits), **given}.items() if n in kind.constants() or n in given}
+    examples = {n: c.example for n, c in kind.own_constants().items() if c.required and n not in values}
+    if "z_ba" in examples:
+        examples["z_ba"] = 0.5 * values["F_c"] / values["sigma_0"]  # below F_c/sigma_0
+    friction = kind({**examples, **values})
+    scales = friction.scales(friction.p)
+    length = scales.length
     if limits.deflection is None and not SMALLEST <= length <= 0.1 * limits.stroke:
         text = f"the law's friction breaks away at {length:.3g} m, which must be from {SMALLEST:g} to a tenth of the stroke"
         raise InputError(f"{arg('plan.stroke')}: {limits.stroke:g}: {text}")
-    sensors = Sensors(position_resolution=1e-3 * length, force_noise=_NOISE * made.scales(made.p).force)
+    sensors = Sensors(position_resolution=1e-3 * length, force_noise=_NOISE * scales.force)
     tests = programme(Limits(limits.stroke, limits.speed, limits.force, limits.deflection or length))
-    return experiment(made, motion(tests, STEP / _FINER), sensors, seed=seed, every=_FINER)
+    return experiment(friction, motion(tests, STEP / _FINER), sensors, seed=seed, every=_FINER)
 
 
 def _suiting(limits: Limits) -> dict[str, float]:
@@ -153,19 +104,16 @@ def _suiting(limits: Limits) -> dict[str, float]:
     }  # fmt: skip
 
 
-def write_simulated(made: Experiment, folder: Path) -> list[str]:
+def write_simulated(synthetic: Experiment, folder: Path) -> list[str]:
     """Write synthetic_log.csv (time, position, force) and synthetic_truth.toml, a parameter set; their names."""
-    log, name = made.log, type(made.law).name
-    names = [*SYNTHETIC]
+    log, names = synthetic.log, [*SYNTHETIC]
     _write_columns(folder / names[0], {"time": log.time, "position": log.position, "force": log.force})
-    truth = made.law.p.numbers
-    lines = [
-        f'title = "{LABEL}: the truth behind synthetic_log.csv"',
-        f'source = "stribeck fit --plan --simulate, law {name}, seed {made.seed}"',
-        "[parameters]",
-        *(f"{n} = {v!r}" for n, v in truth.items()),
-    ]
-    write_text(folder / names[1], "\n".join(lines) + "\n")
+    truth = {
+        "title": f"{LABEL}: the truth behind synthetic_log.csv",
+        "source": f"stribeck fit --plan --simulate, law {type(synthetic.law).name}, seed {synthetic.seed}",
+        "parameters": synthetic.law.p.numbers,
+    }
+    write_text(folder / names[1], tomli_w.dumps(truth))
     return names
 
 

@@ -15,6 +15,7 @@ from stribeck.errors import InputError, arg
 from stribeck.identify import api
 from stribeck.identify.actuator.result import Trace
 from stribeck.identify.beyond import Beyond, beyond
+from stribeck.identify.core.judging import EXPLAINED
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import with_counts
@@ -26,8 +27,6 @@ from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.identify.validate import Validated, validate
 from stribeck.mouth.document import Document, Told
 from stribeck.scenario import Scenario
-
-_POOR = 0.25  # of the force's deviation, as the fit's own gate
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,7 @@ class Predicted(Told):
             out.append("The fit was made from this record: predict a record of another motion to test it.")
         if self.constant_error <= self.force_error:
             out.append("A constant force predicts this record better: the model says nothing about it.")
-        if (self.model.known.get("missed") or 0.0) > _POOR:
+        if (self.model.missed or 0.0) > EXPLAINED:
             out.append("The fit itself leaves more than a quarter of its force's deviation: its model lacks something.")
         if self.beyond and (told := self.beyond.told()):
             out.append(f"{told[:1].upper()}{told[1:]}.")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter, savgol_filter
+from scipy.signal import savgol_filter
 
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError
@@ -22,16 +22,10 @@ LABEL = "SYNTHETIC: simulated by Stribeck, not measured"
 
 @dataclass(frozen=True)
 class Sensors:
-    """What the rig's sensors do to the truth; SI units, 0 for a perfect one.
-
-    ``force_noise`` is the noise's standard deviation and ``force_memory`` the time over which it stays correlated.
-    """
+    """What the rig's sensors do to the truth: steps of the position, standard deviation of the force; 0 for a perfect one."""
 
     position_resolution: float = 5e-9
-    position_noise: float = 0.0
-    force_resolution: float = 0.0
     force_noise: float = 0.0
-    force_memory: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -49,8 +43,6 @@ class Experiment:
 
     log: Log
     law: Law
-    body: Slider
-    sensors: Sensors
     seed: int
 
 
@@ -91,13 +83,13 @@ def experiment(
     noise = np.random.default_rng(seed)
     t, v, y = solution.t, v[::every], solution["y"]
     force = body.mass * np.gradient(v, step) + solution["F"] + body.stiffness * y + body.offset
-    force = force + _force_noise(noise, len(t), step, sensors)
-    position = _rounded(y + sensors.position_noise * noise.standard_normal(len(t)), sensors.position_resolution)
+    force = force + sensors.force_noise * noise.standard_normal(len(t))
+    position = y if not (tick := sensors.position_resolution) else tick * np.round(y / tick)
     log = Log(
         time=t, position=position,
         velocity=savgol_filter(position, 5, 4, deriv=1, delta=step),
         acceleration=savgol_filter(position, 5, 4, deriv=2, delta=step),
-        force=_rounded(force, sensors.force_resolution),
+        force=force,
         run=np.zeros(len(t), np.int32), step=step,
         sources={
             "position": LABEL, "force": LABEL,
@@ -106,18 +98,4 @@ def experiment(
         },
         quality=(f"{LABEL}: law {type(law).name}, seed {seed}",),
     )  # fmt: skip
-    return Experiment(log, law, body, sensors, seed)
-
-
-def _rounded(x: Array, resolution: float) -> Array:
-    return resolution * np.round(x / resolution) if resolution > 0 else x
-
-
-def _force_noise(noise: np.random.Generator, count: int, step: float, sensors: Sensors) -> Array:
-    """White noise, or noise of the same size that forgets exponentially."""
-    white = noise.standard_normal(count)
-    if sensors.force_memory <= 0:
-        return np.asarray(sensors.force_noise * white)
-    keep = np.exp(-step / sensors.force_memory)
-    start = keep / np.sqrt(1 - keep**2) * noise.standard_normal(1)  # as if it had run for ever
-    return np.asarray(sensors.force_noise * np.sqrt(1 - keep**2) * lfilter([1], [1, -keep], white, zi=start)[0])
+    return Experiment(log, law, seed)

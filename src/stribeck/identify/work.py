@@ -49,12 +49,6 @@ class Work:
         self._ticks += 1
         self.done(1 - math.exp(-self._ticks / _TYPICAL))
 
-    def part(self, number: int, count: int) -> Work:
-        """The work on one of several things that follow each other."""
-        one = Work(lambda share: self.done((number + share) / count))
-        self._end, one._stop = 1.0, self._stop
-        return one
-
     @property
     def stopped(self) -> bool:
         """Whether the work is to end."""

@@ -10,8 +10,7 @@ bias the rest, but not used in predictions.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TypedDict, cast
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,53 +21,18 @@ from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.forms import OF_RECORD, Anchor, Key, forms
 from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.search import optimum
+from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import LawColumns, body_columns
+from stribeck.identify.models.static_problem import MOST_ROWS
 
-FOLDS, MOST_ROWS = 6, 25_000  # stretches left out in turn; most rows of a fit
+FOLDS = 6  # stretches left out in turn
 WINDOW, NARROWEST = 0.06, 7  # Savitzky-Golay filter: window, s (8 Hz, below an axis' bandwidth); least rows in it
 BETTER = 0.95  # of the error: the second motion is used only with a smaller one
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
 BY_FILTER, BY_POLYNOMIAL = "filter", "polynomial"
-
-
-class SavedCurve(TypedDict):
-    """The law of a predictor."""
-
-    law: str
-    given: dict[str, float]
-    free: list[str]
-
-
-class SavedAnchor(TypedDict):
-    """The constants of a predictor's forms."""
-
-    shape: dict[str, float]
-    found: dict[str, float]
-    carried: dict[str, float]
-    fast: float
-    way: float
-    step: float
-    turns: bool
-    placed: bool
-    speeds: list[float]
-    waves: list[float]
-    level_waves: list[float]
-
-
-class Saved(TypedDict):
-    """A predictor as stored in fit.json."""
-
-    curve: SavedCurve
-    at: SavedAnchor
-    shape: dict[str, float]
-    law: dict[str, float]
-    body: dict[str, float]
-    forms: list[tuple[str, str, float]]
-    motion: str
-    error: float
 
 
 @dataclass(frozen=True)
@@ -115,42 +79,32 @@ class Predictor:
         friction, beside = self.parts(log)
         return friction + beside
 
-    def to_json(self) -> Saved:
+    def to_json(self) -> dict[str, object]:
         """The predictor as stored in fit.json."""
-        a = self.at
-        at: SavedAnchor = {
-            "shape": dict(a.shape), "found": dict(a.found), "carried": dict(a.carried), "fast": a.fast, "way": a.way,
-            "step": a.step, "turns": a.turns, "placed": a.placed, "speeds": list(a.speeds), "waves": list(a.waves),
-            "level_waves": list(a.level_waves),
-        }  # fmt: skip
         curve = self.at.curve
-        named = [(form, column, c) for (form, column), c in self.forms.items()]
         return {
-            "curve": {"law": curve.law, "given": curve.given, "free": list(curve.free)}, "at": at,
-            "shape": dict(self.shape), "law": dict(self.law), "body": dict(self.body), "forms": named,
+            "curve": {"law": curve.law, "given": curve.given, "free": list(curve.free)},
+            "at": {f.name: getattr(self.at, f.name) for f in fields(Anchor) if f.name != "curve"},
+            "shape": dict(self.shape), "law": dict(self.law), "body": dict(self.body),
+            "forms": [(form, column, c) for (form, column), c in self.forms.items()],
             "motion": self.motion, "error": self.error,
         }  # fmt: skip
 
 
-def of_json(saved: Mapping[str, object]) -> Predictor:
+def of_json(saved: Kept) -> Predictor:
     """The predictor from fit.json.
 
     Raises:
         KeyError, TypeError, ValueError: the content is not a predictor.
     """
-    data = cast("Saved", saved)
-    curve = curve_of(data["curve"]["law"], data["curve"]["given"], data["curve"]["free"])
-    at = data["at"]
-    lists = [tuple(map(float, x)) for x in (at["speeds"], at["waves"], at["level_waves"])]
-    anchor = Anchor(
-        curve, at["shape"], at["found"], at["fast"], at["way"], at["step"], at["turns"], at["placed"], lists[0],
-        at["carried"], lists[1], lists[2],
-    )  # fmt: skip
-    named = {(str(form), str(column)): float(c) for form, column, c in data["forms"]}
-    shape, law, body = ({n: float(x) for n, x in part.items()} for part in (data["shape"], data["law"], data["body"]))
+    curve = curve_of(saved["curve"]["law"], saved["curve"]["given"], saved["curve"]["free"])
+    lists = {n: tuple(map(float, saved["at"][n])) for n in ("speeds", "waves", "level_waves")}
+    named = {(str(form), str(column)): float(c) for form, column, c in saved["forms"]}
+    shape, law, body = ({n: float(x) for n, x in saved[part].items()} for part in ("shape", "law", "body"))
     if set(shape) != set(curve.shapes) or set(law) != set(curve.names):
         raise ValueError
-    return Predictor(anchor, shape, law, body, named, str(data["motion"]), float(data["error"]))
+    anchor = Anchor(curve, **{**saved["at"], **lists})
+    return Predictor(anchor, shape, law, body, named, str(saved["motion"]), float(saved["error"]))
 
 
 def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
@@ -185,18 +139,12 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
 
 def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp]) -> NDArray[np.intp]:
     """The block of each row of the whole record: that of the last compared row before it in its file."""
-    record, out = choice.library.record, np.zeros(len(log), np.intp)
-    names = list(dict.fromkeys(log.files)) or [""]
-    number = np.array([names.index(n) for n in log.files] or [0] * (int(log.run.max()) + 1))
-    for each in range(len(names)):
-        rows, own = np.flatnonzero(number[log.run] == each), np.flatnonzero(record.file == each)
-        if not len(rows):
-            continue
-        if not len(own):
-            continue
-        own = own[np.argsort(record.log.time[record.at[own]], kind="stable")]
-        place = np.searchsorted(record.log.time[record.at[own]], log.time[rows], side="right") - 1
-        out[rows] = block[own][np.maximum(place, 0)]
+    record, out, file = choice.library.record, np.zeros(len(log), np.intp), log.file_of_rows
+    for each in np.unique(record.file):
+        rows, compared = np.flatnonzero(file == each), np.flatnonzero(record.file == each)
+        compared = compared[np.argsort(record.log.time[record.at[compared]], kind="stable")]
+        place = np.searchsorted(record.log.time[record.at[compared]], log.time[rows], side="right") - 1
+        out[rows] = block[compared][np.maximum(place, 0)]
     return out
 
 

@@ -10,7 +10,7 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass
 
 _RAISE = 2.5  # from one cut-off that is tried to the next
-_HIGHEST = 0.4  # of the sampling rate
+HIGHEST = 0.4  # of the sampling rate
 _CLEARLY = 0.92  # of what is missed with the lower cut-off: less is worth a higher one
 _AS_GOOD = 1.05  # of the least that is missed
 _NO_WORSE = 1.03  # of what a lower cut-off misses over all frequencies, where noise of the acceleration shows
@@ -20,11 +20,9 @@ _SLOWED, _REST = 0.1, 0.1  # of a period, in which less than this share of the f
 _BAND = 2.5  # lowest cut-offs, in which the force is compared: above, its own noise hides what the filter does
 _BENDS = (0, 1 / 128, 1 / 64, 1 / 32, 1 / 16, *np.linspace(1 / 8, 1, 8))  # of the free curve: closest where it turns
 LITTLE, _LITTLE_OF_RATE = 2e-4, 3e-3  # of the largest speed and acceleration: noise that biases nothing
-_RAISED, _WORTH_RAISING = (
-    4.0,
-    1.7,
-)  # times, the most and the least: less changes little but where a record begins and ends
-_LONGEST_LOOK = 1 << 18  # samples
+RAISED = 4.0  # times at most: more changes little
+_WORTH_RAISING = 1.7  # times at least: less changes little but where a record begins and ends
+LONGEST_LOOK = 1 << 18  # samples from which a spectrum or a noise is taken
 _FEWEST, _MOST = 400, 100_000  # rows that are compared
 
 Run = tuple[Array, Array]
@@ -44,7 +42,7 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
         cutoff: Hz, the lowest to be tried; ``step``: between samples, s.
     """
     tried = [cutoff]
-    while tried[-1] * _RAISE < _HIGHEST / step:
+    while tried[-1] * _RAISE < HIGHEST / step:
         tried.append(tried[-1] * _RAISE)
     longest, period = max((len(f) for _, f in runs), default=0), 1 / (cutoff * step)
     edge = int(np.clip(longest // _SHARE, _END * period, _START * period))
@@ -52,7 +50,7 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     inside = [slice(edge, len(f) - _end(x, position, cutoff, step)) for x, f in chosen]
     if len(tried) < 2 or sum(rows.stop - rows.start for rows in inside) < _FEWEST:
         return cutoff
-    band = min(_BAND * cutoff, _HIGHEST / step)
+    band = min(_BAND * cutoff, HIGHEST / step)
     missed = [_missed(chosen, inside, position, c, band, step) for c in tried]
     over_all = [_missed(chosen, inside, position, c, None, step) for c in tried]
     able = [i for i, m in enumerate(over_all) if m <= _NO_WORSE * min(over_all[: i + 1])]
@@ -72,10 +70,10 @@ def quiet(motion: Array, position: bool, floor: float, cutoff: float, step: floa
         motion: what was measured of a run, ``position``: and not a speed.
         floor: the power spectral density of its noise; ``cutoff``: Hz, so far; ``step``: between samples, s.
     """
-    smooth = low_pass(motion[:_LONGEST_LOOK], cutoff, step)
+    smooth = low_pass(motion[:LONGEST_LOOK], cutoff, step)
     edge = min(round(1 / (cutoff * step)), len(smooth) // 4)  # where the filter makes acceleration of its own
     smooth = smooth[edge : len(smooth) - edge]
-    highest = min(_RAISED * cutoff, _HIGHEST / step)
+    highest = min(RAISED * cutoff, HIGHEST / step)
     for order, share in zip((1, 2) if position else (0, 1), (LITTLE, _LITTLE_OF_RATE), strict=True):
         largest = float(np.max(abs(np.diff(smooth, order)))) / step**order
         power = 2 * order + 1  # the noise's variance: floor (2 pi)^(2 order) f^power / power

@@ -11,7 +11,6 @@ from scipy import signal
 from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg
 
 SETTLED = 5.0  # periods of the cut-off at the start of a run, in which a filter is not settled
 _CHUNK = 1_000_000
@@ -74,19 +73,12 @@ def low_pass(x: Array, cutoff: float, step: float) -> Array:
 
 
 def stages(q: int) -> list[int]:
-    """A reduction of the rate as a product of small ones.
-
-    Raises:
-        InputError: it has a prime factor that one filter cannot do.
-    """
-    found = []
+    """A reduction of the rate as a product of small ones."""
+    parts = []
     while q > 1:
-        part = next((s for s in range(_STAGE, 1, -1) if q % s == 0), None)
-        if part is None:
-            raise InputError(f"{arg('decimate')}: {q}: must be a product of whole numbers up to {_STAGE}")
-        found.append(part)
-        q //= part
-    return found
+        parts.append(next(s for s in range(_STAGE, 1, -1) if q % s == 0))
+        q //= parts[-1]
+    return parts
 
 
 @lru_cache

@@ -15,7 +15,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
-from stribeck.identify.data.effect import LITTLE, by_effect, quiet
+from stribeck.identify.data.effect import HIGHEST, LITTLE, LONGEST_LOOK, RAISED, by_effect, quiet
 from stribeck.identify.data.filters import SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, named_in, read
@@ -25,9 +25,7 @@ from stribeck.recorded import is_table, opened
 
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
-_LONGEST_LOOK = 1 << 18  # samples from which a spectrum is taken
-_HIGHEST = 0.4  # of the sampling rate
-_RAISED, _NOISE_ALLOWED = 4.0, 1e-3
+_NOISE_ALLOWED = 1e-3  # of the largest speed: noise that a simulation averages out
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
 _ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
 _STILL = 0.01  # of the fastest speed
@@ -312,7 +310,7 @@ def _longest(parts: Sequence[Clean], measured: str, step: float) -> Array:
     nothing."""
     own = [p for p in parts if not p.resampled] or parts
     part, rows = max(((p, r) for p in own for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
-    rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
+    rows = slice(rows.start, min(rows.stop, rows.start + LONGEST_LOOK))
     x = part.columns[measured][rows]
     return x if part.even else np.interp(_grid(part, rows, step), part.columns["time"][rows], x)
 
@@ -326,7 +324,7 @@ def _measured_spectrum(parts: Sequence[Clean], measured: str, step: float) -> tu
 
 def choose_cutoff(measured: str, frequency: Array, power: Array, floor: float, step: float) -> tuple[float, str]:
     """The frequency (Hz) up to which the motion's spectrum stands clear of its noise floor, and that in words."""
-    highest = _HIGHEST / step
+    highest = HIGHEST / step
     buried = np.flatnonzero(power < _ABOVE_NOISE * floor)
     edge = float(frequency[buried[0]]) if len(buried) else highest
     cutoff = min(_rounded(max(edge, _SLOWEST_FILTER * frequency[0])), highest)
@@ -345,7 +343,7 @@ def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: flo
     """
     x = _longest(parts, measured, step)
     edge = min(round(SETTLED / (cutoff * step)), len(x) // 4)
-    highest = _HIGHEST / step
+    highest = HIGHEST / step
     while cutoff < highest:
         taken = (x - low_pass(x, cutoff, step))[edge : len(x) - edge]
         lost = float(np.mean(taken**2))
@@ -359,14 +357,14 @@ def raised(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, s
     """The cut-off for simulations: up to four times as high, while the velocity's noise stays below a thousandth of the
     largest speed."""
     part = parts[0]
-    x = part.columns[measured][part.runs[0]][:_LONGEST_LOOK]
+    x = part.columns[measured][part.runs[0]][:LONGEST_LOOK]
     smooth = low_pass(x, cutoff, step)
     if measured == "velocity":
         highest = (_NOISE_ALLOWED * float(np.max(abs(smooth)))) ** 2 / max(floor, 1e-300)
     else:
         fastest = float(np.max(abs(np.diff(smooth)))) / step
         highest = np.cbrt(3 * (_NOISE_ALLOWED * fastest / (2 * np.pi)) ** 2 / max(floor, 1e-300))
-    return float(max(min(highest, _RAISED * cutoff, _HIGHEST / step), cutoff))
+    return float(max(min(highest, RAISED * cutoff, HIGHEST / step), cutoff))
 
 
 def spectrum(x: Array, step: float) -> tuple[Array, Array]:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg
 from stribeck.identify.log import Log
 from stribeck.laws.base import Law
 
 _REVERSALS_LOOKED_AT = 200
 _REST = 0.01  # of the largest speed
+RISE = 0.3  # of the friction level: less is noise or inertia
 _FEWEST_AT_REST = 8  # samples
 HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
 _TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
@@ -48,21 +48,13 @@ class Sizes:
 
 
 def sizes_of(log: Log) -> Sizes:
-    """The natural sizes of a log.
-
-    Raises:
-        InputError: nothing moves, or there is no force.
-    """
+    """The natural sizes of a log that moves against a force."""
     speed, force = abs(log.velocity), log.force
     fast = float(np.max(speed, initial=0.0))
-    if fast <= 0:
-        raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
     moving = speed > 0.02 * fast
     ahead, back = force[moving & (log.velocity > 0)], force[moving & (log.velocity < 0)]
     offset = float(np.median(ahead) + np.median(back)) / 2 if len(ahead) and len(back) else 0.0
     level = float(np.quantile(abs(force - offset), 0.9))
-    if level <= 0:
-        raise InputError(f"{arg('force')}: 0 throughout: there is no friction to fit")
     slow = float(np.quantile(speed[speed > 1e-6 * fast], 0.1))
     typical, travel = min(max(slow, 1e-5 * fast), 0.1 * fast), float(np.ptp(log.position))
     return Sizes(level, offset, fast, typical, _stiffness(log, force, level), travel, log.step)
@@ -92,7 +84,7 @@ def _at_rest(log: Log, force: Array, level: float) -> list[float]:
         for first, last in edges.reshape(-1, 2)[:_REVERSALS_LOOKED_AT].tolist():
             margin = (last - first) // 8
             inside = slice(first + margin, last - margin)
-            if inside.stop - inside.start < _FEWEST_AT_REST or np.ptp(f[inside]) < 0.3 * level:
+            if inside.stop - inside.start < _FEWEST_AT_REST or np.ptp(f[inside]) < RISE * level:
                 continue
             way, push = y[inside] - y[inside].mean(), f[inside] - f[inside].mean()
             if (both := float(way @ push)) > 0:
@@ -107,7 +99,7 @@ def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
         v, y, f = log.velocity[rows], log.position[rows], force[rows]
         for first, last in reversals(v)[:_REVERSALS_LOOKED_AT]:
             rise = abs(f[first : last + 1] - f[first])
-            if len(rise) > 4 and rise.max() > 0.3 * level:
+            if len(rise) > 4 and rise.max() > RISE * level:
                 half = int(np.argmax(rise >= rise.max() / 2))
                 way = abs(y[first + half] - y[first])
                 found += [rise[half] / way] if way > 0 and half else []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -40,24 +39,6 @@ _GUESSED = 1e-4  # of the largest speed: a v_s below it that the data leave open
 _IN_A_LOOP = 20  # samples, at the rate of the record
 
 
-@dataclass(frozen=True)
-class Reach:
-    """The numbers of an experiment, SI units: total ways of reversals and the resolution that they need; speeds of strokes;
-    the largest speed of slow and of fast reversals; rates and size of the force."""
-
-    small: float
-    large: float
-    fine: float
-    slowest: float
-    middle: float
-    fast: float
-    loop: float
-    loop_fast: float
-    rate: float
-    gentle: float
-    half: float
-
-
 def presliding_length(values: Mapping[str, float], sizes: Sizes, open_: Collection[str] = ()) -> float:
     """The way to break-away, m: the fit's F_s/sigma_0 where the record's own stiffness agrees with it, else the smaller;
     never more than a tenth of the travel. Of a level that the data leave open (``open_``) the record's force is taken: F_s
@@ -69,9 +50,14 @@ def presliding_length(values: Mapping[str, float], sizes: Sizes, open_: Collecti
     return min(length, _OF_TRAVEL * sizes.travel) if sizes.travel > 0 else length
 
 
-def reachable(values: Mapping[str, float], sizes: Sizes, open_: Collection[str] = ()) -> Reach:
-    """The numbers of what is advised: from the fitted constants where the data tell them and the record bears them out, within
-    the speeds, the way and the sampling of the record."""
+def reachable(values: Mapping[str, float], sizes: Sizes, open_: Collection[str] = ()) -> dict[str, float]:
+    """The numbers of what is advised, SI units: from the fitted constants where the data tell them and the record bears them
+    out, within the speeds, the way and the sampling of the record.
+
+    ``small``, ``large`` and ``fine``: total ways of reversals, and the resolution that these need; ``loop``, ``loop_fast``:
+    largest speeds in slow and in fast reversals; ``slowest``, ``middle``, ``fast``: speeds of strokes; ``rate``, ``gentle``,
+    ``half``: rates and size of the force.
+    """
     length = presliding_length(values, sizes, open_)
     speed, fast = values.get("v_s", 0.0), sizes.fast
     bent = (_GUESSED * fast if "v_s" in open_ else 0) < speed < 0.3 * fast
@@ -79,12 +65,11 @@ def reachable(values: Mapping[str, float], sizes: Sizes, open_: Collection[str] 
     middle = min(max(10 * speed, 0.03 * fast), 0.3 * fast) if bent else 0.1 * fast
     sampled = np.pi * 5 * length / (_IN_A_LOOP * sizes.step) if sizes.step > 0 else np.inf
     loop_fast = min(middle, sampled)
-    return Reach(
-        small=0.5 * length, large=5 * length, fine=0.01 * length,
-        slowest=slowest, middle=middle, fast=fast,
-        loop=min(0.01 * fast, 0.1 * loop_fast), loop_fast=loop_fast,
-        rate=100 * sizes.force, gentle=0.1 * sizes.force, half=0.5 * sizes.force,
-    )  # fmt: skip
+    return {
+        "small": 0.5 * length, "large": 5 * length, "fine": 0.01 * length, "slowest": slowest, "middle": middle, "fast": fast,
+        "loop": min(0.01 * fast, 0.1 * loop_fast), "loop_fast": loop_fast, "rate": 100 * sizes.force,
+        "gentle": 0.1 * sizes.force, "half": 0.5 * sizes.force,
+    }  # fmt: skip
 
 
 def experiment_for(
@@ -94,7 +79,6 @@ def experiment_for(
     if "_by_" in name and name not in _WORDS:
         return f"the same motions at three levels of {name.partition('_by_')[2]} or more, evenly over its range"
     words = _WORDS.get(name, "motions in which the force depends on it: reversals of several sizes and speeds")
-    units = {n: _UNITS.get(n, "m/s") for n in asdict(reachable(values, sizes, open_))}
-    units = {n: rotary_unit(unit) if rotary else unit for n, unit in units.items()}
-    numbers = asdict(reachable(values, sizes, open_))
+    numbers = reachable(values, sizes, open_)
+    units = {n: rotary_unit(_UNITS.get(n, "m/s")) if rotary else _UNITS.get(n, "m/s") for n in numbers}
     return words.format(**{n: f"{float(f'{x:.2g}'):g} {units[n]}" for n, x in numbers.items()})

@@ -10,7 +10,7 @@ import numpy as np
 from stribeck import laws
 from stribeck.errors import StribeckError, first_line
 from stribeck.identify.features.filtering import position_step
-from stribeck.identify.features.guess import reversals, sizes_of
+from stribeck.identify.features.guess import RISE, reversals, sizes_of
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.models.memory import rows_together
 from stribeck.identify.onebody import Simulated, simulated
@@ -24,7 +24,6 @@ HALF = 0.5  # of the static law's error: a law with bristles must leave less, as
 RESOLVED, STEPS = 5, 4.0  # samples of a rise behind a reversal; steps of the position's resolution that it takes
 LITTLE = 0.05  # of the force in all rows: the calibration of a force sensor leaves as much
 FEWEST = 3  # such reversals
-RISE = 0.3  # of the friction level: less is noise or inertia
 LOOKED_AT = 20_000  # reversals: more take longer than the fit
 
 

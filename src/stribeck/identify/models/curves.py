@@ -13,7 +13,6 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.features.guess import HALF
-from stribeck.identify.features.sliding import Sliding
 from stribeck.laws.base import Law
 
 REACHED = 0.5  # of v_s: exp(-1/4) = 78 % of the rise; a slower speed must have been seen for F_s to have an upper bound
@@ -24,6 +23,8 @@ STEP = 0.02  # of a shape's logarithm, for its slopes: their error is its square
 SPEEDS = 25  # at which the highest level of a curve is looked for, over three decades
 ANCHORED = 0.1  # of the level: the least coefficient with which slopes by a shape are taken; of 0 they are 0
 MOST_FORCE = 1e100  # N: squares of what is more overflow
+TABLE = 4001  # speeds of either sign in a table of a steady force
+_FORCE_LIKE = ("N", "N s/m")  # constants of these units may multiply
 ROUGH = 5.0  # times a law's example value, up and down: the range of a shape without a unit of speed
 
 
@@ -210,12 +211,15 @@ class SlidingCurve(SteadyCurve):
 
     def __init__(self, law: str, given: Mapping[str, float], free: Sequence[str]) -> None:
         super().__init__(law, given, free)
-        kind, self.sigma_2 = laws.find(law), False
-        example = {n: c.example or c.default or 1.0 for n, c in kind.constants().items() if not c.choices}
-        self._sliding = Sliding(kind, self.given, example)
-        optional = {n for n, c in kind.constants().items() if (c.optional or c.default is not None) and n not in free}
-        wanted = [n for n in self._sliding.seen if n not in self.given and n not in optional]
-        self.names = tuple(n for n in wanted if n in self._sliding.linear)
+        self._kind, self.sigma_2 = laws.find(law), False
+        constants = self._kind.constants()
+        example = {n: c.example or c.default or 1.0 for n, c in constants.items() if not c.choices and not c.optional}
+        self._base = {**example, **self.given}
+        usual = {n for n, c in constants.items() if (c.optional or c.default is not None) and n not in free}
+        seen = self._seen()
+        self._linear = self._linear_of(seen)
+        wanted = [n for n in seen if n not in self.given and n not in usual]
+        self.names = tuple(n for n in wanted if n in self._linear)
         self.shapes = tuple(n for n in wanted if n not in self.names)
         if not self.names:
             text = "is linear in none of its constants, so that no static fit finds them; must be fitted as 'dynamic'"
@@ -224,22 +228,19 @@ class SlidingCurve(SteadyCurve):
     def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
         """The derivatives by the constants, from a table over the speeds."""
         speeds, table = self._table(v, shape)
-        found = {n: np.interp(v, speeds, table[n]) for n in self.names}
-        if not all(np.all(abs(x) <= MOST_FORCE) for x in found.values()):
+        columns = {n: np.interp(v, speeds, table[n]) for n in self.names}
+        if not all(np.all(abs(x) <= MOST_FORCE) for x in columns.values()):
             text = f"gives no force within 1e100 in size at the speeds of this record ({v.min():.3g} to {v.max():.3g})"
-            raise InputError(f"law '{laws.find(self.law).name}': {text}")
-        return found
+            raise InputError(f"law '{self._kind.name}': {text}")
+        return columns
 
     def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
         """What given constants multiply."""
-        held = [n for n in self._sliding.linear if n in self.given]
+        held = [n for n in self._linear if n in self.given]
         if not held:
             return None
         speeds, table = self._table(v, shape)
         return np.asarray(sum(self.given[n] * np.interp(v, speeds, table[n]) for n in held))
-
-    def _table(self, v: Array, shape: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:
-        return self._sliding.table(shape, max(float(np.max(abs(v))), 1e-12), self._sliding.linear)
 
     def constants(
         self, c: Mapping[str, float], shape: Mapping[str, float], bends: Array, speeds: Array
@@ -250,6 +251,59 @@ class SlidingCurve(SteadyCurve):
     def sign(self, v: Array, shape: Mapping[str, float]) -> Array:
         """Of the speed."""
         return np.sign(v)
+
+    def _steady(self, values: Mapping[str, float], v: Array) -> Array:
+        """The steady force; not finite where the law has none."""
+        return np.asarray(self._kind({**self._base, **values}).steady_force(v))
+
+    def _table(self, v: Array, shape: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:
+        """Speeds, and what each linear constant multiplies there; straight lines between them are some 3e-6 off."""
+        fastest = max(float(np.max(abs(v))), 1e-12)
+        half = np.geomspace(1e-9 * fastest, 1.001 * fastest, TABLE)
+        speeds = np.concatenate([-half[::-1], [0.0], half])
+        return speeds, self._slopes_by(self._linear, shape, speeds)
+
+    def _slopes_by(self, names: Sequence[str], shape: Mapping[str, float], v: Array) -> dict[str, Array]:
+        """The derivative of the steady force by each of the (linear) constants."""
+        start, slopes = self._steady(shape, v), {}
+        for name in names:
+            value = self._base[name]
+            change = -0.1 * value if name == "F_c" else 0.5 * value or 1.0  # F_c stays below F_s
+            with np.errstate(invalid="ignore"):  # inf less inf
+                slopes[name] = (self._steady({**shape, name: value + change}, v) - start) / change
+        return slopes
+
+    def _probe(self) -> Array:
+        """Speeds at which the steady force shows what it depends on."""
+        level, viscous = self._base.get("F_c", 0.0), self._base.get("sigma_2", 0.0)
+        even = level / viscous if level > 0 and viscous > 0 else 0.03  # where both friction levels are alike, m/s
+        fastest = 3 * self._base["v_s"] if "v_s" in self._base else even
+        one_side = np.geomspace(1e-4 * fastest, 10 * fastest, 40)
+        return np.concatenate([-one_side[::-1], one_side])
+
+    def _seen(self) -> list[str]:
+        """The constants that the steady force depends on at all, by more than a thousandth for a tenth's change."""
+        first = self._steady({}, self._probe())
+        there = np.isfinite(first)
+        probe, first = self._probe()[there], first[there]
+        size = np.max(abs(first), initial=0.0)
+        seen = []
+        for name, value in self._base.items():
+            moved = self._steady({name: (0.95 if name == "F_c" else 1.1) * value}, probe)
+            if not there.any() or not np.max(abs(moved - first), initial=0.0) <= 1e-3 * size:
+                seen.append(name)
+        return seen
+
+    def _linear_of(self, seen: Sequence[str]) -> list[str]:
+        """The constants that the steady force is linear in."""
+        constants, probe = self._kind.constants(), self._probe()
+        names = [n for n, c in constants.items() if c.unit in _FORCE_LIKE and n in seen]
+        columns, bumped = self._slopes_by(names, {}, probe), {n: 1.3 * self._base[n] for n in names}
+        whole = self._steady(bumped, probe)
+        summed = np.sum([bumped[n] * columns[n] for n in names], axis=0) if names else np.zeros(len(probe))
+        there = np.isfinite(summed) & np.isfinite(whole)  # a law of the user's own may be for one direction
+        size = np.max(abs(whole[there]), initial=0.0)
+        return names if np.allclose(summed[there], whole[there], rtol=1e-6, atol=1e-9 * size) else []
 
 
 def curve_of(law: str, given: Mapping[str, float], free: Sequence[str] = ()) -> SteadyCurve:

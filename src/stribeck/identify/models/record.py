@@ -120,16 +120,14 @@ def record_of(
 
 def _blocks(log: Log, at: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Stretches of time, none over two files; and the file of each row."""
-    names = list(dict.fromkeys(log.files)) or [""]
-    number = np.array([names.index(n) for n in log.files] or [0] * (int(log.run.max()) + 1))
-    file = number[log.run[at]]
+    file = log.file_of_rows[at]
     n, block, used = len(at), np.empty(len(at), np.intp), 0
     for each in np.unique(file):
         rows = np.flatnonzero(file == each)
         count = int(np.clip(len(rows) // ROWS, FEWEST if len(rows) == n else 1, max(round(BLOCKS * len(rows) / n), 1)))
         block[rows] = used + np.arange(len(rows)) * count // len(rows)
         used += count
-    return block, file.astype(np.intp)
+    return block, file
 
 
 def _ringing(log: Log, q: int) -> NDArray[np.bool_]:

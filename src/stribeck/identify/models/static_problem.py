@@ -17,8 +17,8 @@ from stribeck.identify.log import Log
 Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
 RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
-_MOST_ROWS = 25_000
-_MOST_RAW = 100_000  # rows of a record: more tell nothing new
+MOST_ROWS = 25_000  # of a fit: more tell nothing new behind the filter
+MOST_RAW = 100_000  # rows of a record: more tell nothing new
 _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
 _FEW = 400  # rows: fewer do not show a bend of the curve, however little of the force's power lies in them
 _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sign, by which they differ
@@ -63,7 +63,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     if share <= _LITTLE_REST or share > 0.98:
         rest[:] = False
     smeared = _beside(rest, log)
-    if len(log) > _MOST_RAW:
+    if len(log) > MOST_RAW:
         log, every = in_stretches(log, rest)
         rest, smeared = rest[every], smeared[every]
         notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
@@ -108,7 +108,7 @@ def decimation(log: Log, few: int = _FEW) -> tuple[int, str]:
     shortest = min(r.stop - r.start for r in log.runs())
     while q > 1 and (shortest < 30 * q or len(log) < few * q):
         q = RATES[RATES.index(q) - 1]
-    while len(log) / q > _MOST_ROWS and q < RATES[-1]:
+    while len(log) / q > MOST_ROWS and q < RATES[-1]:
         q = next(r for r in RATES if r > q)
     return q, f"{100 * _POWER_KEPT:g} % of the force's power lies below {band:.3g} Hz: one row in {q} is fitted"
 
@@ -183,7 +183,7 @@ def in_stretches(log: Log, rest: NDArray[np.bool_]) -> tuple[Log, NDArray[np.int
     """Stretches of a long record, evenly over what moves of every run, as runs of their own; and which rows these are."""
     parts, owner = [], []
     runs = list(log.runs())
-    shares = [max(int(_MOST_RAW * (r.stop - r.start) / len(log)), 1) for r in runs]
+    shares = [max(int(MOST_RAW * (r.stop - r.start) / len(log)), 1) for r in runs]
     counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, _BLOCKS)) for share in shares]
     usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
     for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):

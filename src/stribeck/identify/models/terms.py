@@ -19,8 +19,8 @@ class Term:
 
     Attributes:
         unit: of the coefficient.
-        meaning: in a line.
-        column: the log's column; None for a delay, which shifts the motion instead.
+        meaning: in a line; ``factor``: what it multiplies, as text.
+        column: the log's column; None for a number that has none of its own, such as a delay.
         level: multiplies the law's sliding level instead of standing alone: F_c (and F_s) grow by it.
         needs: the optional column of the log that it takes.
         positive: the coefficient must be so.
@@ -30,7 +30,8 @@ class Term:
 
     unit: str
     meaning: str
-    column: Callable[..., Array] | None
+    factor: str = ""
+    column: Callable[..., Array] | None = None
     level: bool = False
     needs: str = ""
     positive: bool = False
@@ -39,50 +40,48 @@ class Term:
 
 
 TERMS: dict[str, Term] = {
-    "mass": Term("kg", "inertia", lambda log: log.acceleration, positive=True),
-    "offset": Term("N", "constant force, such as gravity", lambda log: np.ones(len(log))),
-    "stiffness": Term("N/m", "spring to ground", lambda log: log.position),
-    "gravity_sin": Term("N", "what the sine of the position (rad) multiplies: an arm's weight", lambda log: np.sin(log.position)),
-    "gravity_cos": Term("N", "what its cosine multiplies", lambda log: np.cos(log.position)),
+    "mass": Term("kg", "inertia", "a", lambda log: log.acceleration, positive=True),
+    "offset": Term("N", "constant force, such as gravity", "1", lambda log: np.ones(len(log))),
+    "stiffness": Term("N/m", "spring to ground", "y", lambda log: log.position),
+    "gravity_sin": Term(
+        "N", "what the sine of the position (rad) multiplies: an arm's weight", "sin(y)", lambda log: np.sin(log.position)
+    ),
+    "gravity_cos": Term("N", "what its cosine multiplies", "cos(y)", lambda log: np.cos(log.position)),
     "ripple_sin": Term(
-        "N", "what the sine of ripple_waves times the position multiplies: cogging",
+        "N", "what the sine of ripple_waves times the position multiplies: cogging", "sin(ripple_waves y)",
         lambda log, waves: np.sin(waves * log.position), of="ripple_waves",
     ),
     "ripple_cos": Term(
-        "N", "what its cosine multiplies", lambda log, waves: np.cos(waves * log.position), of="ripple_waves"
+        "N", "what its cosine multiplies", "cos(ripple_waves y)", lambda log, waves: np.cos(waves * log.position),
+        of="ripple_waves",
     ),
-    "ripple_waves": Term("1/m", "2 pi over the length of the ripple: waves in a turn", None, positive=True),
-    "area": Term("m^2", "area that the pressure pushes on", lambda log: _get(log.pressure), needs="pressure"),
+    "ripple_waves": Term("1/m", "2 pi over the length of the ripple: waves in a turn", positive=True),
+    "area": Term("m^2", "area that the pressure pushes on", "p", lambda log: log.pressure, needs="pressure"),
     "sigma_2_by_direction": Term(
-        "N s/m", "half of what viscous friction is more forwards", lambda log: abs(log.velocity), friction=True
+        "N s/m", "half of what viscous friction is more forwards", "|v|", lambda log: abs(log.velocity), friction=True
     ),
     "drag": Term(
-        "N s^2/m^2", "friction that grows with the square of the speed: air, oil that is churned",
+        "N s^2/m^2", "friction that grows with the square of the speed: air, oil that is churned", "v |v|",
         lambda log: log.velocity * abs(log.velocity), positive=True, friction=True,
     ),
     "thinning": Term(
-        "N s^0.5/m^0.5", "friction that grows with the root of the speed: grease that thins",
+        "N s^0.5/m^0.5", "friction that grows with the root of the speed: grease that thins", "sign(v) sqrt(|v|)",
         lambda log: np.sign(log.velocity) * np.sqrt(abs(log.velocity)), positive=True, friction=True,
     ),
     "F_c_by_direction": Term(
-        "N", "half of what the friction level is more forwards", lambda log: np.sign(log.velocity), level=True
+        "N", "half of what the friction level is more forwards", "sign(v)", lambda log: np.sign(log.velocity), level=True
     ),
-    "F_c_by_position": Term("N/m", "growth of the friction level with position", lambda log: log.position, level=True),
-    "F_c_by_load": Term("1", "growth of the friction level with load", lambda log: _get(log.load), True, "load"),
-    "F_c_by_pressure": Term("m^2", "growth of the level with pressure", lambda log: _get(log.pressure), True, "pressure"),
+    "F_c_by_position": Term("N/m", "growth of the friction level with position", "y", lambda log: log.position, level=True),
+    "F_c_by_load": Term("1", "growth of the friction level with load", "N", lambda log: log.load, True, "load"),
+    "F_c_by_pressure": Term("m^2", "growth of the level with pressure", "p", lambda log: log.pressure, True, "pressure"),
     "F_c_by_time": Term(
-        "N/s", "growth of the level with time, about the middle of the record: warmth", lambda log: _about_middle(log.time), True
+        "N/s", "growth of the level with time, about the middle of the record: warmth", "t",
+        lambda log: _about_middle(log.time), True,
     ),
-    "delay": Term("s", "time by which the measured motion lags the force", None),
+    "delay": Term("s", "time by which the measured motion lags the force"),
 }  # fmt: skip
-OF_RECORD = ("F_c_by_time",)  # what went on during that record, and is not taken to another
 RIPPLE = ("ripple_sin", "ripple_cos", "ripple_waves")  # one without the others is none
 OF_MOTION = ("delay", *RIPPLE)  # numbers that a column hangs on: a fit by simulation finds them as shapes
-
-
-def _get(column: Array | None) -> Array:
-    assert column is not None
-    return column
 
 
 def _about_middle(time: Array) -> Array:
@@ -96,16 +95,12 @@ def column(name: str, log: Log, values: Mapping[str, float]) -> Array:
     return term.column(log, values[term.of]) if term.of else term.column(log)
 
 
-def problem(name: str, value: float | str) -> str:
+def problem(name: str, value: object) -> str:
     """What is wrong with a value that is given for a term; nothing where it may be so."""
     of_ripple, positive = name == "ripple_waves", TERMS[name].positive
     least = "above 0, and" if of_ripple else "from 0, and" if positive else "of"
-    if (
-        not isinstance(value, str)
-        and abs(value) <= LARGEST
-        and not (positive and value < 0)
-        and (value or not of_ripple)
-    ):
+    number = value if isinstance(value, int | float) and not isinstance(value, bool) else float("nan")
+    if abs(number) <= LARGEST and not (positive and number < 0) and (number or not of_ripple):
         return ""
     return f"must be a number {least} at most {LARGEST:g}"
 
