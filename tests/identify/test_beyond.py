@@ -32,7 +32,7 @@ def test_the_errors_beyond_and_within_are_those_of_their_rows():
     assert found.error == pytest.approx(np.sqrt((0.4**2 + 1) / 8))
     assert found.within == pytest.approx(0.1)
     assert {n: w[0] for n, w in found.what.items()} == {"velocity": 1, "position": 2}
-    assert found.told() == (
+    assert found.text() == (
         "2 rows (50%) lie beyond what was fitted: velocity from 0.1 to 0.9 m/s, seen from 0 to 0.5; "
         "position from 0 to 2 m, seen from 0 to 1"
     )
@@ -59,7 +59,7 @@ def test_rows_at_rest_and_loads_of_which_no_term_is_do_not_count():
     moves = np.array([True, True, False])
     assert beyond(ranges, (), there, moves, np.zeros(3)).rows == 0
     found = beyond(ranges, ("F_c_by_load",), there, moves, np.zeros(3))
-    assert (found.rows, list(found.what), found.told()[:31]) == (1, ["load"], "1 rows (50%) lie beyond what wa")
+    assert (found.rows, list(found.what), found.text()[:31]) == (1, ["load"], "1 rows (50%) lie beyond what wa")
 
 
 def test_a_position_that_nobody_measured_has_no_range():
@@ -97,5 +97,5 @@ def test_a_range_that_is_none_is_refused(tmp_path, range_):
     data = json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))
     data["seen"]["velocity"] = range_
     (tmp_path / "fit.json").write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(InputError, match=r"seen: .*: must be a table of ranges"):
+    with pytest.raises(InputError, match=r"seen.velocity: .*: must be a range"):
         Fit.load(tmp_path)

@@ -45,7 +45,7 @@ class Beyond:
         }
         return {"rows": self.rows, "of": self.of, "error": self.error, "within": self.within, "what": what}
 
-    def told(self) -> str:
+    def text(self) -> str:
         """In a line; nothing where no row lies beyond."""
         if not self.rows:
             return ""
@@ -68,11 +68,11 @@ def seen(log: Log, rows: NDArray[np.bool_]) -> dict[str, tuple[float, float]]:
 
 def _hangs_on(terms: Collection[str], ranges: Mapping[str, Sequence[float]]) -> list[str]:
     """The quantities on which a model with these terms hangs, and of which not all is seen."""
-    found = ["velocity", *(need for n in terms if (need := TERMS[n].needs))]
+    quantities = ["velocity", *(need for n in terms if (need := TERMS[n].needs))]
     turn = "position" in ranges and ranges["position"][1] - ranges["position"][0] >= 2 * np.pi
     if set(_GROWS) & set(terms) or (set(_TURNS) & set(terms) and not turn):
-        found.append("position")
-    return [n for n in dict.fromkeys(found) if n in ranges]
+        quantities.append("position")
+    return [n for n in dict.fromkeys(quantities) if n in ranges]
 
 
 def beyond(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from stribeck import laws
-from stribeck.constants import show
+from stribeck.constants import Constant, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.recordings import Sought, sought_of
 from stribeck.identify.data.quality import LARGEST
@@ -66,10 +66,10 @@ class FitOptions:
         Raises:
             InputError: a line of it is wrong; a line for each.
         """
-        found, problems = sought_of(self.unknown, argument=True)
+        entries, problems = sought_of(self.unknown, argument=True)
         if problems:
             raise InputError(problems)
-        return {x.path: x for x in found}
+        return {x.path: x for x in entries}
 
     @cached_property
     def bounds(self) -> dict[str, tuple[float, float]]:
@@ -109,86 +109,72 @@ class FitOptions:
         Raises:
             InputError: constants, the mass or options that the method has not; a line for each problem.
         """
-        if problems := [*self._wrong_constants(law), *self.wrong_mass(), *self._wrong_unknown(law)]:
+        kind = laws.find(law)
+        known, method = kind.constants(), self.method_for(kind)
+        problems = self._wrong_given(known, f"law '{law}' has no such constant") + self._wrong_free(law)
+        if not problems:
+            broken = kind.broken({n: x for n, x in self.constants.items() if n in known})
+            problems += [f"{arg(f'constants.{name}')}: {text}" for name, text in broken]
+        sought = [n for n in self.sought if n not in (*known, *TERMS) or n in self.constants]
+        problems += [f"{arg('unknown')}: {n}: is not sought{nearest(n, (*known, *TERMS))}" for n in sought]
+        if problems:
             raise InputError(problems)
-        method = self.method_for(laws.find(law))
-        if method != "static" and (wrong := self._only_static()):
-            raise InputError([f"{arg(name)}: belongs to {arg('method')} static, not {method}" for name in wrong])
-        if method == "static" and laws.find(law).has_z:
+        only_static = {"forms": not self.forms, "filter": self.filter, "weight": not self.weight, "speed": self.speeds}
+        if method != "static":
+            problems = [
+                f"{arg(n)}: belongs to {arg('method')} static, not {method}" for n, x in only_static.items() if x
+            ]
+        elif kind.has_z:
             text = f"law '{law}' has bristles, which a static fit does not see; must be a static law, such as stribeck"
-            raise InputError(f"{arg('method')}: 'static': {text}")
-        if method == "static" and (moved := [n for n in (*self.terms, *self.constants) if n in OF_MOTION]):
+            problems = [f"{arg('method')}: 'static': {text}"]
+        else:
             text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"
-            raise InputError([f"{arg('terms')}: {n!r}: {text}" for n in moved])
-        if method != "dynamic" and self.output != "force":
-            raise InputError(f"{arg('output')}: {self.output!r}: belongs to {arg('method')} dynamic, not {method}")
+            problems = [f"{arg('terms')}: {n!r}: {text}" for n in (*self.terms, *self.constants) if n in OF_MOTION]
+            if self.output != "force":
+                problems.append(f"{arg('output')}: {self.output!r}: belongs to {arg('method')} dynamic, not {method}")
+        if problems:
+            raise InputError(problems)
 
     def check_without_law(self) -> None:
         """Refuse what cannot be asked where the law is looked for.
 
         Raises:
-            InputError: options that need a law; the mass.
+            InputError: options that need a law; constants and the mass.
         """
         if self.method not in (None, "static") or self.free:
             option = "free" if self.free else "method"
             raise InputError(f"{arg(option)}: needs {arg('law')}: without one, static laws are compared")
-        known = {n for kind in laws.builtin().values() for n in kind.constants()}
-        unknown = [n for n in self.constants if n not in known and n not in TERMS]
-        texts = [f"{arg('constants')}: {n}: no law has such a constant{nearest(n, known)}" for n in unknown]
-        if wrong := [*self.wrong_mass(), *self._wrong_terms(), *texts]:
-            raise InputError(wrong)
+        known = {n: c for kind in laws.builtin().values() for n, c in kind.constants().items()}
+        if problems := self._wrong_given(known, "no law has such a constant"):
+            raise InputError(problems)
 
-    def wrong_mass(self) -> list[str]:
-        """What is wrong with the mass."""
+    def _wrong_given(self, known: Mapping[str, Constant], unknown: str) -> list[str]:
+        """What is wrong with given constants and terms, and with the mass."""
+        problems = []
+        for name, value in self.constants.items():
+            if name not in known and name not in TERMS:
+                problems.append(f"{arg('constants')}: {name}: {unknown}{nearest(name, known)}")
+            elif text := known[name].problem(value) if name in known else problem(name, value):
+                problems.append(f"{arg(f'constants.{name}')}: {show(value)}: {text}")
         if self.mass is not None and "mass" in self.constants:
-            return [
-                f"{arg('mass')}: {show(self.mass)}: is given with {arg('constants')} as well; must be one of the two"
-            ]
-        if self.mass is None or 0 <= self.mass <= LARGEST:
-            return []
-        return [f"{arg('mass')}: {show(self.mass)}: must be a number from 0 to {LARGEST:g}"]
-
-    def _wrong_constants(self, law: str) -> list[str]:
-        found = laws.find(law).constants()
-        problems = [
-            f"{arg(argument)}: {name}: law '{law}' has no such constant{nearest(name, found)}"
-            for argument, names in (("constants", self.constants), ("free", self.free))
-            for name in names
-            if name not in found and not (argument == "constants" and name in TERMS)
-        ]
-        problems += [
-            f"{arg(f'constants.{name}')}: {show(value)}: {text}"
-            for name, value in self.constants.items()
-            if name in found and (text := found[name].problem(value))
-        ]
-        if not problems:
-            broken = laws.find(law).broken({n: x for n, x in self.constants.items() if n in found})
-            problems += [f"{arg(f'constants.{name}')}: {text}" for name, text in broken]
-        problems += self._wrong_terms()
-        problems += [
-            f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"
-            for name in self.free
-            if name in found and found[name].choices
-        ]
-        problems += [
-            f"{arg('free')}: {name}: is given with {arg('constants')} as well; must be one of the two"
-            for name in self.free
-            if name in self.constants and not (name in found and found[name].choices)
-        ]
+            text = f"is given with {arg('constants')} as well; must be one of the two"
+            problems.append(f"{arg('mass')}: {show(self.mass)}: {text}")
+        elif self.mass is not None and not 0 <= self.mass <= LARGEST:
+            problems.append(f"{arg('mass')}: {show(self.mass)}: must be a number from 0 to {LARGEST:g}")
         return problems
 
-    def _wrong_unknown(self, law: str) -> list[str]:
-        known = [*laws.find(law).constants(), *TERMS]
-        wrong = [n for n in self.sought if n not in known or n in self.constants]
-        return [f"{arg('unknown')}: {n}: is not sought{nearest(n, known)}" for n in wrong]
-
-    def _wrong_terms(self) -> list[str]:
-        return [
-            f"{arg(f'constants.{name}')}: {show(value)}: {text}"
-            for name, value in self.constants.items()
-            if name in TERMS and (text := problem(name, value))
-        ]
-
-    def _only_static(self) -> list[str]:
-        given = {"forms": not self.forms, "filter": self.filter, "weight": not self.weight, "speed": self.speeds}
-        return [name for name, value in given.items() if value]
+    def _wrong_free(self, law: str) -> list[str]:
+        """What is wrong with constants that are to be fitted."""
+        known, problems = laws.find(law).constants(), []
+        for name in self.free:
+            if name not in known:
+                problems.append(f"{arg('free')}: {name}: law '{law}' has no such constant{nearest(name, known)}")
+            elif known[name].choices:
+                problems.append(
+                    f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"
+                )
+            elif name in self.constants:
+                problems.append(
+                    f"{arg('free')}: {name}: is given with {arg('constants')} as well; must be one of the two"
+                )
+        return problems

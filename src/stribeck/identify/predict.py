@@ -73,16 +73,18 @@ class Predicted(Told):
 
     def notes(self) -> list[str]:
         """What a reader should know, a sentence each."""
-        out = []
+        notes = []
         if self.fitted:
-            out.append("The fit was made from this record: predict a record of another motion to test it.")
+            notes.append("The fit was made from this record: predict a record of another motion to test it.")
         if self.constant_error <= self.force_error:
-            out.append("A constant force predicts this record better: the model says nothing about it.")
+            notes.append("A constant force predicts this record better: the model says nothing about it.")
         if (self.model.missed or 0.0) > EXPLAINED:
-            out.append("The fit itself leaves more than a quarter of its force's deviation: its model lacks something.")
-        if self.beyond and (told := self.beyond.told()):
-            out.append(f"{told[:1].upper()}{told[1:]}.")
-        return out
+            notes.append(
+                "The fit itself leaves more than a quarter of its force's deviation: its model lacks something."
+            )
+        if self.beyond and (outside := self.beyond.text()):
+            notes.append(f"{outside[:1].upper()}{outside[1:]}.")
+        return notes
 
 
 def predict(

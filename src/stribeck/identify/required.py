@@ -51,15 +51,15 @@ def _paths(fit: Fit, require: Mapping[str, float]) -> dict[str, float]:
     Raises:
         InputError: the fit has no such number; a line for each.
     """
-    found, wrong = dict[str, float](), list[str]()
+    shares, wrong = dict[str, float](), list[str]()
     for name, share in require.items():
         try:
-            found[fit.path_of(name)] = share
+            shares[fit.path_of(name)] = share
         except KeyError as error:
             wrong.append(f"{arg('require')}: {error.args[0]}")
     if wrong:
         raise InputError(wrong)
-    return found
+    return shares
 
 
 def half_width(ends: tuple[float, float] | None, value: float) -> float:
@@ -90,16 +90,16 @@ def _experiment(fit: Fit, name: str) -> str:
 
 def _note(name: str, e: Estimate, share: float) -> str:
     """What is missing, and what to measure, in one sentence."""
-    own, wide = half_width(e.interval, e.value), half_width(e.range or e.interval, e.value)
+    narrow, wide = half_width(e.interval, e.value), half_width(e.range or e.interval, e.value)
     if e.state in (EstimateState.AT_LEAST, EstimateState.AT_MOST):
         known = f"is known as a bound only ({e.state})"
-    elif own > share:
-        known = f"is known within {_share(own)} by its interval" if np.isfinite(own) else "has an open interval"
+    elif narrow > share:
+        known = f"is known within {_share(narrow)} by its interval" if np.isfinite(narrow) else "has an open interval"
     elif wide <= share:
         known = f"is known within {_share(wide)}, but this fit is doubted, as the other notes say"
     else:
         cause = f", because of {e.depends_on}" if e.depends_on else ""
-        known = f"is known within {_share(own)} by its interval, but {_share(wide)} by its model range{cause}"
+        known = f"is known within {_share(narrow)} by its interval, but {_share(wide)} by its model range{cause}"
     measure = f". To measure: {e.experiment}" if e.experiment else ""
     return f"{name} {known}; {percent(share)} is required{measure}."
 

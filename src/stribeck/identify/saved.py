@@ -69,7 +69,6 @@ def _of_machine(fit: MachineFit, folder: Path) -> dict[str, object]:
 # -- reading -----------------------------------------------------------------------------------------------------------
 
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-Share = Annotated[float, Field(ge=0, le=LARGEST)]
 Some = TypeVar("Some")
 
 
@@ -108,10 +107,10 @@ def _gain_of(x: object) -> object:
 class SavedErrors(FileTable):
     """The errors of a fit of a log."""
 
-    relative_force_error: Share | None
-    cross_validated_error: Share | None
-    friction_error: Share | None
-    missed: Share | None
+    relative_force_error: float | None = Field(ge=0, le=LARGEST)
+    cross_validated_error: float | None = Field(ge=0, le=LARGEST)
+    friction_error: float | None = Field(ge=0, le=LARGEST)
+    missed: float | None = Field(ge=0, le=LARGEST)
 
 
 class SavedFit(FileTable):
@@ -148,7 +147,7 @@ class SavedLogFit(SavedFit):
     columns: dict[str, str]
     units: dict[str, str]
     force_gain: Annotated[float | str | None, _made_by(_gain_of, "a number, or a name")]
-    cutoff: Share | None
+    cutoff: float | None = Field(ge=0, le=LARGEST)
     output: Literal["force", "position", "velocity"]
     published: bool
     simulated: bool

@@ -51,27 +51,22 @@ def beside(path: Path) -> ColumnNames:
     data = read_toml(path) if path.is_file() else {}
     if "schema" in data:
         return ColumnNames()
+    known, columns = ("columns", "units", "force_gain"), data.get("columns", {})
     problems = [
-        f"{path}: {key}: unknown key{nearest(key, ('columns', 'units', 'force_gain'))} (known: columns, units, force_gain)"
-        for key in data
-        if key not in ("columns", "units", "force_gain")
+        f"{key}: unknown key{nearest(key, known)} (known: {', '.join(known)})" for key in data if key not in known
     ]
     for table in ("columns", "units"):
-        given = data.get(table, {})
-        if not isinstance(given, dict) or not all(isinstance(v, str | int) for v in given.values()):
-            problems.append(f"{path}: {table}: {show(given)}: must be a table of names")
-        elif table == "columns":
-            problems += [
-                f"{path}: columns.{key}: unknown key{nearest(key, ROLES)} (known: {', '.join(ROLES)})"
-                for key in given
-                if key not in ROLES
-            ]
+        names = data.get(table, {})
+        if not isinstance(names, dict) or not all(isinstance(x, str | int) for x in names.values()):
+            problems.append(f"{table}: {show(names)}: must be a table of names")
+    strange = [key for key in columns if key not in ROLES] if isinstance(columns, dict) else []
+    problems += [f"columns.{key}: unknown key{nearest(key, ROLES)} (known: {', '.join(ROLES)})" for key in strange]
     gain = data.get("force_gain")
     if gain is not None and not isinstance(gain, str | int | float):
-        problems.append(f"{path}: force_gain: {show(gain)}: must be a number or the name of a constant in the data")
+        problems.append(f"force_gain: {show(gain)}: must be a number or the name of a constant in the data")
     if problems:
-        raise InputError(problems)
-    names, units = ({str(k): str(v) for k, v in data.get(table, {}).items()} for table in ("columns", "units"))
+        raise InputError([f"{path}: {text}" for text in problems])
+    names, units = ({str(k): str(x) for k, x in data.get(table, {}).items()} for table in ("columns", "units"))
     return ColumnNames(names, units, gain)
 
 
@@ -101,19 +96,13 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
     """
     source = opened(data)
     columns = named_in(source, columns)
-    problems = _missing(columns, source, needs_force)
-    wanted = {}
-    for role, name in columns.names.items():
-        if name in source.names:
-            wanted[role] = name
-        else:
-            problems.append(no_column(role, name, source))
-    used = set(columns.names.values())
+    used, problems = set(columns.names.values()), _missing(columns, source, needs_force)
+    wanted = {role: name for role, name in columns.names.items() if name in source.names}
+    problems += [no_column(role, name, source) for role, name in columns.names.items() if role not in wanted]
     problems += [
         f"{arg('units')}: {name!r}: no column of that name is used{nearest(name, used)}"
-        for name in columns.units
-        if name not in used
-    ]
+        for name in columns.units if name not in used
+    ]  # fmt: skip
     factors: dict[str, float] = {}
     for role, name in wanted.items():
         try:
@@ -123,37 +112,30 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
     gain = _gain(columns, source, problems)
     if problems:
         raise InputError(problems)
-    found = source.columns(wanted)
+    values = source.columns(wanted)
     if (arrow := sys.modules.get("pyarrow")) is not None:
         arrow.default_memory_pool().release_unused()  # it would keep as much as the columns take
     if "force" in factors:
         factors["force"] *= gain
-    for role, column in found.items():
+    for role, column in values.items():
         if not column.flags.writeable:  # a data frame's own memory
-            found[role] = column = column.copy()
+            values[role] = column = column.copy()
         if factors[role] != 1.0:
             with np.errstate(over="ignore"):
                 np.multiply(column, factors[role], out=column)
         column[np.isinf(column)] = np.nan  # no number either
-    return found
+    return values
 
 
 def _missing(columns: ColumnNames, source: Source, needs_force: bool) -> list[str]:
     """What must be named and is not."""
-    path = source.path
-    problems: list[str] = []
+    there, problems = f"({source.path} has {listed(source.names)})", []
     if "time" not in columns.names:
-        problems.append(
-            f"{arg('time')}: must be given, the name of the time column ({path} has {listed(source.names)})"
-        )
+        problems.append(f"{arg('time')}: must be given, the name of the time column {there}")
     if needs_force and not {"position", "velocity"} & set(columns.names):
-        problems.append(
-            f"{arg('position')} or {arg('velocity')}: must be given (columns of {path}: {listed(source.names)})"
-        )
+        problems.append(f"{arg('position')} or {arg('velocity')}: must be given {there}")
     if needs_force and "force" not in columns.names:
-        problems.append(
-            f"{arg('force')}: must be given, the column of the driving force ({path} has {listed(source.names)})"
-        )
+        problems.append(f"{arg('force')}: must be given, the column of the driving force {there}")
     return problems
 
 

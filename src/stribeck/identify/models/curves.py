@@ -68,7 +68,7 @@ class SteadyCurve(ABC):
         """The least value that the law allows a constant; -inf for what is none of its constants."""
         constant = laws.find(self.law).constants().get(name)
         bounds = () if constant is None else (constant.above, constant.at_least)
-        return max((x for x in bounds if x is not None), default=-np.inf)
+        return float(max((x for x in bounds if x is not None), default=-np.inf))
 
     def coulomb(self, value: Mapping[str, float], otherwise: float) -> float:
         """The Coulomb level among estimates."""
