@@ -20,7 +20,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, StribeckError, arg
-from stribeck.identify.actuator.api import Fitting, fitting_of
+from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit, Trace
@@ -155,9 +155,8 @@ def simulated(
     sought, names = _sought(model, log, options)
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
     logs = Logs(tuple(recordings if rough else _doubted(recordings, log, model)), sought)
-    fitting = fitting_of(
-        _scenario(model, log.rotary), logs, starts=options.starts, seed=options.seed, progress=progress, advised=False
-    )
+    scenario = _scenario(model, log.rotary)
+    fitting = Fitting(scenario, logs, options.starts, options.seed, progress, advised=False)
     with threadpool_limits(1):
         return Simulated(log, model, names, fitting, fitting.estimated(rough))
 

@@ -12,8 +12,7 @@ from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.regression import regressed
-from stribeck.identify.actuator.shooting import relayed
-from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.actuator.starts import problem_of
 
 TRUTH = {
     "contacts.mesh.law.parameters.F_c": 0.4, "contacts.mesh.law.parameters.sigma_2": 0.03, "bodies.rotor.inertia": 0.02,
@@ -80,11 +79,10 @@ def test_stretches_that_begin_anywhere_are_seen_to(motion):
     recording = Recording("chain.csv", t, {"rotor.y": Channel("y", t, y)}, {}, known, window=0.5)
     true = Scenario(chain(2.0)).with_changes(TRUTH)
     sought = coordinates(true, Logs((recording,), tuple(Sought(name, x / 4, 4 * x) for name, x in TRUTH.items())))
-    runs, own = prepared(true, [(0, recording)], set(TRUTH))
-    problem = MachineProblem(runs, [*sought, *own], {"rotor.y": NOISE})
+    problem = problem_of(true, [(0, recording)], sought, {"rotor.y": NOISE})
     u = problem.start()
     chosen = regressed(problem, u)
     _, k, *_ = chosen.choose(np.ones(len(chosen.library.gram)), alone=False)
     assert "stretches" in chosen.library.models[k][1]
-    followed = MachineProblem(relayed(problem, u), problem.sought, problem.noise)
+    followed = MachineProblem(problem.handed_on(u), problem.sought, problem.noise)
     assert "stretches" not in regressed(followed, u).library.groups

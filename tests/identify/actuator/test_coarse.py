@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.actuator.coarse import coarser
+from stribeck.identify.actuator.guided import coarser
 from stribeck.identify.actuator.recordings import Channel, Recording
 
 T = 1e-3 * np.arange(8001)

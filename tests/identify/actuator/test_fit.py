@@ -12,7 +12,7 @@ from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun
-from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.actuator.starts import problem_of
 from stribeck.scenario import Scenario
 from tests.identify.actuator.recorded import body, logs, record
 from tests.machine.independent import solve
@@ -59,10 +59,9 @@ def test_no_point_of_a_recording_is_simulated_twice(recordings, monkeypatch):
     given = read_logs(logs(recordings, ["run0.csv", "run1.csv"], WANTED))
     scenario = Scenario(machine())
     sought, noise = coordinates(scenario, given), {"a.y": 1e-5}
-    runs, own = prepared(scenario, list(enumerate(given.recordings)), {c.name for c in sought})
     asked = []
     monkeypatch.setattr(RecordedRun, "predict", counted(asked, RecordedRun.predict))
-    problem = MachineProblem(runs, [*sought, *own], noise)
+    problem = problem_of(scenario, list(enumerate(given.recordings)), sought, noise)
     start = problem.start()
     points = np.stack([start, start, start + 0.01, start])
     first = problem.residuals(points)
@@ -72,7 +71,7 @@ def test_no_point_of_a_recording_is_simulated_twice(recordings, monkeypatch):
     again = problem.residuals(points)
     assert sorted(asked) == [1, 2, 2]
     assert again[[0, 1, 3]].tobytes() == first[[0, 1, 3]].tobytes()
-    assert again.tobytes() == MachineProblem(runs, problem.sought, noise).residuals(points).tobytes()
+    assert again.tobytes() == MachineProblem(problem.runs, problem.sought, noise).residuals(points).tobytes()
 
 
 def counted(lanes, predict):
@@ -131,7 +130,7 @@ def test_mistakes_in_the_file_are_told_line_by_line(recordings):
     with pytest.raises(InputError) as error:
         read_logs(logs(recordings, [entry], {F_C: {"low": 2.0, "high": 1.0}, MASS: {"lo": 1.0}}))
     text = "\n".join(error.value.problems)
-    for words in ("furlong", "known.bodies.a.mass", "must be > low", "lo: unknown key"):
+    for words in ("furlong", "known.bodies.a.mass", "must be > low", "lo: 1.0: unknown key"):
         assert words in text
     with pytest.raises(InputError, match=r"outputs\.a\.q: no such column"):
         fit_machine(machine(), logs(recordings, [{"file": "run0.csv", "outputs": {"a.q": "y"}}], WANTED))

@@ -6,10 +6,9 @@ import pytest
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.guided import Guides
-from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.residuals import leftovers
-from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.actuator.starts import problem_of
 from tests.identify.actuator.recorded import NOISE, body
 from tests.machine.independent import solve
 
@@ -27,8 +26,7 @@ def recording():
 
 def left(scenario, recordings):
     """The residual of the measured position, of its changes."""
-    runs, starts = prepared(scenario, recordings, set())
-    problem = MachineProblem(runs, starts, {"a.y": NOISE})
+    problem = problem_of(scenario, recordings, [], {"a.y": NOISE})
     rms, size = leftovers(problem, problem.start())["a.y"]
     return rms / size
 

@@ -45,7 +45,7 @@ def test_what_is_wrong_with_held_is_said(tmp_path):
     lines = [line.partition(": ")[2] for line in told.value.problems]
     assert lines == [
         "log.0.outputs.a.y.held: true: must be said of an input: an output is a sample",
-        "log.0.inputs.x.held: 1: must be true or false",
+        "log.0.inputs.x.held: 1: must be true or false, not a number",
     ]
 
 

@@ -10,9 +10,8 @@ from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.lacks import RunMotion, missing_forms
-from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
-from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.actuator.starts import problem_of
 
 STEP, NOISE, STEEP = 0.005, 5e-4, 50.0
 LAW = "contacts.joint.law.parameters."
@@ -124,11 +123,10 @@ def test_a_torque_that_was_sampled_too_coarsely_is_named(every):
     assert not outside(found)
 
 
-def problem_of(window=None, data=None):
+def arms_problem(window=None, data=None):
     u, scenario = pushed(1.0), Scenario(data or arm())
     sought = [MachineCoordinate(n, x / 5, 5 * x, x, None, {n: 1.0}) for n, x in TRUTH.items()]
-    runs, own = prepared(scenario, [(0, recording(u, turned(u), window=window))], set(TRUTH))
-    return MachineProblem(runs, [*sought, *own], {"arm.y": NOISE})
+    return problem_of(scenario, [(0, recording(u, turned(u), window=window))], sought, {"arm.y": NOISE})
 
 
 def slopes(problem):
@@ -141,7 +139,7 @@ def slopes(problem):
 
 def test_slopes_of_a_term_are_those_of_scipy():
     """The residuals with a small term, and without, by equations that share nothing with ours."""
-    u, found = pushed(1.0), slopes(problem_of())
+    u, found = pushed(1.0), slopes(arms_problem())
     plain = turned(u)
     v = np.gradient(plain, T)
     size = np.sqrt(np.mean((TRUTH[f"{LAW}F_c"] * sign(v) + TRUTH[f"{LAW}sigma_2"] * v) ** 2))  # of the friction
@@ -159,8 +157,8 @@ def test_slopes_of_a_term_are_those_of_scipy():
 
 def test_stretches_have_the_slopes_of_their_own_starts():
     """What plays in a stretch begins with it: slopes are 0 where it begins, and those of the first are those of the whole."""
-    parts = problem_of(window=0.3)
-    found, there = slopes(problem_of()), slopes(parts)
+    parts = arms_problem(window=0.3)
+    found, there = slopes(arms_problem()), slopes(parts)
     for name in (("joint: drag", 0), ("joint: offset", 0)):
         first = there[name][: parts.runs[0].size]
         assert np.allclose(first, found[name][: len(first)], atol=0.02 * abs(first).max())
@@ -172,7 +170,7 @@ def test_a_driven_body_feels_no_term():
     belt = {"arm": {"inertia": 0.2, "initial": {"y": 0.0, "v": 0.0}}, "belt": {"velocity": {"signal": STILL}}}
     law = {"name": "coulomb_viscous", "k_v": STEEP, "parameters": {"F_c": 0.12, "sigma_2": 0.06}}
     data = arm(bodies=belt, contacts={"joint": {"from": "arm", "to": "belt", "law": law}})
-    beside = slopes(problem_of())
-    for name, x in slopes(problem_of(data=data)).items():
+    beside = slopes(arms_problem())
+    for name, x in slopes(arms_problem(data=data)).items():
         if name in beside and name[0].startswith("joint"):
             assert np.allclose(x, beside[name], atol=1e-3 * abs(x).max()), name

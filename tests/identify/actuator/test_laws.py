@@ -5,8 +5,7 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.identify.actuator import fit_machine, read_logs
-from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
-from stribeck.identify.actuator.related import Relations
+from stribeck.identify.actuator.coordinates import MachineCoordinate, Relations, coordinates
 from tests.identify.actuator.recorded import body, logs, record
 
 LAW = "contacts.guide.law.parameters."

@@ -15,7 +15,7 @@ class Problem:
 
     step, size, threads = 1e-3, 2, 1
     low, high = np.full(2, -5.0), np.full(2, 5.0)
-    slopes, central, _other_side = MachineProblem.slopes, MachineProblem.central, MachineProblem._other_side
+    keep, slopes, central = None, MachineProblem.slopes, MachineProblem.central
 
     def __init__(self, formula):
         self.formula, self.work, self.asked = formula, Work(), 0
@@ -41,7 +41,7 @@ def valley(steep):
 
 def test_a_bent_valley_is_followed_in_a_few_steps():
     """Steps of Levenberg and Marquardt alone creep along it, and are not through after 300."""
-    found = search(valley(1e2), 1, 0, steps=5)
+    found = search(valley(1e2), steps=5)
     assert found.u == pytest.approx([1.0, 1.0], abs=1e-3)
 
 
@@ -56,6 +56,6 @@ def test_where_a_bend_vanishes_its_place_is_tried_anew():
     problem = Problem(lambda h, at: tuple(bump(h[:, None], at[:, None]).T - bump(2.0, 3.0)[:, None]))
     problem.size = len(t)
     flat = np.array([0.0, -2.0])
-    assert np.linalg.norm(problem.residuals(search(problem, 1, 0, flat).u[None])) > 1.0
-    found = search(problem, 1, 0, moved_over(problem, flat))
+    assert np.linalg.norm(problem.residuals(search(problem, flat).u[None])) > 1.0
+    found = search(problem, moved_over(problem, flat))
     assert found.u == pytest.approx([2.0, 3.0], abs=1e-3)

@@ -8,10 +8,9 @@ from scipy.linalg import expm
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import coordinates
-from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.inputs import later
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
-from stribeck.identify.actuator.runs import later
-from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.actuator.starts import problem_of
 
 
 @pytest.mark.parametrize(
@@ -93,13 +92,12 @@ def test_what_nobody_measures_begins_a_stretch_as_the_one_before_ends_at_the_sam
     measured = 0.3 * t**2 * (3 - 2 * t) + 1e-3 * np.random.default_rng(0).standard_normal(len(t))
     recording = Recording("drive", t, {"arm.y": Channel("y", t, measured)}, {}, {}, window=0.2)
     sought = coordinates(Scenario.of(machine), Logs((recording,), (Sought("bodies.arm.inertia", 0.01, 0.2),)))
-    runs, starts = prepared(Scenario.of(machine), [(0, recording)], {"bodies.arm.inertia"})
-    problem = MachineProblem(runs, [*sought, *starts], {"arm.y": 1e-3}, tied=True)
+    problem = problem_of(Scenario.of(machine), [(0, recording)], sought, {"arm.y": 1e-3}, tied=True)
     for inertia in (0.03, 0.08):
         values = {**problem.values(problem.start()), "bodies.arm.inertia": inertia}
         r, x, at = problem.residuals(problem.point(values)[None])[0], np.zeros(4), 0
         A = np.array([[0, 1, 0, 0], [0, -0.02 / inertia, K / inertia, 0], [0, -K / L, -R / L, volts / L], [0, 0, 0, 0]])
-        for run in runs:
+        for run in problem.runs:
             begin = "" if run.piece == "0" else f"{float(run.piece):g}s."
             own = [values.get(f"log.0.{begin or '0s.'}initial.arm.{what}", 0.0) for what in "yv"]
             x = np.array([*own, x[2], 1.0])

@@ -13,8 +13,7 @@ from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.residuals import beyond_noise
-from stribeck.identify.actuator.solve import Found
-from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.actuator.starts import prepared, problem_of
 from tests.identify.actuator.recorded import NOISE, body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
@@ -119,12 +118,11 @@ def test_the_same_recording_once_more_narrows_an_interval_by_the_root_of_two(tmp
     truth = {F_C: 1.0, f"{law}F_s": 1.3, f"{law}v_s": 0.02, f"{law}sigma_2": 4.0, MASS: 1.0}
     record(tmp_path / "a.csv", machine)
     read = read_logs(logs(tmp_path, ["a.csv"], {n: {"low": x / 5, "high": 5 * x} for n, x in truth.items()}))
-    runs, starts = prepared(Scenario(machine), [(0, read.recordings[0])], set(truth))
     sought = coordinates(Scenario(machine), read)
-    problem = MachineProblem(runs, [*sought, *starts], {"a.y": NOISE})
+    problem = problem_of(Scenario(machine), [(0, read.recordings[0])], sought, {"a.y": NOISE})
     u = np.array([*(c.inner(truth[c.name]) for c in sought), *problem.start()[len(sought) :]])
     J = problem.slopes(u[None], np.full(len(u), 2e-3))[1][0]
-    advised = advise.experiments(BestPoint(problem, u, Found(u, 0.0), [], False), J, list(range(len(sought))))
+    advised = advise.experiments(problem, u, J, list(range(len(sought))))
     for text in advised.values():
         *gains, repeated = (float(x) for x in re.findall(r"(\S+) times(?:\)|$)", text))
         assert repeated == 1.4, text
@@ -193,12 +191,11 @@ def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     record(tmp_path / "a.csv", body())
     told = read_logs(logs(tmp_path, ["a.csv"], {F_C: {"low": 0.1, "high": 10.0}}))
     scenario = Scenario(body())
-    runs, _ = prepared(scenario, [(0, told.recordings[0])], {F_C})
-    problem = MachineProblem(runs, coordinates(scenario, told), {"a.y": NOISE})
+    sought = coordinates(scenario, told)
+    runs, _ = prepared(scenario, [(0, told.recordings[0])], sought)
+    problem = MachineProblem(runs, sought, {"a.y": NOISE})
     good, bad = (np.array([problem.sought[0].inner(x)]) for x in (1.0, 5.0))
     assert not beyond_noise(problem, good, 1)
-    assert not BestPoint(problem, good, Found(good, 0.0), [], False).missed()
+    assert not BestPoint(problem, good, 1, False, [], False).missed()
     assert beyond_noise(problem, bad, 1)
-    assert BestPoint(problem, bad, Found(bad, 0.0), [], False).missed() == [
-        "a.y: cannot be simulated with the best numbers"
-    ]
+    assert BestPoint(problem, bad, 1, False, [], False).missed() == ["a.y: cannot be simulated with the best numbers"]

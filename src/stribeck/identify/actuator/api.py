@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
-from stribeck.identify.actuator import checks, choice, judge, transfer
-from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates, paths
+from stribeck.identify.actuator import checks, choice, judge
+from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
 from stribeck.identify.actuator.estimate import BestPoint, beyond_solver, estimate
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
 from stribeck.identify.actuator.residuals import beyond_noise
-from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
+from stribeck.identify.actuator.result import LogResult, MachineFit, Moved, Transfer
 from stribeck.identify.actuator.runs import recorded_run
-from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.actuator.traces import traces
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
@@ -65,29 +64,11 @@ def fit_machine(
     """
     logs = seeking(logs if isinstance(logs, Logs) else read_logs(logs, not unknown), unknown or {})
     other = transfer_to if transfer_to is None or isinstance(transfer_to, Logs) else read_logs(transfer_to, False)
-    fitting = fitting_of(Scenario.of(machine), logs, starts=starts, seed=seed, progress=progress, folder=folder)
+    fitting = Fitting(Scenario.of(machine), logs, starts, seed, progress, folder)
     tried = {name: list(names) for name, names in {**logs.laws, **(laws or {})}.items()}
     choice.check(fitting.scenario, tried, {name for names in (laws or {}).values() for name in names})
     with threadpool_limits(1):
         return fitting.run(tried, other, baselines)
-
-
-def fitting_of(
-    scenario: Scenario, logs: Logs, *, starts: int, seed: int, progress: Callable[[float], None] | None = None,
-    folder: Path | None = None, advised: bool = True,
-) -> Fitting:  # fmt: skip
-    """A fit that has not begun.
-
-    Args:
-        advised: whether recordings that would identify open parameters are looked for; the others as of :func:`fit_machine`.
-
-    Raises:
-        InputError: the logs or a path are invalid; a line for each problem.
-    """
-    sought = checked(scenario, logs)
-    if starts < 1:
-        raise InputError(f"{arg('starts')}: {show(starts)}: must be a whole number >= 1")
-    return Fitting(scenario, logs, sought, starts, seed, Work(progress), folder, advised)
 
 
 def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
@@ -106,19 +87,25 @@ def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
     return replace(logs, sought=(*(s for s in logs.sought if s.path not in unknown), *more))
 
 
+def wrong_recordings(scenario: Scenario, logs: Logs) -> list[str]:
+    """Mistakes in all references of the recordings to the machine."""
+    problems: list[str] = []
+    for i, recording in enumerate(logs.recordings):
+        try:
+            recorded_run(scenario, recording, i)
+        except InputError as error:
+            problems += error.problems
+    return list(dict.fromkeys(problems))
+
+
 def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
     """The coordinates to fit, after all references of the recordings to the machine are checked.
 
     Raises:
         InputError: a line for each mistake.
     """
-    problems: list[str] = []
+    problems = wrong_recordings(scenario, logs)
     sought: list[MachineCoordinate] = []
-    for i, recording in enumerate(logs.recordings):
-        try:
-            recorded_run(scenario, recording, i)
-        except InputError as error:
-            problems += error.problems
     if not scenario.elements.unnamed:
         try:
             sought = coordinates(scenario, logs)
@@ -134,33 +121,38 @@ def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
     return sought
 
 
+@dataclass
 class Fitting:
-    """One run of the command."""
+    """One run of the command; arguments as of :func:`fit_machine`.
 
-    def __init__(
-        self, scenario: Scenario, logs: Logs, sought: list[MachineCoordinate], starts: int, seed: int, work: Work,
-        folder: Path | None, advised: bool,
-    ) -> None:  # fmt: skip
-        self.advised = advised
-        self.scenario, self.logs, self.sought = scenario, logs, sought
-        self.starts, self.seed, self.work = starts, seed, work
-        self.kept = Kept(folder, scenario, logs)
-        self.numbered = list(enumerate(logs.recordings))
+    Args:
+        advised: whether recordings that would identify open parameters are looked for.
+
+    Raises:
+        InputError: the logs or a path are invalid; a line for each problem.
+    """
+
+    scenario: Scenario
+    logs: Logs
+    starts: int
+    seed: int
+    progress: Callable[[float], None] | None = None
+    folder: Path | None = None
+    advised: bool = True
+
+    def __post_init__(self) -> None:
+        self.sought = checked(self.scenario, self.logs)
+        if self.starts < 1:
+            raise InputError(f"{arg('starts')}: {show(self.starts)}: must be a whole number >= 1")
+        self.work, self.kept = Work(self.progress), Kept(self.folder, self.scenario, self.logs)
+        self.numbered = list(enumerate(self.logs.recordings))
         self.fitted = [(i, r) for i, r in self.numbered if not r.hold_out]
         self.held = [(i, r) for i, r in self.numbered if r.hold_out]
 
     def run(self, laws: Mapping[str, Sequence[str]], other: Logs | None, baselines: bool) -> MachineFit:
         """All steps, in order."""
-        picked: Picked | None = None
-        before: list[str] = []
-        best: BestPoint | None = None
-        if laws:
-            self.work.section(0.6)
-            chosen = choice.among_laws(self, laws)
-            self.scenario, self.sought, picked, before = chosen.scenario, chosen.sought, chosen.told, chosen.notes
-            best = chosen.estimate
-        best = best or self.estimated()
-        result = self.told(best, before)
+        best, picked, notes = choice.among_laws(self, laws) if laws else (self.estimated(), None, [])
+        result = self.told(best, notes)
         result.laws = picked
         self.work.section(0.95)
         if baselines and not self.held:
@@ -169,7 +161,7 @@ class Fitting:
             if result.status == "done" and baselines:
                 result.baselines = choice.baselines(self, result)
             if other is not None and result.status != "stopped":
-                result.transfer = transfer.transferred(self, other, result)
+                result.transfer = self.transferred(other, result)
         except (KeyboardInterrupt, Stopped):
             result.status, result.reason = "stopped", "Ctrl-C: what follows the fit is missing"
         if result.status != "stopped":
@@ -180,11 +172,10 @@ class Fitting:
     def estimated(self, rough: bool = False) -> BestPoint:
         """The best point of the machine's own laws; ``rough``: only as far as its error is to be compared."""
         self.work.section(0.6)
-        first, starts = self.kept.load("fit"), self.starts
-        return estimate(
-            self.scenario, self.fitted, self.sought, starts if first is None else max(1, starts // 4), self.seed,
-            self.work, first, self.kept.saver("fit"), rough,
-        )  # fmt: skip
+        first = self.kept.load("fit")
+        starts = self.starts if first is None else max(1, self.starts // 4)
+        keep = self.kept.saver("fit")
+        return estimate(self.scenario, self.fitted, self.sought, starts, self.seed, self.work, first, keep, rough)
 
     def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The result: the estimate with both uncertainties, states and errors."""
@@ -201,9 +192,9 @@ class Fitting:
             if best.stopped or any("cannot be simulated" in text for text in missed):
                 judged = judge.blank(best, self.scenario, reason)
             else:
-                doubts = self.doubts(best) if status == "done" else missed
-                notes += doubts if status == "done" else []
-                judged = judge.judged(best, self.scenario, not doubts, self.advised)
+                doubts = [] if missed else self.doubts(best)
+                notes += doubts
+                judged = judge.judged(best, self.scenario, not (missed or doubts), self.advised)
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
             status, reason = "stopped", "Ctrl-C: the best numbers, without intervals"
@@ -212,7 +203,7 @@ class Fitting:
         result = MachineFit(
             status, reason, judged.estimates, judged.correlated, self.errors(best, values), notes,
             dict(best.problem.noise), filled(self.scenario, self.sought, values), judged.levels, judged.speeds,
-            relation=judged.relation, agreeing=best.found.agreeing, name=self.scenario.name, folder=self.scenario.folder,
+            relation=judged.relation, agreeing=best.agreeing, name=self.scenario.name, folder=self.scenario.folder,
             source=self.logs.path,
         )  # fmt: skip
         result.nuisance = {c.name: values[c.name] for c in best.problem.sought if c.nuisance}
@@ -221,17 +212,17 @@ class Fitting:
     def doubts(self, best: BestPoint) -> list[str]:
         """Reasons to withhold all parameters although the machine describes the recordings, in words."""
         grown = beyond_solver(best.problem, best.u)
-        if coarse := beyond_noise(best.problem, best.u, best.found.agreeing):
+        if coarse := beyond_noise(best.problem, best.u, best.agreeing):
             few = "few starts came to this minimum, so that nothing is identified (more starts may find a better one)"
             return [f"{'; '.join(coarse)}: {few}.", *grown]
         return grown
 
     def suspected(self, best: BestPoint) -> list[str]:
         """Possible errors in recordings that the machine does not describe."""
-        told = checks.hypotheses(self.unbroken(best))
-        if not told and best.windowed:  # whole recordings may fail with correct units too
-            told = checks.hypotheses(best.problem)
-        return told
+        notes = checks.hypotheses(self.unbroken(best))
+        if not notes and best.windowed:  # whole recordings may fail with correct units too
+            notes = checks.hypotheses(best.problem)
+        return notes
 
     def unbroken(self, best: BestPoint) -> MachineProblem:
         """The problem of whole recordings, unless the user asked for stretches.
@@ -241,25 +232,44 @@ class Fitting:
         if not best.windowed or any(r.window for _, r in self.fitted):
             return best.problem
         sought = [c for c in best.problem.sought if not c.nuisance]
-        runs, own = prepared(self.scenario, self.fitted, {c.name for c in sought} | paths(sought))
-        return replace(best.problem, runs=runs, sought=[*sought, *own], noise=dict(best.problem.noise), tied=False)
+        return problem_of(self.scenario, self.fitted, sought, best.problem.noise, work=self.work)
 
     def errors(self, best: BestPoint, values: dict[str, float]) -> list[LogResult]:
         """The errors of each recording's simulation with these values."""
-        window = _window(best)
+        sought, runs, window = best.problem.sought, best.problem.runs, best.window
         return [
-            LogResult(
-                r.file, r.hold_out, traces(self.scenario, r, i, best.problem.sought, values, window, best.problem.runs)
-            )
+            LogResult(r.file, r.hold_out, traces(self.scenario, r, i, sought, values, window, runs))
             for i, r in self.numbered
         ]
 
+    def transferred(self, other: Logs, result: MachineFit) -> Transfer:
+        """Another unit, or another day: its recordings are predicted, then fitted, and the parameters compared.
 
-def _window(best: BestPoint) -> float | None:
-    """The length of the stretches, if the fit is in stretches."""
-    if not best.windowed:
-        return None
-    return float(np.median([run.scenario.end for run in best.problem.runs]))
+        Raises:
+            InputError: the recordings are not of this machine; a line for each mistake.
+        """
+        if problems := wrong_recordings(self.scenario, other):
+            raise InputError([f"{arg('transfer')}: {line}" for line in problems])
+        sought = [c for c in self.sought if c.log is None]
+        values = {name: p.value for name, p in result.estimates.items()}
+        numbered = list(enumerate(other.recordings))
+        logs = [LogResult(r.file, True, traces(self.scenario, r, i, sought, values)) for i, r in numbered]
+        best = estimate(self.scenario, numbered, sought, 1, 0, self.work, values)
+        doubted = best.stopped or best.missed() or beyond_noise(best.problem, best.u, best.agreeing)
+        there = judge.judged(best, self.scenario, not doubted).estimates
+        moved, same, open_ = list[Moved](), list[str](), list[str]()
+        for name, e in there.items():
+            here = result.estimates[name]
+            if not (here.identifiable and e.identifiable):
+                open_.append(name)
+            elif here.interval[1] < e.interval[0] or e.interval[1] < here.interval[0]:
+                moved.append({"name": name, "from": here.to_dict(), "to": e.to_dict()})
+            else:
+                same.append(name)
+        return {
+            "logs": [log.to_dict() for log in logs], "moved": moved, "same": same, "not_told": open_,
+            "parameters": {name: e.to_dict() for name, e in there.items()},
+        }  # fmt: skip
 
 
 def filled(scenario: Scenario, sought: Sequence[MachineCoordinate], values: Mapping[str, float]) -> dict[str, object]:

@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 
 GAP = 1.6  # sampling periods: a longer interval lacks a sample
-_INSIDE = 50  # interpolated points in a gap, at most
-_NEAR = 4.5, 12.5  # sampling periods from which the slope at an end of a gap is estimated
-_LEAST, _MOST = 4, 12
-_TESTS = 24  # artificial gaps of the same length elsewhere, from which the error is estimated
+_INSIDE = 50  # interpolated points in a gap, at most: a cubic needs no more
+_NEAR = (
+    4.5,
+    12.5,
+)  # sampling periods from which the slope at an end of a gap is estimated: against motion, against noise
+_LEAST, _MOST = 4, 12  # samples for such a slope
+_TESTS = 24  # artificial gaps of the same length elsewhere, from which the error is estimated to 15 %
 _DRAWS = 4  # of the interpolation error, with a random sign in each gap
 
 
@@ -37,68 +40,50 @@ def bridged(t: Array, x: Array) -> Bridged:
     """
     gaps = np.diff(t)
     step = float(np.median(gaps)) if len(gaps) else 1.0
-    at = np.flatnonzero(gaps > GAP * step).tolist()
-    if not at or len(t) < 3 * _LEAST:
+    before = np.flatnonzero(gaps > GAP * step).tolist()
+    if not before or len(t) < 3 * _LEAST:
         return Bridged(t, x, x[None])
-    grid, found = _on_grid(t, x, step), list[_Crossed]()
-    for i in at:
-        found.append(_crossed(t, x, i, step, grid))
-    sides = np.random.default_rng(0).choice([-1.0, 1.0], (_DRAWS, len(at)))
-    wrong = np.array([each.wrong for each in found])
-    doubt = float(wrong.max())
-    order = np.argsort(new := np.concatenate([t, *(each.t for each in found)]))
-    whole = np.concatenate([x, *(each.x for each in found)])[order]
+    number = np.rint((t - t[0]) / step).astype(np.int64)
+    even = np.full(int(number[-1]) + 1, np.nan)
+    even[number] = x
+    times, values, errors = zip(*(_across(t, x, i, step, number, even) for i in before), strict=True)
+    order = np.argsort(new := np.concatenate([t, *times]))
+    whole = np.concatenate([x, *values])[order]
+    doubt = float(max(errors))
     if not doubt > 0:
         return Bridged(new[order], whole, whole[None])
+    sides = np.random.default_rng(0).choice([-1.0, 1.0], (_DRAWS, len(before)))
     size = float(np.sqrt(np.mean(x**2)))  # largest error of the draws: far above the solver's error
-    aside = [size * w / doubt * side[:, None] * each.aside for w, side, each in zip(wrong, sides.T, found, strict=True)]
-    others = whole + np.concatenate([np.zeros((_DRAWS, len(t))), *aside], axis=1)[:, order]
-    return Bridged(new[order], whole, others, doubt / size)
+    added = [np.zeros((_DRAWS, len(t)))]
+    for i, inner, error, side in zip(before, times, errors, sides.T, strict=True):
+        parabola = (inner - t[i]) * (t[i + 1] - inner)
+        added.append(size * error / doubt * side[:, None] * (parabola / np.sqrt(np.mean(parabola**2))))
+    return Bridged(new[order], whole, whole + np.concatenate(added, axis=1)[:, order], doubt / size)
 
 
-@dataclass(frozen=True)
-class _Crossed:
-    """Interpolated points of a gap: times, values, their rms error and its shape."""
+def _across(
+    t: Array, x: Array, i: int, step: float, number: NDArray[np.int64], even: Array
+) -> tuple[Array, Array, float]:
+    """Times and values in the gap after sample i, and their rms error, by the best method in artificial gaps elsewhere.
 
-    t: Array
-    x: Array
-    wrong: float
-    aside: Array
-
-
-def _crossed(t: Array, x: Array, i: int, step: float, grid: tuple[NDArray[np.int64], Array]) -> _Crossed:
-    """The gap after sample i, interpolated by the method with the least error in artificial gaps elsewhere."""
+    Args:
+        even: the signal on an even grid, nan where a sample is missing; ``number``: the samples' indices there.
+    """
     some = slice(max(i - _MOST, 0), min(i + 2 + _MOST, len(t)))
     here, lack = i - some.start, round((t[i + 1] - t[i]) / step)
     inner = np.linspace(t[i], t[i + 1], min(lack, _INSIDE) + 1)[1:-1]
     ways = _ways(t[some], x[some, None], here, inner, step)[:, :, 0]
-    number, even = grid
     around, within = number[some] - number[i], np.arange(1, number[i + 1] - number[i])
     first, last = -int(around[0]), len(even) - int(around[-1])
     places = np.arange(first, max(last, first))
-    there = np.isfinite(even[places[:, None] + np.concatenate([around, within])]).all(axis=1)
-    places = places[there]
+    places = places[np.isfinite(even[places[:, None] + np.concatenate([around, within])]).all(axis=1)]
     if not len(places):
-        return _Crossed(inner, ways[0], float(np.std(x)), _bump(inner, t[i], t[i + 1]))
+        return inner, ways[0], float(np.std(x))
     places = places[np.unique(np.linspace(0, len(places) - 1, _TESTS).astype(int))]
     tried = _ways(around * step, even[places + around[:, None]], here, within * step, step)
     missed = np.sqrt(np.mean((tried - even[places + within[:, None]]) ** 2, axis=(1, 2)))
     best = int(np.argmin(missed))
-    return _Crossed(inner, ways[best], float(missed[best]), _bump(inner, t[i], t[i + 1]))
-
-
-def _bump(inner: Array, begin: float, end: float) -> Array:
-    """A parabola over a gap, with a root mean square of 1."""
-    x = (inner - begin) * (end - inner)
-    return np.asarray(x / np.sqrt(np.mean(x**2)))
-
-
-def _on_grid(t: Array, x: Array, step: float) -> tuple[NDArray[np.int64], Array]:
-    """The samples' indices on an even grid, and the signal there, nan where a sample is missing."""
-    number = np.rint((t - t[0]) / step).astype(np.int64)
-    even = np.full(int(number[-1]) + 1, np.nan)
-    even[number] = x
-    return number, even
+    return inner, ways[best], float(missed[best])
 
 
 def _ways(t: Array, x: Array, i: int, when: Array, step: float) -> Array:
@@ -110,7 +95,7 @@ def _ways(t: Array, x: Array, i: int, when: Array, step: float) -> Array:
     s = ((when - t[i]) / span)[:, None]
     secant = (x[i + 1] - x[i]) / span
     straight = x[i] + secant * span * s
-    found = [straight]
+    ways = [straight]
     for reach in _NEAR:
         slopes = []
         for end, near in ((i, np.arange(i, -1, -1)[:_MOST]), (i + 1, np.arange(i + 1, len(t))[:_MOST])):
@@ -119,5 +104,5 @@ def _ways(t: Array, x: Array, i: int, when: Array, step: float) -> Array:
             order = 2 if len(near) > 3 else 1
             slopes.append(np.polyfit((t[near] - t[end]) / step, x[near], order)[-2] / step if len(near) > 1 else secant)
         before, after = (slopes[0] - secant) * span, (slopes[1] - secant) * span
-        found.append(straight + s * (1 - s) * ((1 - s) * before - s * after))
-    return np.stack(found)
+        ways.append(straight + s * (1 - s) * ((1 - s) * before - s * after))
+    return np.stack(ways)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from stribeck.constants import Constant
+from stribeck.arrays import Array
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator.recordings import Logs, Sought
 from stribeck.scenario import Scenario
@@ -16,7 +17,9 @@ from stribeck.scenario import Scenario
 _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
 _START = re.compile(r"initial\.(\w+)\.([yv])")
 _OUTPUT = re.compile(r"outputs\.(.+)\.(\w+)")
-_DECADES = 2.5  # positive bounds whose ratio exceeds this factor are searched in the logarithm
+_DECADES = 2.5  # positive bounds whose ratio exceeds it are searched in the logarithm: there relative steps are even
+_ABOVE = 1e-6  # of F_c: the least distance of F_s above it, far above rounding
+_BELOW = 0.95  # of F_c/sigma_0: the largest z_ba, so that differences of either number stay below 1
 SPEED = "m/s"  # the unit of a law's constants that are places of its curve
 NEUTRAL = {"offset": 0.0, "gain": 1.0, "delay": 0.0, "clock": 0.0}
 
@@ -83,75 +86,63 @@ def coordinates(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
     Raises:
         InputError: a path is not in the machine; a line for each.
     """
-    found: list[MachineCoordinate] = []
+    every: list[MachineCoordinate] = []
     problems: list[str] = []
+    count = len(logs.recordings)
     for sought in logs.sought:
-        whole = _LOG.fullmatch(sought.path)
+        of_log = _LOG.fullmatch(sought.path)
         which: list[int | None] = [None]
-        rest = sought.path
-        if whole:
-            rest = whole[2]
-            which = list(range(len(logs.recordings))) if whole[1] == "*" else [int(whole[1])]
-            if which[-1] is not None and which[-1] >= len(logs.recordings):
-                problems.append(
-                    f"unknown.{sought.path}: log.{whole[1]}: there are {len(logs.recordings)} recordings, from 0"
-                )
-                continue
-        for log in which:
-            name = sought.path if log is None else f"log.{log}.{rest}"
-            made = _one(scenario, logs, sought, rest, name, log)
-            if isinstance(made, str):
-                problems.append(made)
-                break
-            found.append(made)
+        if of_log:
+            which = [*range(count)] if of_log[1] == "*" else [int(of_log[1])]
+        if of_log and which[-1] is not None and which[-1] >= count:
+            problems.append(f"unknown.{sought.path}: log.{of_log[1]}: there are {count} recordings, from 0")
+            continue
+        try:
+            every += [_coordinate(scenario, logs, sought, of_log[2] if of_log else sought.path, log) for log in which]
+        except InputError as error:
+            problems += error.problems
     if problems:
         raise InputError(problems)
-    return found
+    return every
 
 
-def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: int | None) -> MachineCoordinate | str:
-    """One coordinate, or the error in its path."""
+def _coordinate(scenario: Scenario, logs: Logs, s: Sought, rest: str, log: int | None) -> MachineCoordinate:
+    """One coordinate; ``rest``: its path without the recording.
+
+    Raises:
+        InputError: the path is wrong.
+    """
+    name = rest if log is None else f"log.{log}.{rest}"
     if output := _OUTPUT.fullmatch(rest):
-        measured = {column for r in logs.recordings for column in r.outputs}
-        if output[1] not in measured:
+        channels = [r.outputs[output[1]] for r in logs.recordings if output[1] in r.outputs]
+        if not channels:
+            measured = {column for r in logs.recordings for column in r.outputs}
             hint = nearest(output[1], measured) or f" (measured are {', '.join(sorted(measured))})"
-            return f"unknown.{s.path}: {output[1]}: is not measured{hint}"
-        known = {
-            **NEUTRAL,
-            **dict.fromkeys(n for r in logs.recordings if output[1] in r.outputs for n in r.outputs[output[1]].beside),
-        }
+            raise InputError(f"unknown.{s.path}: {output[1]}: is not measured{hint}")
+        known = [*NEUTRAL, *dict.fromkeys(n for channel in channels for n in channel.beside)]
         if output[2] not in known:
-            return f"unknown.{s.path}: {output[2]}: must be {', '.join(known)} of a sensor"
+            raise InputError(f"unknown.{s.path}: {output[2]}: must be {', '.join(known)} of a sensor")
         return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {}, (output[1], output[2]), log, s.nuisance)
     start = _START.fullmatch(rest)
     path = f"bodies.{start[1]}.initial.{start[2]}" if start else rest
     if start and log is None:
-        return f"unknown.{s.path}: must begin with log.*. or log.0.: a start belongs to a recording"
+        raise InputError(f"unknown.{s.path}: must begin with log.*. or log.0.: a start belongs to a recording")
     if text := impossible(scenario, path, s.low, s.high):
-        return f"unknown.{s.path}: {text}"
-    constant = constant_at(scenario, path)
-    bends = constant is not None and constant.unit == SPEED
+        raise InputError(f"unknown.{s.path}: {text}")
+    owner, constant = scenario.places.get(path, ("", ""))
+    law = scenario.elements.laws.get(owner)
+    bends = law is not None and constant in law.constants() and law.constants()[constant].unit == SPEED
     return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {path: 1.0}, None, log, s.nuisance, bends=bends)
-
-
-def constant_at(scenario: Scenario, path: str) -> Constant | None:
-    """The declaration of a law's constant at a path."""
-    owner, name = scenario.places.get(path, ("", ""))
-    return scenario.elements.laws[owner].constants().get(name) if owner in scenario.elements.laws else None
 
 
 def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
     """Why a path cannot take these values, or None."""
     places = scenario.places
     if path not in places:
-        try:  # a constant that is off, such as an omitted backlash
+        with suppress(InputError):  # a constant that is off, such as an omitted backlash
             places = scenario.with_changes({path: values[-1]}).places
-        except InputError:
-            places = scenario.places
     if path not in places:
-        return "no such number of the machine" + (
-            nearest(path, places) or f" (it has {', '.join(_like(path, list(places)))})"
-        )
+        return f"no such number of the machine{nearest(path, places) or f' (it has {_like(path, [*places])})'}"
     for x in values:
         try:
             scenario.with_changes({path: x})
@@ -162,10 +153,57 @@ def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
     return None
 
 
-def _like(path: str, places: Sequence[str]) -> list[str]:
+def _like(path: str, places: Sequence[str]) -> str:
     """Suggestions for an unknown path: the machine's numbers of the same element, or of the same kind."""
     words = path.split(".")
     for most in (2, 1):
         if same := [x for x in places if x.split(".")[:most] == words[:most]]:
-            return [*same[:5], *["..."] * (len(same) > 5)]
-    return [*places[:3], "..."]
+            return ", ".join([*same[:5], *["..."] * (len(same) > 5)])
+    return ", ".join([*places[:3], "..."])
+
+
+class Relations:
+    """Relations of a law's numbers that every search maintains: F_s >= F_c and z_ba < F_c/sigma_0.
+
+    ``number`` returns the machine's number at a path that is not fitted.
+    """
+
+    def __init__(self, sought: Sequence[MachineCoordinate], number: Callable[[str], float | None]) -> None:
+        self.sought = sought
+        index = {path: i for i, c in enumerate(sought) for path in c.targets if ".law." in path}
+        self.above: list[tuple[int | float, int | float]] = []
+        for path in dict.fromkeys(f"{path[:-3]}F_s" for path in index if path.endswith((".F_s", ".F_c"))):
+            high, low = (index.get(p, number(p)) for p in (path, f"{path.removesuffix('F_s')}F_c"))
+            if high is not None and low is not None:
+                self.above.append((high, low))
+        self.below: list[tuple[int, int | float, int | float]] = []
+        for path, i in index.items():
+            if path.endswith(".z_ba"):
+                wanted = (f"{path.removesuffix('z_ba')}parameters.{n}" for n in ("F_c", "sigma_0"))
+                level, stiffness = (index.get(p, number(p)) for p in wanted)
+                if level is not None and stiffness is not None:
+                    self.below.append((i, level, stiffness))
+
+    def lower(self) -> list[int]:
+        """The coordinates with another above them: their difference steps go down."""
+        return [j for _, j in self.above if isinstance(j, int)]
+
+    def repaired(self, U: Array) -> Array:
+        """The points (lanes, coordinates), within their bounds, moved so that the relations hold."""
+        for high, low in self.above:
+            for row in U:
+                level = self._number(low, row) * (1 + _ABOVE)
+                if isinstance(high, int) and self._number(high, row) < level:
+                    row[high] = self.sought[high].inner(level)
+                if isinstance(low, int) and self._number(high, row) < level * (1 - 1e-12):  # a bound, or fixed
+                    row[low] = self.sought[low].inner(self._number(high, row) / (1 + 2 * _ABOVE))
+        for i, level_at, stiffness_at in self.below:
+            for row in U:
+                most = _BELOW * self._number(level_at, row) / self._number(stiffness_at, row)
+                if self.sought[i].outer(row[i]) > most:
+                    row[i] = self.sought[i].inner(most)
+        return U
+
+    def _number(self, which: int | float, row: Array) -> float:
+        """The value of a fitted (by index) or fixed parameter."""
+        return self.sought[which].outer(float(row[which])) if isinstance(which, int) else which

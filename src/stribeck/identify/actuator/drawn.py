@@ -16,39 +16,40 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun
-from stribeck.identify.actuator.solve import direction
+from stribeck.identify.actuator.solve import left_step
 from stribeck.identify.features.filtering import typical_roughness
 from stribeck.waveforms import Signal
 
-ORDER = 6  # of the differences that estimate noise: a high order removes fast inputs
-PILOT, DRAWS = 4, 24  # draws that decide whether the noise matters; draws that give a deviation to 15 %
-LITTLE = 0.02  # of the residual sum of squares: a smaller contribution does not matter
-FAINT = 1e-9  # damping of a step: only against rounding
-MOST = 0.49  # largest relative change: the extrapolation is singular at one half
+_ORDER = 6  # of the differences that estimate noise: a high order removes fast inputs
+_PILOT, _DRAWS = 4, 24  # draws that decide whether the noise matters; draws that give a deviation to 15 %
+_LITTLE = 0.02  # of the residual sum of squares: a smaller contribution does not matter
+_MOST = 0.49  # largest relative change: the extrapolation is singular at one half
 
 
 def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
     """The changes of the residuals by each relevant source of errors, (draws, residuals); ``J``: the Jacobian."""
     r = problem.residuals(u[None])[0]
-    found = [_by_gaps(problem, u, r), *_fitted_again(problem, u, J)]
-    pilot = _by_noise(problem, u, r, PILOT)
-    if pilot is not None and np.mean(pilot**2) * problem.size > LITTLE * float(r @ r):
-        found.append(_by_noise(problem, u, r, DRAWS))
-    return [x for x in found if x is not None and np.isfinite(x).all()]
+    draws = [_by_gaps(problem, u, r), *_fitted_again(problem, u, J)]
+    pilot = _by_noise(problem, u, r, _PILOT)
+    if pilot is not None and np.mean(pilot**2) * problem.size > _LITTLE * float(r @ r):
+        draws.append(_by_noise(problem, u, r, _DRAWS))
+    return [x for x in draws if x is not None and np.isfinite(x).all()]
 
 
-def carried(problem: MachineProblem, u: Array) -> dict[str, float]:
-    """The rms effect of these errors on each column at a point, without fitting again."""
+def carried(problem: MachineProblem, u: Array) -> Array:
+    """The rms effect of these errors on each residual at a point, without fitting again."""
     r = problem.residuals(u[None])[0]
-    draws = [*_as_well(problem, u, r), _by_gaps(problem, u, r), _by_noise(problem, u, r, PILOT)]
-    square = sum((np.mean(x**2, axis=0) for x in draws if x is not None and np.isfinite(x).all()), np.zeros(len(r)))
-    of: dict[str, list[Array]] = {}
-    for k, run in enumerate(problem.runs):
-        at = int(problem.first[k])
-        for target in run.targets:
-            of.setdefault(target.column, []).append(square[at : at + len(target.t)])
-            at += len(target.t)
-    return {n: float(np.sqrt(np.mean(np.concatenate(parts)))) * problem.noise[n] for n, parts in of.items()}
+    draws = [np.array([change_by(problem, u, r, runs) for runs in same]) for same in _alternatives(problem)]
+    every = [*draws, _by_gaps(problem, u, r), _by_noise(problem, u, r, _PILOT)]
+    square = sum((np.mean(x**2, axis=0) for x in every if x is not None and np.isfinite(x).all()), np.zeros(len(r)))
+    return np.asarray(np.sqrt(square))
+
+
+def change_by(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:
+    """The change of the residuals with other runs; priors and ties are unchanged."""
+    off, compared = np.zeros(len(r)), int(problem.first[-1])
+    off[:compared] = replace(problem, runs=runs, tied=False).residuals(u[None])[0][:compared] - r[:compared]
+    return off
 
 
 def _alternatives(problem: MachineProblem) -> Iterator[list[list[RecordedRun]]]:
@@ -56,12 +57,6 @@ def _alternatives(problem: MachineProblem) -> Iterator[list[list[RecordedRun]]]:
     for cause in dict.fromkeys(cause for run in problem.runs for cause in run.as_well):
         count = max(len(run.as_well[cause]) for run in problem.runs)
         yield [[run.instead(run.as_well[cause][n]) for run in problem.runs] for n in range(count)]
-
-
-def _as_well(problem: MachineProblem, u: Array, r: Array) -> Iterator[Array]:
-    """The change of the residuals with the alternative recordings, by cause."""
-    for same in _alternatives(problem):
-        yield np.array([_moved(problem, u, r, runs) for runs in same])
 
 
 def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array]:
@@ -73,7 +68,7 @@ def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array
     base: Array | None = None
     for same in _alternatives(problem):
         base = _newton(problem, u) if base is None else base
-        others = [replace(problem, runs=runs, noise=dict(problem.noise)) for runs in same]
+        others = [replace(problem, runs=runs) for runs in same]
         yield np.array([J @ _extrapolated(problem, _newton(other, u) - base) for other in others])
 
 
@@ -85,7 +80,7 @@ def _extrapolated(problem: MachineProblem, step: Array) -> Array:
     is applied to numbers searched by their logarithm, whose steps are relative changes. A lower filter and another drive
     between samples are no errors added once more: for them it is a larger step to the same side.
     """
-    share = np.minimum(abs(step), MOST)
+    share = np.minimum(abs(step), _MOST)
     far = np.sign(step) * np.log((1 - share) / (1 - 2 * share))
     return np.where([c.logarithmic for c in problem.sought], far, step)
 
@@ -93,52 +88,39 @@ def _extrapolated(problem: MachineProblem, step: Array) -> Array:
 def _newton(problem: MachineProblem, u: Array) -> Array:
     """The Gauss-Newton step."""
     r, J = problem.slopes(u[None], np.full(len(u), problem.step))
-    return direction(r[0], J[0], u, problem, FAINT)
-
-
-def _moved(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:
-    """The change of the residuals with other runs; priors are unchanged."""
-    own, off = replace(problem, runs=runs, noise=dict(problem.noise), tied=False), np.zeros(len(r))
-    compared = int(problem.first[-1])
-    off[:compared] = own.residuals(u[None])[0][:compared] - r[:compared]
-    return off
+    return left_step(problem, u, r[0], J[0])
 
 
 def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array | None:
     """Changes of the residuals by each recorded input's noise, given or estimated from sample to sample without steps."""
     sizes = []
     for run in problem.runs:
-        of = {p: typical_roughness([x.x], ORDER) if x.noise is None else x.noise for p, x in run.inputs.items()}
-        sizes.append({p: size for p, size in of.items() if size > 0})
+        noise = {p: typical_roughness([x.x], _ORDER) if x.noise is None else x.noise for p, x in run.inputs.items()}
+        sizes.append({p: size for p, size in noise.items() if size > 0})
     if not any(sizes):
         return None
     rng, signals = np.random.default_rng(0), [defaultdict[str, list[Signal]](list) for _ in problem.runs]
     for _ in range(draws):
-        for run, size, own in zip(problem.runs, sizes, signals, strict=True):
+        for run, size, noisy in zip(problem.runs, sizes, signals, strict=True):
             for p, s in size.items():
                 drive = run.inputs[p]
-                own[p].append(replace(drive, x=drive.x + s * rng.standard_normal(len(drive.x))).signal())
-    found = np.zeros((draws, len(r)))
-    for k, (run, own) in enumerate(zip(problem.runs, signals, strict=True)):
-        at, columns = int(problem.first[k]), problem.predicted(run, k, np.repeat(u[None], draws, axis=0), signals=own)
-        for target, x in zip(run.targets, columns, strict=True):
-            rows = slice(at, at := at + len(target.t))
-            found[:, rows] = (x - target.x) / problem.noise[target.column] - r[rows]
-    return found
+                noisy[p].append(replace(drive, x=drive.x + s * rng.standard_normal(len(drive.x))).signal())
+    points, off = np.repeat(u[None], draws, axis=0), np.zeros((draws, len(r)))
+    columns = [x for k, run in enumerate(problem.runs) for x in problem.predicted(run, k, points, signals=signals[k])]
+    for (_, target, rows), x in zip(problem.pieces, columns, strict=True):
+        off[:, rows] = (x - target.x) / problem.noise[target.column] - r[rows]
+    return off
 
 
 def _by_gaps(problem: MachineProblem, u: Array, r: Array) -> Array | None:
     """Changes of the residuals by the interpolation error of inputs in their gaps."""
-    draws = max(len(run.otherwise) for run in problem.runs)
+    draws = max(len(run.bridged) for run in problem.runs)
     if not draws:
         return None
-    found = []
-    for n in range(draws):
-        off = np.zeros(len(r))
-        for k, run in enumerate(problem.runs):
-            if n < len(run.otherwise):
-                runs = [*problem.runs]
-                runs[k] = replace(run, scenario=run.otherwise[n])
-                off += run.doubt * _moved(problem, u, r, runs)
-        found.append(off)
-    return np.array(found)
+    every = np.zeros((draws, len(r)))
+    for k, run in enumerate(problem.runs):
+        for off, drives in zip(every, run.bridged, strict=False):
+            runs = [*problem.runs]
+            runs[k] = run.driven(drives)
+            off += run.doubt * change_by(problem, u, r, runs)
+    return every

@@ -1,4 +1,9 @@
-"""Estimates parameters from recordings: chooses the simulated stretches, the columns' weights and the starts."""
+"""Estimates parameters from recordings: chooses the simulated stretches, the columns' weights and the starts.
+
+If errors grow in a whole recording, it is fitted in stretches, each with its own initial state (multiple shooting).
+Unmeasured initial states (bristles, currents, unmeasured bodies) continue the stretch before. The ends are tied to the next
+starts with the accuracy to which the samples determine these.
+"""
 
 from __future__ import annotations
 
@@ -8,44 +13,48 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.afar import SMALL_AFAR, GuidedSearch, Keep, kept
-from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
-from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.guided import GuidedSearch
+from stribeck.identify.actuator.inputs import later, value_at
+from stribeck.identify.actuator.problem import Keep, MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.residuals import first_noise, floor_of, leftovers
-from stribeck.identify.actuator.runs import unshifted
-from stribeck.identify.actuator.shooting import joined_stretches, relayed
-from stribeck.identify.actuator.solve import Found, half_squares, moved_over, search, settled
-from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.actuator.residuals import AS_WELL, first_noise, floor_of, leftovers
+from stribeck.identify.actuator.solve import ROUGHLY, half_squares, moved_over, search, settled
+from stribeck.identify.actuator.starts import problem_of
+from stribeck.identify.core.judging import EXPLAINED
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 
-POOR = 0.25  # of a column's changes: with a larger residual, the model does not describe the data
 _WEIGHTINGS = 8  # at most: each reduces the noise, and a poor start needs several
-_SETTLED = 0.05
+_SETTLED = 0.05  # relative change of the noise below which it is settled: a tenth of its own error is not visible
+_GIVEN = 1.5  # times a given noise: the least residual that takes its place
 # Initial error, as a share of the position's changes; growth of this error above which the motion counts as unstable.
 _OFF, _GROWN = 1e-6, 100.0
-_STRETCH = 6  # stretches per recording
-_SHORTEST = 0.2  # s
+_STRETCH, _SHORTEST = 6, 0.2  # stretches per recording; s
 _COMPUTED = 0.5  # standard deviations: largest move of an estimate by ten times the solver's error
-_AS_WELL = 1.2  # times the residual of free stretches
 _MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above which stretches are fitted
+_ROUNDS, _TIED_ROUNDS = 12, 3  # of handing on the unmeasured states, and of weighting tied stretches
+_STEPS = 5  # of the search between two updates of the unmeasured initial states
+_SHARES = (1.0, 0.3, 0.1)  # tried steps toward the end of the stretch before
+_WORSE, _LITTLE = 1.1, 1e-6  # ratio of costs up to which a step is taken; mean square residual that does not matter
+_CONVERGED = 1e-3  # of the largest shift of a state
 
 
 @dataclass
 class BestPoint:
-    """The best point of a problem and its search."""
+    """The best point of a problem and its search; ``windowed``: in stretches."""
 
     problem: MachineProblem
     u: Array
-    found: Found
+    agreeing: int
+    stopped: bool
     notes: list[str]
     windowed: bool
 
     @property
-    def stopped(self) -> bool:
-        """Whether Ctrl-C ended it."""
-        return self.found.stopped
+    def window(self) -> float | None:
+        """The length of the stretches, if the fit is in stretches."""
+        return float(np.median([run.scenario.end for run in self.problem.runs])) if self.windowed else None
 
     def values(self) -> dict[str, float]:
         """The parameters' values by name."""
@@ -53,13 +62,13 @@ class BestPoint:
 
     def missed(self) -> list[str]:
         """The columns that the fit does not describe, in words."""
-        told = []
+        texts = []
         for column, (left, size) in leftovers(self.problem, self.u).items():
             if not np.isfinite(left):
-                told.append(f"{column}: cannot be simulated with the best numbers")
-            elif left > max(POOR * size, 3 * floor_of(self.problem, column)):
-                told.append(f"{column}: {100 * left / size if size else np.inf:.0f} % of its changes are left")
-        return told
+                texts.append(f"{column}: cannot be simulated with the best numbers")
+            elif left > max(EXPLAINED * size, 3 * floor_of(self.problem, column)):
+                texts.append(f"{column}: {100 * left / size if size else np.inf:.0f} % of its changes are left")
+        return texts
 
 
 def unstable(problem: MachineProblem, u: Array) -> bool:
@@ -68,12 +77,10 @@ def unstable(problem: MachineProblem, u: Array) -> bool:
         body = next((t.column for t in run.targets if t.column.endswith(".y")), None)
         if body is None or body not in {state.name for state in run.scenario.system.states}:
             continue
-        off = _OFF * max(float(np.std(x)) for x in (t.x for t in run.targets if t.column == body))
-        columns = problem.predicted(run, k, np.stack([u, u]), shift={body: np.array([0.0, off])})
-        apart = max(
-            float(np.max(abs(x[1] - x[0]))) for t, x in zip(run.targets, columns, strict=True) if t.column == body
-        )
-        if not apart <= _GROWN * off:
+        i = next(i for i, t in enumerate(run.targets) if t.column == body)
+        off = _OFF * float(np.std(run.targets[i].x))
+        x = problem.predicted(run, k, np.stack([u, u]), shift={body: np.array([0.0, off])})[i]
+        if not float(np.max(abs(x[1] - x[0]))) <= _GROWN * off:
             return True
     return False
 
@@ -103,7 +110,8 @@ def remembers(scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -
 
     Causes are a controller's integral or samples, and a signal that is not recorded and cannot be cut.
     """
-    return bool(scenario.system.controllers) or any(unshifted(scenario, r) for _, r in recordings)
+    uncut = {use.path for use in scenario.elements.signals if later(value_at(scenario, use.path), 1.0) is None}
+    return bool(scenario.system.controllers) or any(uncut - r.inputs.keys() for _, r in recordings)
 
 
 def estimate(
@@ -113,43 +121,75 @@ def estimate(
     """The best fit of these recordings; ``rough``: only as far as its error is to be compared."""
     fitted = {i for i, _ in recordings}
     sought = [c for c in sought if c.log is None or c.log in fitted]
-    named = {c.name for c in sought} | paths(sought)
     noise, given = first_noise([r for _, r in recordings])
-    asked, notes = any(r.window for _, r in recordings), list[str]()
+    asked = any(r.window for _, r in recordings)
     starts = starts if sought else 1  # the machine without friction may have no parameter to fit
     near = GuidedSearch(scenario, recordings, sought, noise, work, keep).reached(starts, seed, first or {}, rough)
-    runs, own = prepared(scenario, recordings, named)
-    problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
-    found = Found(problem.point(near.values), near.cost, near.agreeing, near.stopped)
+    problem = problem_of(scenario, recordings, sought, dict(noise), work=work, keep=keep, known_noise=given)
+    whole = BestPoint(problem, problem.point(near.values), near.agreeing, near.stopped, [], asked)
     if rough:
-        return BestPoint(problem, found.u, found, notes, asked)
-    if not found.stopped:
-        _weigh(problem, found.u, given)
-        found = replace(
-            search(problem, 1, seed, found.u, kept(problem, keep), small=SMALL_AFAR), agreeing=near.agreeing
-        )
-    whole = BestPoint(problem, found.u, found, notes, asked)
-    if found.stopped or remembers(scenario, recordings):
-        return _weighted(whole, given)
-    grows = not asked and any(x.free for x in scenario.system.bodies) and unstable(problem, found.u)
+        return whole
+    if not whole.stopped:
+        _weigh(problem, whole.u)
+        found = search(problem, whole.u, small=ROUGHLY)
+        whole.u, whole.stopped = found.u, found.stopped
+    if whole.stopped or remembers(scenario, recordings):
+        return _weighted(whole)
+    grows = not asked and any(x.free for x in scenario.system.bodies) and unstable(problem, whole.u)
     if grows or (not asked and whole.missed()):
-        whole = _in_stretches(scenario, recordings, sought, named, whole, near.guided, work, keep, grows)
-    whole = _weighted(whole, given)
-    return _joined(whole, given, keep) if whole.windowed and not whole.stopped else whole
+        window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
+        noise = dict(problem.noise)
+        parts = problem_of(scenario, recordings, sought, noise, window, work=work, keep=keep, known_noise=given)
+        whole = _in_stretches(whole, parts, near.guided, grows, window)
+    whole = _weighted(whole)
+    return _joined(whole) if whole.windowed and not whole.stopped else whole
 
 
-def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
+def _in_stretches(
+    whole: BestPoint, problem: MachineProblem, begin: dict[str, float], grows: bool, window: float
+) -> BestPoint:
+    """The fit in stretches, if it leaves much less than that of whole recordings."""
+    found = search(problem, problem.point(begin))
+    if found.stopped:
+        return replace(whole, stopped=True)
+    u = moved_over(problem, found.u)
+    left, right = leftovers(whole.problem, whole.u), leftovers(problem, u)
+    least = 1 / AS_WELL if grows else _MUCH  # whole recordings may be the only information on unmeasured states
+    if all(not left[c][0] > least * right[c][0] for c in left):
+        return whole
+    why = "errors grow fast in this motion" if grows else "whole recordings cannot be followed from their start"
+    note = (
+        f"{why}: recordings are fitted in {len(problem.runs)} stretches of about {window:.2g} s, each with a start of its own; "
+        "errors are those within stretches"
+    )
+    return BestPoint(problem, u, found.agreeing, False, [*whole.notes, note], True)
+
+
+def _joined(parts: BestPoint) -> BestPoint:
     """The fit with stretches tied to each other, if it describes the recordings as well."""
-    problem = replace(parts.problem, noise=dict(parts.problem.noise))
-    found = joined_stretches(problem, parts.u, kept(problem, keep), lambda p, u: _weigh(p, u, given))
-    if found is None:
+    problem, u = replace(parts.problem, noise=dict(parts.problem.noise)), parts.u
+    if not replace(problem, tied=True).ties:
         return parts
-    tied = BestPoint(found[0], found[1].u, replace(found[1], agreeing=parts.found.agreeing), [*parts.notes], True)
-    if not tied.stopped:
-        tied = _weighted(tied, given)
-        tied.problem = replace(tied.problem, runs=relayed(tied.problem, tied.u), noise=dict(tied.problem.noise))
+    for _ in range(_ROUNDS):
+        if (moved := _handed_on(problem, u)) is None:
+            return parts
+        shifts = [(new.shift, old.shift) for new, old in zip(moved[0].runs, problem.runs, strict=True)]
+        problem, u = moved
+        if problem.work.stopped or max(_far(new, old) for new, old in shifts) < _CONVERGED:
+            break
+    tied = BestPoint(replace(problem, tied=True), u, parts.agreeing, problem.work.stopped, [*parts.notes], True)
+    for _ in range(0 if tied.stopped else _TIED_ROUNDS):  # while the residual is large, the ties are loose
+        _weigh(tied.problem, tied.u)
+        found = search(tied.problem, tied.u, steps=_STEPS)
+        tied.u, tied.stopped = found.u, found.stopped
+        if tied.stopped:
+            break
+    tied = _weighted(tied)
+    if tied.stopped:
+        return replace(parts, stopped=True)
+    tied.problem = replace(tied.problem, runs=tied.problem.handed_on(tied.u))
     left, right = leftovers(parts.problem, parts.u), leftovers(tied.problem, tied.u)
-    if not all(right[c][0] <= _AS_WELL * left[c][0] for c in left):
+    if not all(right[c][0] <= AS_WELL * left[c][0] for c in left):
         parts.notes.append(
             "the ends of the stretches do not meet the starts of the next within the noise: they are left free (the model "
             "errs, or something moved that is not in it)"
@@ -159,53 +199,54 @@ def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
     return tied
 
 
-def _in_stretches(
-    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], named: set[str],
-    whole: BestPoint, begin: dict[str, float], work: Work, keep: Keep | None, grows: bool,
-) -> BestPoint:  # fmt: skip
-    """Multiple shooting: each stretch has its own initial state, so errors cannot grow over a whole recording."""
-    window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
-    runs, own = prepared(scenario, recordings, named, window)
-    problem = MachineProblem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
-    found = search(problem, 1, 0, problem.point(begin), kept(problem, keep))
-    if not found.stopped:
-        found = replace(found, u=moved_over(problem, found.u))
-    parts = BestPoint(problem, found.u, found, whole.notes, True)
-    left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
-    least = 1 / _AS_WELL if grows else _MUCH  # whole recordings may be the only information on unmeasured states
-    if all(not left[c][0] > least * right[c][0] for c in left):
-        return whole
-    why = "errors grow fast in this motion" if grows else "whole recordings cannot be followed from their start"
-    parts.notes.append(
-        f"{why}: recordings are fitted in {len(runs)} stretches of about {window:.2g} s, each with a start of its own; errors "
-        "are those within stretches"
-    )
-    return parts
+def _handed_on(problem: MachineProblem, u: Array) -> tuple[MachineProblem, Array] | None:
+    """The problem with unmeasured initial states nearer the ends of the stretches before, and its point.
+
+    They move at most as far as the fit stays as good; None if they cannot.
+    """
+    before = float(half_squares(problem.residuals(u[None]))[0])
+    ends = problem.handed_on(u)
+    for share in _SHARES:
+        runs = []
+        for old, new in zip(problem.runs, ends, strict=True):
+            shift = {n: old.shift.get(n, 0.0) + share * (x - old.shift.get(n, 0.0)) for n, x in new.shift.items()}
+            runs.append(replace(old, shift=shift))
+        moved = replace(problem, runs=runs)
+        found = search(moved, u, steps=_STEPS)
+        if found.stopped or found.cost <= _WORSE * before + 0.5 * problem.size * _LITTLE:
+            return moved, found.u
+    return None
 
 
-def _weighted(estimate: BestPoint, given: set[str]) -> BestPoint:
+def _far(new: dict[str, float], old: dict[str, float]) -> float:
+    """The largest change of a shift, relative to the largest shift."""
+    size = max((abs(x) for x in new.values()), default=0.0)
+    return max((abs(x - old.get(name, 0.0)) for name, x in new.items()), default=0.0) / size if size > 0 else 0.0
+
+
+def _weighted(best: BestPoint) -> BestPoint:
     """The fit at its optimum, with each column weighted by its estimated noise."""
-    problem = estimate.problem
+    problem = best.problem
     for _ in range(_WEIGHTINGS):
-        if estimate.stopped or half_squares(problem.residuals(estimate.u[None]))[0] > 1e200:
+        if best.stopped or half_squares(problem.residuals(best.u[None]))[0] > 1e200:
             break
         try:
-            estimate.u = settled(problem, estimate.u)
+            best.u = settled(problem, best.u)
         except (KeyboardInterrupt, Stopped):
             problem.work.stop()
-            estimate.found = replace(estimate.found, stopped=True)
+            best.stopped = True
             break
         old = dict(problem.noise)
-        _weigh(problem, estimate.u, given)
+        _weigh(problem, best.u)
         if all(abs(np.log(problem.noise[c] / old[c])) < _SETTLED for c in old):
             break
-    return estimate
+    return best
 
 
-def _weigh(problem: MachineProblem, u: Array, given: set[str]) -> None:
+def _weigh(problem: MachineProblem, u: Array) -> None:
     """Set the noise of each column to its residual, unless the noise is given and not much smaller."""
     share = problem.size / max(problem.size - len(problem.sought), 1)
     for column, (left, _) in leftovers(problem, u).items():
-        told = left * np.sqrt(min(share, 2.0))
-        if np.isfinite(told) and not (column in given and told < 1.5 * problem.noise[column]):
-            problem.noise[column] = max(float(told), floor_of(problem, column), 1e-12)
+        noise = left * np.sqrt(min(share, 2.0))
+        if np.isfinite(noise) and not (column in problem.known_noise and noise < _GIVEN * problem.noise[column]):
+            problem.noise[column] = max(float(noise), floor_of(problem, column), 1e-12)

@@ -1,27 +1,83 @@
-"""Draws each measured body along its measured motion, by a spring and a damper.
+"""Searches whole recordings from many starts, guided along the measured motion and then freed.
 
-One slip more or less changes all later samples, so the cost of a whole recording has many local minima. Under a stiff guide,
-the distance from the measured motion is the error of the forces, filtered, and its cost has few. No derivative of a noisy
-position is needed: the speed in the friction is the simulated one.
+One slip more or less changes all later samples, so the cost of a whole recording has many local minima. A guide is a spring
+and a damper that draw each measured body along its measured motion. Under a stiff guide, the distance from this motion is
+the error of the forces, filtered, and its cost has few minima. No derivative of a noisy position is needed: the speed in
+the friction is the simulated one.
+
+Far from the optimum, recordings are as coarse as the outputs' noise allows. The solver takes steps at every sample of a
+noisy input, and most of this noise moves no output by as much as the output's own noise.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.interpolate import UnivariateSpline
+from scipy.interpolate import LSQUnivariateSpline, UnivariateSpline
 
 from stribeck.arrays import Array
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.inputs import STILL
+from stribeck.identify.actuator.problem import Keep, MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
+from stribeck.identify.actuator.residuals import beyond_noise, floor_of, leftovers, noise_of
 from stribeck.identify.actuator.runs import roughness
+from stribeck.identify.actuator.solve import ROUGH_STEPS, ROUGHLY, Found, agreeing, half_squares, moved_over, search
+from stribeck.identify.actuator.starts import prepared
+from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import unused_prefix
 
+FOLLOWED = 0.1  # of a column's changes: with a larger residual, the simulation does not follow the recording
 _LOOSER = 3.0  # ratio of the bandwidths of two guides, half a decade
 _EXACT = 1e-9  # of a column's changes: least noise of a smoothing spline, against rounding
-_STILL = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
+_VISIBLE = 10.0  # times the noise: errors of first values, a third of the friction; 3 % of it then equal the noise
+_LOOSE = 1e-6  # rtol far from the optimum
+_STEP = 1e-3  # of a coordinate: step of the differences far from the optimum
+_ENOUGH = 6  # recordings for the comparison of starts
+_UNSEEN = 0.3  # of a column's noise: a change by coarser inputs that adds 5 % to it
+_FEWEST = 500  # samples of a coarse recording
+_EVEN = 1e-3  # of a step: a spline's knots need not be more even
+_DEARER = 10  # times the solver's steps at the first values: what a start may take
+
+
+# -- fewer samples ---------------------------------------------------------------------------------------------------------
+
+
+def coarser(recording: Recording, factor: int) -> Recording | None:
+    """A recording with one of ``factor`` samples; None if its samples are uneven, too few would be left, or it is cut."""
+    t, gaps = recording.t, np.diff(recording.t)
+    if recording.window or len(t) < _FEWEST * factor or np.ptp(gaps) > _EVEN * gaps[0]:
+        return None
+    every = t[::factor]
+    outputs = {name: _fewer(c, every) for name, c in recording.outputs.items()}
+    inputs = {path: _smoother(c, every) for path, c in recording.inputs.items()}
+    return replace(recording, t=every, outputs=outputs, inputs=inputs, as_well={})
+
+
+def _fewer(channel: Channel, t: Array) -> Channel:
+    """An output at the samples nearest to these times."""
+    if len(channel.t) <= len(t):
+        return channel
+    rows = np.unique(np.clip(np.searchsorted(channel.t, t - 0.5 * np.diff(channel.t).min()), 0, len(channel.t) - 1))
+    return channel.rows(rows)
+
+
+def _smoother(channel: Channel, t: Array) -> Channel:
+    """An input as the nearest signal of its kind with these samples: cubic, straight or held in between."""
+    inside = channel.bridged.t <= t[-1]
+    if len(inside) <= 2 * len(t):
+        return channel
+    times, x = channel.bridged.t[inside], channel.bridged.x[inside]
+    if channel.held:
+        first = np.searchsorted(times, t - 0.5 * (times[1] - times[0]))
+        return replace(channel, t=t, x=np.add.reduceat(x, first) / np.diff([*first, len(times)]))
+    return replace(channel, t=t, x=LSQUnivariateSpline(times, x, t[1:-1], k=3 if channel.smooth else 1)(t))
+
+
+# -- guides ----------------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -46,30 +102,30 @@ class Guides:
         self._scenario, self._recordings = scenario, recordings
         self._motions = {i: list(_motions(scenario, r)) for i, r in recordings}
         every = [m for motions in self._motions.values() for m in motions]
-        own = [1 / np.ptp(m.t) if m.y is None else np.std(m.v) / np.std(m.y) for m in every]
-        low, high = min(own, default=np.inf) / _LOOSER, 1 / min(float(np.median(np.diff(r.t))) for _, r in recordings)
-        count = max(int(np.log(high / low) / np.log(_LOOSER)) + 1, 0) if own else 0
+        frequencies = [1 / np.ptp(m.t) if m.y is None else np.std(m.v) / np.std(m.y) for m in every]
+        low = min(frequencies, default=np.inf) / _LOOSER
+        high = 1 / min(float(np.median(np.diff(r.t))) for _, r in recordings)
+        count = max(int(np.log(high / low) / np.log(_LOOSER)) + 1, 0) if every else 0
         self.bandwidths = [0.0, *(low * _LOOSER**n for n in range(count))]
 
     def with_guide(self, level: int) -> tuple[Scenario, list[tuple[int, Recording]]]:
         """The machine with critically damped guides of a bandwidth, and its recordings."""
         bandwidth, changes = self.bandwidths[level], dict[str, object]()
         prefix = unused_prefix(self._scenario.data, "guide_")
-        found = list[tuple[int, Recording]]()
+        guided = list[tuple[int, Recording]]()
         for i, recording in self._recordings:
             inputs = dict(recording.inputs)
             for m in self._motions[i]:
                 stiffness = 0.0 if m.y is None else m.inertia * bandwidth**2
                 damping = 2 * m.inertia * bandwidth
-                spring, pull = f"{prefix}spring_{m.body}", f"{prefix}pull_{m.body}"
-                changes[f"links.{spring}"] = {
-                    "from": m.body, "to": "ground", "stiffness": stiffness, "damping": damping
-                }  # fmt: skip
-                changes[f"loads.{pull}"] = {"on": m.body, "kind": "signal", "signal": _STILL}
+                link = {"from": m.body, "to": "ground", "stiffness": stiffness, "damping": damping}
+                changes[f"links.{prefix}spring_{m.body}"] = link
+                pull = f"loads.{prefix}pull_{m.body}"
+                changes[pull] = {"on": m.body, "kind": "signal", "signal": STILL}
                 force = damping * m.v + (0.0 if m.y is None else stiffness * m.y)
-                inputs[f"loads.{pull}.signal"] = Channel("guide", m.t, force, smooth=True)
-            found.append((i, replace(recording, inputs=inputs)))
-        return self._scenario.with_changes(changes), found
+                inputs[f"{pull}.signal"] = Channel("guide", m.t, force, smooth=True)
+            guided.append((i, replace(recording, inputs=inputs)))
+        return self._scenario.with_changes(changes), guided
 
 
 def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
@@ -89,3 +145,168 @@ def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
         table, smooth, rate = scenario.data["bodies"][name], spline(t), spline.derivative()(t)
         inertia = float(table.get("mass", table.get("inertia", 1.0)))
         yield _Motion(name, inertia, t, rate, smooth) if what == "y" else _Motion(name, inertia, t, smooth)
+
+
+# -- the search ------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Reached:
+    """The end of a search: its values by name, its cost, the number of agreeing ends, and whether it was stopped.
+
+    ``guided``: the values of the last guided fit, before the recordings were simulated freely.
+    """
+
+    values: dict[str, float]
+    guided: dict[str, float]
+    cost: float = np.inf
+    agreeing: int = 1
+    stopped: bool = False
+
+
+@dataclass
+class GuidedSearch:
+    """Starts are compared under the stiffest guide that lets errors of the friction stand out of the noise.
+
+    A stiff guide leaves the fewest minima. From the best start, the guide is loosened step by step. The next starts
+    follow until an end leaves no more than noise, or two come to the same end. A start whose simulation takes many times
+    the steps of the first one is no candidate.
+    """
+
+    scenario: Scenario
+    recordings: Sequence[tuple[int, Recording]]
+    sought: Sequence[MachineCoordinate]
+    noise: dict[str, float]
+    work: Work
+    keep: Keep | None = None
+    factor: int = 1  # one of so many samples is compared
+    _problems: dict[int, MachineProblem] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        rtol = max(self.scenario.solve.rtol, _LOOSE)
+        self.scenario = self.scenario.with_changes({"solve.rtol": rtol})
+        self.guides = Guides(self.scenario, _of_each_load(self.recordings))
+        runs, self._starts = prepared(self.scenario, self.recordings, self.sought)
+        self._begins = {run.log: run.start for run in runs}
+
+    def reached(self, starts: int, seed: int, first: dict[str, float], rough: bool = False) -> Reached:
+        """The best end from ``first``, where given, and from other starts; Ctrl-C returns the best so far.
+
+        Args:
+            rough: follow only the best start.
+        """
+        ends, agreed = [Reached(first, first)], 1
+        try:
+            level, compared = self._compared(starts, seed, first)
+            whole = self._problem(0)
+            for u in (compared.u, *compared.others):
+                ends.append(self._freed(level, u))
+                costs = np.array([x.cost for x in ends])
+                agreed = max(compared.agreeing, agreeing(costs, costs.min()))
+                if rough or self.work.stopped or not beyond_noise(whole, whole.point(ends[-1].values), agreed):
+                    break
+            if not (rough or self.work.stopped):  # from other places of the numbers that may lie at several
+                best = min(ends, key=lambda end: end.cost)
+                u = whole.point(best.values)
+                if (other := moved_over(whole, u)) is not u:
+                    better = search(whole, other, small=ROUGHLY)
+                    ends = [replace(best, values=best.values | whole.values(better.u), cost=better.cost)]
+        except (KeyboardInterrupt, Stopped):
+            self.work.stop()
+        best = min(ends, key=lambda end: end.cost)
+        return replace(best, agreeing=agreed, stopped=self.work.stopped)
+
+    def _compared(self, starts: int, seed: int, first: dict[str, float]) -> tuple[int, Found]:
+        """The best starts, and the guide under which they were compared."""
+        level = self._stiffest(first)
+        self.factor = self._coarsest(level, first)
+        self._problems.clear()
+        problem = self._limited(level, first)
+        u = problem.point(first)
+        if starts == 1:
+            return level, Found(u, np.inf)
+        return level, search(problem, u, starts, seed, wide=True, steps=ROUGH_STEPS, small=ROUGHLY)
+
+    def _freed(self, level: int, u: Array) -> Reached:
+        """The end of searches under looser and looser guides, the last one without."""
+        values = guided = self._problem(level).values(u)
+        for looser in range(level, -1, -1):
+            problem = self._limited(looser, values)
+            u = problem.point(values)
+            problem.noise = {
+                c: max(left, floor_of(problem, c)) or 1.0 for c, (left, _) in leftovers(problem, u).items()
+            }
+            u = search(problem, u, small=ROUGHLY).u
+            if not looser or all(left <= FOLLOWED * size for left, size in leftovers(problem, u).values()):
+                values = values | problem.values(u)
+                guided = values if looser else guided
+        problem.noise = dict(self.noise)
+        return Reached(values, guided, float(half_squares(problem.residuals(u[None]))[0]))
+
+    def _stiffest(self, values: dict[str, float]) -> int:
+        """The stiffest guide under which the errors of first values stand out of the noise."""
+        for level in range(len(self.guides.bandwidths) - 1, 0, -1):
+            problem = self._problem(level)
+            left = leftovers(problem, problem.point(values))
+            if any(_VISIBLE * noise_of(problem, c) < x < np.inf for c, (x, _) in left.items()):
+                return level
+        return min(1, len(self.guides.bandwidths) - 1)
+
+    def _coarsest(self, level: int, values: dict[str, float]) -> int:
+        """The largest power of two of samples for one that moves no output by much of its noise, with the first values."""
+        exact, factor = self._problem(level), 1
+        known = [exact.predicted(run, k, exact.point(values)[None]) for k, run in enumerate(exact.runs)]
+        while (coarse := self._coarse_problem(level, 2 * factor)) is not None:
+            for k, (run, fewer) in enumerate(zip(exact.runs, coarse.runs, strict=True)):
+                predicted = coarse.predicted(fewer, k, coarse.point(values)[None])
+                for now, then, x, y in zip(run.targets, fewer.targets, known[k], predicted, strict=True):
+                    off = y[0] - np.interp(then.t, now.t, x[0])
+                    if not np.sqrt(np.mean(off**2)) <= _UNSEEN * noise_of(exact, now.column):
+                        return factor
+            factor *= 2
+        return factor
+
+    def _limited(self, level: int, values: dict[str, float]) -> MachineProblem:
+        """The problem under a guide, with the solver's steps limited by those at some values."""
+        problem = self._problem(level)
+        if not problem.runs[0].attempts and np.isfinite(problem.residuals(problem.point(values)[None])).all():
+            for run in problem.runs:
+                most = min(_DEARER * max(run.attempts, run.scenario.rows), run.scenario.solve.max_steps)
+                run.scenario = run.scenario.with_changes({"solve.max_steps": most})
+        return problem
+
+    def _problem(self, level: int) -> MachineProblem:
+        """The problem under a guide; without one, of all recordings."""
+        if level not in self._problems:
+            problem = self._coarse_problem(level, self.factor)
+            assert problem is not None
+            self._problems[level] = problem
+        return self._problems[level]
+
+    def _coarse_problem(self, level: int, factor: int) -> MachineProblem | None:
+        """The problem with one of so many samples; None if a recording would be left with too few."""
+        scenario, recordings = self.guides.with_guide(level) if level else (self.scenario, self.recordings)
+        if factor > 1:
+            fewer = [(i, coarser(recording, factor)) for i, recording in recordings]
+            if any(recording is None for _, recording in fewer):
+                return None
+            recordings = [(i, recording) for i, recording in fewer if recording is not None]
+        runs, starts = prepared(scenario, recordings, self.sought)
+        if factor > 1:  # they begin as all samples say
+            runs = [replace(run, start=self._begins[run.log]) for run in runs]
+            starts = [c for c in self._starts if c.log in {i for i, _ in recordings}]
+        return MachineProblem(
+            runs, [*self.sought, *starts], dict(self.noise), work=self.work, step=_STEP, keep=self.keep
+        )
+
+
+def _of_each_load(recordings: Sequence[tuple[int, Recording]]) -> list[tuple[int, Recording]]:
+    """At most ``_ENOUGH`` recordings, one of each load if possible."""
+    some: list[tuple[int, Recording]] = []
+    left = list(recordings)
+    while left and len(some) < _ENOUGH:
+        loads = [each[1].known for each in left]
+        first = [i for i, known in enumerate(loads) if known not in loads[:i]]
+        some += [left[i] for i in first]
+        left = [each for i, each in enumerate(left) if i not in first]
+    return sorted(some[:_ENOUGH], key=lambda each: each[0])

@@ -19,9 +19,10 @@ from stribeck.scenario import Scenario
 from stribeck.waveforms.piecewise import PointsSignal
 from stribeck.waveforms.trajectories import SplineSignal
 
-_CHORDS = 3  # of a spline between two samples
+_CHORDS = 3  # of a spline between two samples: their distance from it is then a ninth of a straight line's
+STILL = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}  # a signal whose place a recorded one takes
 # The output column of an element's signal.
-_TOLD_BY = {"loads": "f", "controllers": "r", "motors": "V", "bodies": "v"}
+_COLUMN_OF = {"loads": "f", "controllers": "r", "motors": "V", "bodies": "v"}
 
 
 @dataclass(frozen=True)
@@ -68,37 +69,44 @@ def recorded_input(
     """The recorded signal within ``span``; times count from its start."""
     first = max(int(np.searchsorted(t, span[0], side="right")) - 1, 0)
     last = min(int(np.searchsorted(t, span[1])) + 1, len(t))
-    table = table_at(scenario, path.rpartition(".")[0])
+    table = value_at(scenario, path.rpartition(".")[0])
     spline = channel.smooth or (isinstance(table, dict) and "feedforward" in table)
     return RecordedInput(t[first:last] - span[0], x[first:last], channel.held, spline, channel.noise)
 
 
-def table_at(scenario: Scenario, path: str) -> object:
-    """The value or table at a path of the machine's file."""
-    table: object = scenario.data
+def value_at(scenario: Scenario, path: str) -> object:
+    """The value, list or table at a path of the machine's file; None if there is none."""
+    value: object = scenario.data
     for word in path.split("."):
-        table = table.get(word) if isinstance(table, dict) else None
-    return table
+        if isinstance(value, list) and word.isdigit() and int(word) < len(value):
+            value = value[int(word)]
+        else:
+            value = value.get(word) if isinstance(value, dict) else None
+    return value
+
+
+def number_at(scenario: Scenario, path: str) -> float | None:
+    """The machine's number at a path, if there is one."""
+    value = value_at(scenario, path)
+    return float(value) if isinstance(value, int | float) else None
 
 
 def later(signal: object, by: float) -> dict[str, object] | None:
     """A signal's table shifted to begin ``by`` seconds later; None if its kind cannot be shifted."""
-    if not isinstance(signal, dict):
+    kind = signal.get("kind") if isinstance(signal, dict) else None
+    if kind not in ("sine", "step", "points"):
         return None
-    kind = signal.get("kind")
+    assert isinstance(signal, dict)
     if kind == "sine":
         return {**signal, "phase": signal.get("phase", 0.0) + 2 * np.pi * signal["frequency"] * by}
     if kind == "step":
         return {**signal, "time": max(signal["time"] - by, 0.0)}
-    if kind == "points":
-        t, x = np.array(signal["t"], float) - by, np.array(signal["value"], float)
-        after = t > 0
-        if not after.any():
-            return {**signal, "t": [0.0, 1.0], "value": [float(x[-1])] * 2}
-        first = [] if t[0] > 0 else [0.0]
-        values = [float(np.interp(0.0, t, x)) for _ in first]
-        return {**signal, "t": [*first, *t[after].tolist()], "value": [*values, *x[after].tolist()]}
-    return None
+    t, x = np.array(signal["t"], float) - by, np.array(signal["value"], float)
+    after = t > 0
+    if not after.any():
+        return {**signal, "t": [0.0, 1.0], "value": [float(x[-1])] * 2}
+    begin = {} if t[0] > 0 else {0.0: float(np.interp(0.0, t, x))}
+    return {**signal, "t": [*begin, *t[after].tolist()], "value": [*begin.values(), *x[after].tolist()]}
 
 
 def misread(scenario: Scenario, recording: Recording, log: int) -> list[str]:
@@ -110,24 +118,23 @@ def misread(scenario: Scenario, recording: Recording, log: int) -> list[str]:
     units = {c.name: c.unit for c in scenario.system.columns}
     signals = [use.path for use in scenario.elements.signals]
     wrong = []
+    measured = {f"outputs.{name}": (name, c.unit) for name, c in recording.outputs.items()}
     for name in recording.outputs:
         if name not in units:
             hint = nearest(name, units) or f" (it has {', '.join(units)})"
             wrong.append(f"log.{log}.outputs.{name}: no such column of the machine{hint}")
-    for path in recording.inputs:
-        if not (path.endswith("signal") and table_at(scenario, path.rpartition(".")[0]) is not None):
+    for path, c in recording.inputs.items():
+        if not (path.endswith("signal") and value_at(scenario, path.rpartition(".")[0]) is not None):
             hint = nearest(path, signals) or f" (it has {', '.join(signals) or 'none'})"
             wrong.append(f"log.{log}.inputs.{path}: no signal of the machine{hint}")
-    given = {f"outputs.{name}": (name, c.unit) for name, c in recording.outputs.items()}
-    for path, c in recording.inputs.items():
-        element = path.split(".")
-        column = f"{element[1]}.{_TOLD_BY.get(element[0], '')}" if len(element) == 3 else ""
-        if "gain" not in (table_at(scenario, ".".join(element[:2])) or {}):  # type: ignore[operator]
-            given[f"inputs.{path}"] = column, c.unit
-    for where, (column, unit) in given.items():
-        wanted, found = units.get(column, ""), si_unit(unit)
-        scaled = where.startswith("inputs.loads.") and found in ("A", "V", "Pa")  # by a gain that may be fitted
-        if wanted and si_unit(wanted) == wanted and found not in ("", wanted) and not scaled:
+        words = path.split(".")
+        column = f"{words[1]}.{_COLUMN_OF.get(words[0], '')}" if len(words) == 3 else ""
+        if "gain" not in (value_at(scenario, ".".join(words[:2])) or {}):  # type: ignore[operator]
+            measured[f"inputs.{path}"] = column, c.unit
+    for place, (column, unit) in measured.items():
+        wanted, given = units.get(column, ""), si_unit(unit)
+        scaled = place.startswith("inputs.loads.") and given in ("A", "V", "Pa")  # by a gain that may be fitted
+        if wanted and si_unit(wanted) == wanted and given not in ("", wanted) and not scaled:
             text = f"must be a unit of {wanted}, or stand with a gain that turns it into {wanted}"
-            wrong.append(f"log.{log}.{where}.unit: {show(unit)}: {text}")
+            wrong.append(f"log.{log}.{place}.unit: {show(unit)}: {text}")
     return wrong

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator import advise
@@ -18,11 +20,11 @@ from stribeck.identify.core.judging import judged as by_core
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.scenario import Scenario
 
-RELATED = 0.95  # correlation above which two parameters cannot be separated
+RELATED = 0.95  # correlation above which two parameters cannot be separated: it makes an interval three times as wide
 EQUAL = (
-    6.0  # difference of BIC up to which models explain equally well ("positive" evidence ends here, Kass and Raftery)
+    6.0  # difference of BIC up to which models explain equally well: "positive" evidence ends here (Kass and Raftery)
 )
-AS_WELL = 2  # alternative forms that are reported
+FORMS = 3  # sets of forms that are reported: the best, and two that explain as much
 
 
 @dataclass
@@ -46,42 +48,43 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool, advised: bool = T
             identified.
     """
     problem, u = best.problem, best.u
-    if not any(not c.nuisance for c in problem.sought):
+    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
+    if not asked:
         return JudgedParameters({})
     choice = regressed(problem, u)
     lib = choice.library
-    found = by_core(choice, trusted=trusted, lower=lib.parameters(choice.model, lib.left))
-    for name, e in found.items():
-        if e.parts["M"] > e.parts["C"]:
-            found[name] = replace(e, state=EstimateState.NOT_IDENTIFIABLE)
-    for c in lib.sought:
-        found[c.name] = replace(found[c.name], unit=unit(scenario, c))
-    for name in lib.speeds:
-        found[name] = replace(found[name], unit=_force_unit(scenario, name.partition(" ")[0]))
-    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
-    open_ = [i for i in asked if found[problem.sought[i].name].state is EstimateState.NOT_IDENTIFIABLE]
-    names = [c.name for c in lib.sought]
-    relation = _relation(lib)
-    for i, text in advise.experiments(best, lib.J, open_ if advised else []).items():
-        name = problem.sought[i].name
-        found[name] = replace(found[name], experiment=text)
+    estimates = by_core(choice, trusted=trusted, lower=lib.parameters(choice.model, lib.left))
+    units = {c.name: unit(scenario, c) for c in lib.sought}
+    columns = {c.name: c.unit for c in scenario.system.columns}
+    units |= {name: columns.get(f"{name.partition(' ')[0]}.F", "") for name in lib.speeds}
+    for name, e in estimates.items():
+        state = EstimateState.NOT_IDENTIFIABLE if _crept(e) else e.state
+        estimates[name] = replace(e, state=state, unit=units[name])
+    names, relation = [c.name for c in lib.sought], _relation(lib)
+    open_ = [i for i in asked if not estimates[problem.sought[i].name].identifiable]
+    texts = advise.experiments(problem, u, lib.J, open_ if advised else [])
     for i in open_:
         name = problem.sought[i].name
-        found[name] = replace(found[name], why=found[name].why or _why(found[name], name, names, relation))
-    levels = {n: found.pop(n) for n in lib.speeds}
-    notes = [*_explained(choice), *_hanging(found)]
-    return JudgedParameters(found, levels, lib.speeds, _groups(names, relation), (names, relation), notes)
+        e = estimates[name]
+        estimates[name] = replace(e, why=e.why or _why(e, name, names, relation), experiment=texts.get(i, e.experiment))
+    levels = {n: estimates.pop(n) for n in lib.speeds}
+    notes = [*_explained(choice), *_hanging(estimates)]
+    return JudgedParameters(estimates, levels, lib.speeds, _groups(names, relation), (names, relation), notes)
 
 
 def blank(best: BestPoint, scenario: Scenario, why: str) -> JudgedParameters:
     """The values of a fit that was stopped, without uncertainties."""
-    found = {
-        c.name: Estimate(
-            c.outer(best.u[i]), (-np.inf, np.inf), None, EstimateState.NOT_IDENTIFIABLE, unit(scenario, c), why=why
-        )
-        for i, c in enumerate(best.problem.sought) if not c.nuisance
+    state, values = EstimateState.NOT_IDENTIFIABLE, best.values()
+    estimates = {
+        c.name: Estimate(values[c.name], (-np.inf, np.inf), None, state, unit(scenario, c), why=why)
+        for c in best.problem.sought if not c.nuisance
     }  # fmt: skip
-    return JudgedParameters(found)
+    return JudgedParameters(estimates)
+
+
+def _crept(e: Estimate) -> bool:
+    """Whether the search ended farther from the optimum than the estimate's own error."""
+    return e.parts["M"] > e.parts["C"]
 
 
 def _relation(lib: MachineLibrary) -> Array:
@@ -95,27 +98,22 @@ def _relation(lib: MachineLibrary) -> Array:
 
 def _groups(names: list[str], relation: Array) -> list[Group]:
     """Groups of parameters that cannot be separated."""
-    left, found = set(range(len(names))), list[Group]()
-    while left:
-        group, todo = set[int](), [left.pop()]
-        while todo:
-            i = todo.pop()
-            group.add(i)
-            near = {j for j in left if abs(relation[i, j]) > RELATED}
-            left -= near
-            todo += list(near)
+    _, group_of = connected_components(abs(relation) > RELATED, directed=False)
+    groups: list[Group] = []
+    for k in range(group_of.max() + 1):
+        group = np.flatnonzero(group_of == k).tolist()
         pairs = {
             f"{names[a]} ~ {names[b]}": float(relation[a, b])
-            for a in sorted(group) for b in sorted(group) if a < b and abs(relation[a, b]) > RELATED
+            for a, b in combinations(group, 2) if abs(relation[a, b]) > RELATED
         }  # fmt: skip
         if pairs:
-            found.append({"names": [names[i] for i in sorted(group)], "correlation": pairs})
-    return found
+            groups.append({"names": [names[i] for i in group], "correlation": pairs})
+    return groups
 
 
 def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
     """The reason why a parameter is not identifiable, in words."""
-    if e.parts["M"] > e.parts["C"]:
+    if _crept(e):
         return (
             "the search crept along a valley and did not come to its end (other first values, or another motion, help)"
         )
@@ -128,37 +126,31 @@ def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
 
 def _explained(choice: Selection[MachineLibrary]) -> list[str]:
     """The forms that would explain the residual, in words, with alternatives that explain as much."""
-    lib, every = choice.library, np.ones(len(choice.library.gram))
-    _, k, _, ratio = choice.choose(every, alone=False)
-    chosen = lib.models[k][1]
-    if not chosen:
+    lib = choice.library
+    _, k, _, ratio = choice.choose(np.ones(len(lib.gram)), alone=False)
+    if not (chosen := lib.models[k][1]):
         return []
     solved, sse = lib.solve(lib.gram.sum(0))
     score = lib.scores(sse, choice.rows)
     near = [
-        i for i in np.argsort(score).tolist() if score[i] < score[k] + EQUAL and len(lib.models[i][1]) == len(chosen)
-    ]
-    words = [
-        forms_in_words(_coefficients(lib, i, solved[i]), lib.forms)
-        for i in [k, *(i for i in near if i != k)][: 1 + AS_WELL]
-    ]
+        i for i in np.argsort(score).tolist()
+        if i != k and score[i] < score[k] + EQUAL and len(lib.models[i][1]) == len(chosen)
+    ]  # fmt: skip
+    words = [forms_in_words(_coefficients(lib, i, solved[i]), lib.forms) for i in [k, *near][:FORMS]]
     return [f"What is left would fall by {100 * (1 - ratio):.2g} % with {'; or as well '.join(words)}."]
 
 
 def _coefficients(lib: MachineLibrary, i: int, x: Array) -> dict[str, float]:
     """The first coefficient of each of a model's forms, in its unit."""
-    model = lib.models[i]
-    place, found = lib.k, dict[str, float]()
-    for g in model[1]:
-        found[g] = float(x[place]) * lib.scale[lib.groups[g][0]]
-        place += len(lib.groups[g])
-    return found
+    at = {column: n for n, column in enumerate(lib.index(lib.models[i]))}
+    first = {g: lib.groups[g][0] for g in lib.models[i][1]}
+    return {g: float(x[at[column]] / lib.unit[column]) for g, column in first.items()}
 
 
-def _hanging(found: dict[str, Estimate]) -> list[str]:
+def _hanging(estimates: dict[str, Estimate]) -> list[str]:
     """The parameters that depend on each form, in words."""
     causes: dict[str, list[str]] = {}
-    for name, e in found.items():
+    for name, e in estimates.items():
         if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
             causes.setdefault(e.depends_on, []).append(name)
     return [
@@ -184,8 +176,3 @@ def unit(scenario: Scenario, c: MachineCoordinate) -> str:
         if name in constants:
             return constants[name].unit_for(bool(owner in tables and tables[owner][1])) or "1"
     return ""
-
-
-def _force_unit(scenario: Scenario, contact: str) -> str:
-    """The unit of a contact's friction."""
-    return next((c.unit for c in scenario.system.columns if c.name == f"{contact}.F"), "")

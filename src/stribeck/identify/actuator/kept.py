@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from stribeck.files import json_of, write_sealed
+from stribeck.identify.actuator.problem import Keep
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.scenario import Scenario
 
@@ -20,26 +20,22 @@ class Kept:
 
     def __init__(self, folder: Path | None, scenario: Scenario, logs: Logs) -> None:
         self.path = None if folder is None else folder / NAME
-        made = sha256(json.dumps(scenario.data, sort_keys=True, default=str).encode())
+        inputs = sha256(json.dumps(scenario.data, sort_keys=True, default=str).encode())
         for r in logs.recordings:
-            made.update(repr((r.file, r.known, r.hold_out, r.window)).encode())
-            for name, channel in {**r.outputs, **r.inputs}.items():
-                made.update(
-                    repr((name, channel.noise, channel.held)).encode() + channel.t.tobytes() + channel.x.tobytes()
-                )
-        made.update(repr((logs.sought, logs.laws)).encode())
-        self.digest = made.hexdigest()
-        self.stages: dict[str, Any] = {}
-        found = None if self.path is None else json_of(self.path, sealed=True)
-        if found is not None and found["digest"] == self.digest:
-            self.stages = found["stages"]
+            inputs.update(repr((r.file, r.known, r.hold_out, r.window)).encode())
+            for name, c in {**r.outputs, **r.inputs}.items():
+                inputs.update(repr((name, c.noise, c.held)).encode() + c.t.tobytes() + c.x.tobytes())
+        inputs.update(repr((logs.sought, logs.laws)).encode())
+        self.digest = inputs.hexdigest()
+        saved = None if self.path is None else json_of(self.path, sealed=True)
+        self.stages: dict[str, Any] = saved["stages"] if saved is not None and saved["digest"] == self.digest else {}
 
     def load(self, stage: str) -> dict[str, float] | None:
         """The saved best values of a stage; None if there are none."""
-        found: dict[str, float] | None = self.stages.get(stage, {}).get("values")
-        return found
+        values: dict[str, float] | None = self.stages.get(stage, {}).get("values")
+        return values
 
-    def saver(self, stage: str) -> Callable[[dict[str, float], float], None]:
+    def saver(self, stage: str) -> Keep:
         """A function that saves the best values of a stage."""
 
         def save(values: dict[str, float], cost: float) -> None:

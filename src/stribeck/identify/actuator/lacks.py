@@ -13,15 +13,18 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
-from stribeck.identify.actuator.problem import MachineProblem, number_at
-from stribeck.identify.actuator.runs import Compared, RecordedRun
+from stribeck.identify.actuator.drawn import change_by
+from stribeck.identify.actuator.inputs import STILL, RecordedInput, number_at
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.recordings import Channel
+from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.core.library import LARGEST
 from stribeck.scenario.changes import unused_prefix
 
 BENDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # Stribeck velocities that are tried, of the fastest speed, by factors of 2.5
 CLOCK = 1e-3  # s/s: the drift of a computer's clock is smaller
 _ON = "lacks"  # name of the loads that apply the terms
-_STEP = 1e-3  # of the contact's friction: the size of a tried term
+_STEP = 1e-3  # of the contact's friction: the size of a tried term, linear and far above the solver's error
 _FORCES = (".f", ".torque")  # the columns of forces
 _TURNED = 0.3  # rad: over a smaller range, a weight acts as a constant
 _SMOOTHING = (".k_v", ".z_ba")  # parameters of the model, not of the machine
@@ -53,16 +56,28 @@ class MissingForm:
 class RunMotion:
     """The simulated columns of each run on its grid, the times, and the speeds in each contact."""
 
-    ways: list[dict[str, Array]]
+    runs: list[dict[str, Array]]
 
     @classmethod
     def of(cls, problem: MachineProblem, u: Array) -> RunMotion:
         """The motion at the point ``u``."""
-        return cls([_way(problem, run, k, u) for k, run in enumerate(problem.runs)])
+        columns = [c.name for c in problem.runs[0].scenario.system.columns]
+        columns = [name for name in columns if name.endswith((".y", ".v", ".w", ".F", *_FORCES))]
+        motions = []
+        for k, run in enumerate(problem.runs):
+            grid = run.grid
+            whole = replace(run, targets=[Channel(name, grid, grid) for name in columns])
+            predicted = problem.predicted(whole, k, u[None])
+            motions.append({name: x[0] for name, x in zip(columns, predicted, strict=True)} | {"t": grid + run.begin})
+        return cls(motions)
+
+    def each(self, name: str) -> list[Array]:
+        """A column of each run."""
+        return [x[name] for x in self.runs]
 
     def column(self, name: str) -> Array:
         """A column over all runs."""
-        return np.concatenate([x[name] for x in self.ways])
+        return np.concatenate(self.each(name))
 
 
 def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[MissingForm]:
@@ -78,42 +93,48 @@ def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[
     return [x for x in every if np.isfinite(x.slopes).all() and x.slopes @ x.slopes > 0]
 
 
-def _way(problem: MachineProblem, run: RecordedRun, k: int, u: Array) -> dict[str, Array]:
-    """The columns of a run from which terms are computed, on its grid, and the times."""
-    grid: Array = np.arange(run.scenario.rows, dtype=float) * run.scenario.output.step
-    columns = [c.name for c in run.scenario.system.columns if c.name.endswith((".y", ".v", ".w", ".F", *_FORCES))]
-    wanted = replace(run, targets=[Compared(name, grid, grid) for name in columns])
-    found = {name: x[0] for name, x in zip(columns, problem.predicted(wanted, k, u[None]), strict=True)}
-    return {**found, "t": grid + float(run.piece or 0.0)}
+def forms_in_words(chosen: Mapping[str, float], every: Sequence[MissingForm]) -> str:
+    """Forms with their coefficients, in words."""
+    return " and ".join(form.tell(chosen[form.name]) for form in every if form.name in chosen)
+
+
+# -- friction --------------------------------------------------------------------------------------------------------------
 
 
 def _friction(problem: MachineProblem, u: Array, motion: RunMotion) -> Iterator[MissingForm]:
     """The friction terms that a machine's contacts may lack. A unit has the rms of the contact's friction."""
-    terms: dict[str, tuple[str, str, list[Array], AtSpeed | None]] = {}
-    sizes: dict[str, float] = {}
-    for contact in problem.runs[0].scenario.data.get("contacts", {}):
-        friction = _mean([x[f"{contact}.F"] for x in motion.ways])
-        for term, rows, at in _terms(problem, u, motion.ways, contact) if _ends(problem.runs[0], contact) else ():
-            if friction > 0 and (size := _mean(rows)) > 0:
-                name = f"{_ON}.{contact}.{term}"
-                terms[name], sizes[name] = (contact, term, rows, at), friction / size
+    contacts = problem.runs[0].scenario.data.get("contacts", {})
+    terms: list[tuple[str, str, list[Array], AtSpeed | None]] = []
+    added: list[MachineCoordinate] = []
+    for contact in contacts:
+        friction = _rms(motion.each(f"{contact}.F"))
+        for term, forces, at in _terms(problem, u, motion, contact) if _loads(problem.runs[0], contact) else ():
+            if friction > 0 and (size := _rms(forces)) > 0:
+                name, size = f"{_ON}.{contact}.{term}", friction / size
+                terms.append((contact, term, forces, at))
+                added.append(MachineCoordinate(name, -size, size, 0.0, None, {name: 1.0}))
     if not terms:
         return
     runs = []
     for k, run in enumerate(problem.runs):
-        whole = run.scenario.with_changes(_loads(run))
-        played = {name: _played(run, contact, rows[k]) for name, (contact, _, rows, _) in terms.items()}
-        runs.append(replace(run, scenario=whole, played=played, otherwise=()))
-    added = [MachineCoordinate(name, -x, x, 0.0, None, {name: 1.0}) for name, x in sizes.items()]
-    own = replace(problem, runs=runs, sought=[*problem.sought, *added], noise=dict(problem.noise))
+        loads = {contact: _loads(run, contact) for contact in contacts}
+        tables: dict[str, object] = {
+            path: {"on": body, "kind": "signal", "signal": STILL}
+            for paths in loads.values() for path, (body, _) in paths.items()
+        }  # fmt: skip
+        played = {
+            c.name: {f"{path}.signal": share * forces[k] for path, (_, share) in loads[contact].items()}
+            for c, (contact, _, forces, _) in zip(added, terms, strict=True)
+        }
+        runs.append(replace(run, scenario=run.scenario.with_changes(tables), played=played))
+    whole = replace(problem, runs=runs, sought=[*problem.sought, *added])
     points = np.repeat(np.append(u, [c.inner(0.0) for c in added])[None], len(added) + 1, axis=0)
     for i, c in enumerate(added):
         points[i + 1, len(u) + i] = c.inner(_STEP * c.high)
-    r = own.residuals(points)
-    for (name, (contact, term, _, at)), slopes in zip(terms.items(), (r[1:] - r[0]) / _STEP, strict=True):
+    r = whole.residuals(points)
+    for c, (contact, term, _, at), slopes in zip(added, terms, (r[1:] - r[0]) / _STEP, strict=True):
         group = f"{contact}: {term.removesuffix(' sin').removesuffix(' cos')}"
-        adds = None if at is None else _times(at, sizes[name])
-        yield MissingForm(group, slopes, LARGEST, _of_friction(contact, term), contact, adds)
+        yield MissingForm(group, slopes, LARGEST, _of_friction(contact, term), contact, at and _times(at, c.high))
 
 
 def _times(at: AtSpeed, size: float) -> AtSpeed:
@@ -124,56 +145,42 @@ def _of_friction(contact: str, term: str) -> Callable[[float], str]:
     return lambda x: f"{term} of {100 * abs(x):.2g} % of the friction of {contact}"
 
 
-def _mean(rows: Sequence[Array]) -> float:
-    """The root mean square."""
+def _rms(rows: Sequence[Array]) -> float:
     return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
 
 
-def _ends(run: RecordedRun, contact: str) -> dict[str, tuple[str, float]]:
-    """The bodies at a contact that a force can move, and the share of the friction on each; none for a prescribed motion."""
+def _loads(run: RecordedRun, contact: str) -> dict[str, tuple[str, float]]:
+    """The loads that apply a contact's terms: the body, which a force can move, and its share of the friction.
+
+    There are none on a body of prescribed motion.
+    """
     table, data = run.scenario.data["contacts"][contact], run.scenario.data["bodies"]
-    found = {"from": (table["from"], -table.get("ratio", 1.0)), "to": (table.get("to", "ground"), 1.0)}
-    return {end: x for end, x in found.items() if x[0] != "ground" and "velocity" not in data[x[0]]}
-
-
-def _on(run: RecordedRun) -> str:
-    """The prefix of the loads' names."""
-    return unused_prefix(run.scenario.data, f"{_ON}_")
-
-
-def _loads(run: RecordedRun) -> dict[str, object]:
-    """The loads that apply the terms, one for each body at a contact."""
-    still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
+    prefix = unused_prefix(run.scenario.data, f"{_ON}_")
+    bodies = {"from": (table["from"], -table.get("ratio", 1.0)), "to": (table.get("to", "ground"), 1.0)}
     return {
-        f"loads.{_on(run)}{contact}_{end}": {"on": body, "kind": "signal", "signal": still}
-        for contact in run.scenario.data["contacts"]
-        for end, (body, _) in _ends(run, contact).items()
-    }
+        f"loads.{prefix}{contact}_{end}": (body, share)
+        for end, (body, share) in bodies.items() if body != "ground" and "velocity" not in data[body]
+    }  # fmt: skip
 
 
-def _played(run: RecordedRun, contact: str, force: Array) -> dict[str, Array]:
-    """A friction force as signals of the loads on the bodies at a contact."""
-    return {f"loads.{_on(run)}{contact}_{end}.signal": share * force for end, (_, share) in _ends(run, contact).items()}
-
-
-def _bend(speed: float) -> Callable[[Array, Array], Array]:
+def _bend(speed: float) -> AtSpeed:
     return lambda level, v: level * np.exp(-((v / speed) ** 2))
 
 
 def _terms(
-    problem: MachineProblem, u: Array, ways: list[dict[str, Array]], contact: str
+    problem: MachineProblem, u: Array, motion: RunMotion, contact: str
 ) -> Iterator[tuple[str, list[Array], AtSpeed | None]]:
     """The terms of a contact by name: the force of one unit in every run, and the contribution to the steady level."""
     scenario = problem.runs[0].scenario
     table = scenario.data["contacts"][contact]
     start, end, ratio = table["from"], table.get("to", "ground"), table.get("ratio", 1.0)
-    w = [x[f"{contact}.w"] for x in ways]
-    d = [ratio * x[f"{start}.y"] - (x[f"{end}.y"] if end != "ground" else 0.0) for x in ways]
+    w, y = motion.each(f"{contact}.w"), motion.each(f"{start}.y")
+    other = motion.each(f"{end}.y") if end != "ground" else [0.0 * x for x in y]
+    d = [ratio * x - z for x, z in zip(y, other, strict=True)]
     path = f"contacts.{contact}.law"
-    viscous = (
-        problem.values(u).get(f"{path}.parameters.sigma_2", scenario.elements.values.get((path, "sigma_2"), 0.0)) or 0.0
-    )
-    level = [x[f"{contact}.F"] - viscous * x[f"{contact}.w"] for x in ways]
+    given = scenario.elements.values.get((path, "sigma_2"), 0.0)
+    viscous = problem.values(u).get(f"{path}.parameters.sigma_2", given) or 0.0
+    level = [x - viscous * v for x, v in zip(motion.each(f"{contact}.F"), w, strict=True)]
     fastest = max(float(np.max(abs(x))) for x in w)
     if not (np.isfinite(fastest) and fastest > 0 and all(np.isfinite(x).all() for x in level)):
         return
@@ -183,42 +190,51 @@ def _terms(
         steady["viscous friction"] = lambda _, v: v
     for name, at in steady.items():
         yield name, [at(x, v) for x, v in zip(level, w, strict=True)], at
+
+    def grown(by: Sequence[Array]) -> list[Array]:
+        return [x * z for x, z in zip(level, by, strict=True)]
+
     further = {
         "offset": [np.ones_like(x) for x in w], "level by direction": [abs(x) for x in level],
-        "viscous by direction": [abs(x) for x in w], "spring": d,
-        "level by position": [x * y for x, y in zip(level, d, strict=True)],
-        "level by time": [x * y["t"] for x, y in zip(level, ways, strict=True)],
+        "viscous by direction": [abs(x) for x in w], "spring": d, "level by position": grown(d),
+        "level by time": grown(motion.each("t")),
     }  # fmt: skip
     if scenario.system.elements.bodies[start].turns and max(float(np.ptp(x)) for x in d) > _TURNED:
         for name, wave in (("sin", np.sin), ("cos", np.cos)):
-            further[f"weight {name}"] = [wave(y) for y in d]
-            further[f"level by turn {name}"] = [x * wave(y) for x, y in zip(level, d, strict=True)]
-    for name in ways[0] if not table.get("loads") else ():  # otherwise the machine declares how its friction grows
-        if name.endswith(_FORCES) and np.ptp(abs(ways[0][name])) > 0:
-            further[f"level by {name}"] = [x * abs(y[name]) for x, y in zip(level, ways, strict=True)]
+            further[f"weight {name}"] = [wave(x) for x in d]
+            further[f"level by turn {name}"] = grown(further[f"weight {name}"])
+    for name in motion.runs[0] if not table.get("loads") else ():  # otherwise the machine declares its growth
+        if name.endswith(_FORCES) and np.ptp(abs(motion.runs[0][name])) > 0:
+            further[f"level by {name}"] = grown([abs(x) for x in motion.each(name)])
     for name, rows in further.items():
         yield name, rows, None
 
 
+# -- fixed numbers, sensors, inputs ----------------------------------------------------------------------------------------
+
+
 def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
     """The machine's fixed numbers that are equal in all recordings. A unit is a factor of e."""
-    sought, numbers = paths(problem.sought), list[tuple[MachineCoordinate, float]]()
+    sought, fixed = paths(problem.sought), dict[str, float]()
     for path in problem.runs[0].scenario.places:
         if path in sought or ".initial." in path or ".signal." in path or path.endswith(_SMOOTHING):
             continue
-        values = {number_at(run, path) for run in problem.runs}
+        values = {number_at(run.scenario, path) for run in problem.runs}
         x = values.pop()
         if x and not values:
-            low, high = sorted((x * (1 - _HALF), x * (1 + _HALF)))
-            numbers.append((MachineCoordinate(path, low, high, x, None, {path: 1.0}), x))
-    if not numbers:
+            fixed[path] = x
+    if not fixed:
         return
-    own = replace(problem, sought=[*problem.sought, *(c for c, _ in numbers)], noise=dict(problem.noise))
-    there = np.append(u, [c.inner(x) for c, x in numbers])
-    J = own.slopes(there[None], np.full(len(there), own.step))[1][0]
-    for i, (c, x) in enumerate(numbers):
-        slopes = J[:, len(u) + i] / c.slope(c.inner(x)) * x
-        yield MissingForm(c.name, slopes, LARGEST, _of_number(c.name, x))
+    added = []
+    for path, x in fixed.items():
+        low, high = sorted((x * (1 - _HALF), x * (1 + _HALF)))
+        added.append(MachineCoordinate(path, low, high, x, None, {path: 1.0}))
+    whole = replace(problem, sought=[*problem.sought, *added])
+    there = np.append(u, [c.inner(fixed[c.name]) for c in added])
+    J = whole.slopes(there[None], np.full(len(there), whole.step))[1][0]
+    for i, c in enumerate(added, len(u)):
+        x = fixed[c.name]
+        yield MissingForm(c.name, J[:, i] / c.slope(c.inner(x)) * x, LARGEST, _of_number(c.name, x))
 
 
 def _of_number(path: str, now: float) -> Callable[[float], str]:
@@ -227,96 +243,72 @@ def _of_number(path: str, now: float) -> Callable[[float], str]:
 
 def _sensors(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
     """Delay (s), clock (s/s), gain and offset of each column, of all recordings and of each."""
+    slopes: dict[tuple[str, str], Array] = {}
+    step, span = dict.fromkeys(problem.noise, 0.0), dict.fromkeys(problem.noise, 0.0)
+    columns = [x[0] for k, run in enumerate(problem.runs) for x in problem.predicted(run, k, u[None])]
+    for (k, target, rows), x in zip(problem.pieces, columns, strict=True):
+        if len(target.t) > 2:
+            name, rate = target.column, np.gradient(x, target.t)
+            t = target.t + problem.runs[k].begin
+            errors = {"clock": -rate * t, "delay": -rate, "gain": x, "offset": np.ones(len(t))}
+            for what, error in errors.items():
+                slopes.setdefault((name, what), np.zeros(problem.size))[rows] = error / problem.noise[name]
+            step[name] = max(step[name], float(np.median(np.diff(target.t))))
+            span[name] = max(span[name], float(np.ptp(target.x)))
+    names, units = _files(problem), {c.name: c.unit for c in problem.runs[0].scenario.system.columns}
     sought = {(c.output, c.log) for c in problem.sought}
-    logs = list(dict.fromkeys(run.log for run in problem.runs))
-    names = {run.log: run.name for run in problem.runs}
-    for (column, what), (slopes, largest, unit) in _of_columns(problem, u).items():
-        if ((column, what), None) in sought:
+    for (name, what), x in slopes.items():
+        largest = {"clock": CLOCK, "delay": step[name], "gain": LARGEST, "offset": LARGEST * span[name]}[what]
+        unit = {"clock": "s/s", "delay": "s", "gain": ""}.get(what, units.get(name, ""))
+        if ((name, what), None) in sought or not largest > 0:
             continue
-        for log in [None, *logs] if len(logs) > 1 else [None]:
-            if ((column, what), log) not in sought and largest > 0:
-                of = f"outputs.{column}.{what}" if log is None else f"log.{log}.outputs.{column}.{what}"
-                x = np.where(rows_of(problem, log), slopes, 0.0)
-                yield MissingForm(of, x, largest, _of_sensor(of, "" if log is None else names[log], unit))
+        for log, file in names.items():
+            if ((name, what), log) not in sought:
+                path = f"outputs.{name}.{what}" if log is None else f"log.{log}.outputs.{name}.{what}"
+                yield MissingForm(path, np.where(rows_of(problem, log), x, 0.0), largest, _of_sensor(path, file, unit))
+
+
+def _files(problem: MachineProblem) -> dict[int | None, str]:
+    """All recordings together, without a name, and each of several by its file."""
+    names: dict[int | None, str] = {run.log: run.name for run in problem.runs}
+    return {None: ""} | (names if len(names) > 1 else {})
 
 
 def _of_sensor(path: str, file: str, unit: str) -> Callable[[float], str]:
-    what = path.rpartition(".")[2]
-    of = f" ({file})" if file else ""
-    return lambda x: f"{path}{of} {x + (what == 'gain'):.3g} {unit}".rstrip()
+    neutral = 1.0 if path.endswith(".gain") else 0.0
+    return lambda x: f"{path}{f' ({file})' if file else ''} {x + neutral:.3g} {unit}".rstrip()
 
 
 def rows_of(problem: MachineProblem, log: int | None) -> Array:
     """A mask of the residuals of one recording, or of all."""
-    found = np.zeros(problem.size, bool)
+    mask = np.zeros(problem.size, bool)
     for k, run in enumerate(problem.runs):
-        found[problem.first[k] : problem.first[k + 1]] = log in (None, run.log)
-    return found
-
-
-def _of_columns(problem: MachineProblem, u: Array) -> dict[tuple[str, str], tuple[Array, float, str]]:
-    """For each sensor parameter: derivatives of the residuals, the largest value that may go unnoticed, and the unit."""
-    found: dict[tuple[str, str], Array] = {}
-    late, span = dict.fromkeys(problem.noise, 0.0), dict.fromkeys(problem.noise, 0.0)
-    for k, run in enumerate(problem.runs):
-        at, begin = int(problem.first[k]), float(run.piece) if run.piece else 0.0
-        for target, x in zip(run.targets, problem.predicted(run, k, u[None]), strict=True):
-            n, noise = len(target.t), problem.noise[target.column]
-            if n > 2:
-                rate = np.gradient(x[0], target.t)
-                of = {"clock": -rate * (target.t + begin), "delay": -rate, "gain": x[0], "offset": np.ones(n)}
-                for what, slopes in of.items():
-                    found.setdefault((target.column, what), np.zeros(problem.size))[at : at + n] = slopes / noise
-                late[target.column] = max(late[target.column], float(np.median(np.diff(target.t))))
-                span[target.column] = max(span[target.column], float(np.ptp(target.x)))
-            at += n
-    units = {c.name: c.unit for c in problem.runs[0].scenario.system.columns}
-    told = dict[tuple[str, str], tuple[Array, float, str]]()
-    for (name, what), x in found.items():
-        largest = {"clock": CLOCK, "delay": late[name], "gain": LARGEST, "offset": LARGEST * span[name]}[what]
-        told[name, what] = x, largest, {"clock": "s/s", "delay": "s", "gain": ""}.get(what, units.get(name, ""))
-    return told
+        mask[problem.first[k] : problem.first[k + 1]] = log in (None, run.log)
+    return mask
 
 
 def _inputs(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]:
     """Other interpolations of the inputs between samples. A unit is the complete change."""
-    compared = int(problem.first[-1])  # priors and ties are unchanged
 
-    def instead(runs: list[RecordedRun]) -> Array:
-        own = replace(problem, runs=runs, noise=dict(problem.noise), tied=False)
-        off = np.zeros(len(r))
-        off[:compared] = own.residuals(u[None])[0][:compared] - r[:compared]
-        return off
+    def instead(other: Callable[[RecordedInput], RecordedInput]) -> Array:
+        drives = [{path: other(x) for path, x in run.inputs.items()} for run in problem.runs]
+        return change_by(problem, u, r, [run.driven(x) for run, x in zip(problem.runs, drives, strict=True)])
 
-    drives = [x for run in problem.runs for x in run.inputs.values() if not x.spline]
-    if drives:
-        held = not all(x.held for x in drives)
-        other = [{p: replace(x, held=held and not x.spline) for p, x in run.inputs.items()} for run in problem.runs]
+    every = [x for run in problem.runs for x in run.inputs.values()]
+    if any(not x.spline for x in every):
+        held = not all(x.held for x in every if not x.spline)
         words = "held from sample to sample (held = true)" if held else "straight from sample to sample (held = false)"
-        off = instead([run.driven(x) for run, x in zip(problem.runs, other, strict=True)])
+        off = instead(lambda x: replace(x, held=held and not x.spline))
         yield MissingForm("inputs", off, 1.0, lambda x: f"inputs {words}, {x:.2g} of the way")
-    smooth = [{p: x.smooth() for p, x in run.inputs.items()} for run in problem.runs]
-    if any(x is not run.inputs[p] for run, each in zip(problem.runs, smooth, strict=True) for p, x in each.items()):
-        off = instead([run.driven(x) for run, x in zip(problem.runs, smooth, strict=True)])
-        yield MissingForm(
-            "inputs smooth", off, 1.0, lambda x: f"inputs that bend between their samples, {x:.2g} of the way"
-        )
+    if any(x.smooth() is not x for x in every):
+        bend, off = "inputs that bend between their samples", instead(RecordedInput.smooth)
+        yield MissingForm("inputs smooth", off, 1.0, lambda x: f"{bend}, {x:.2g} of the way")
 
 
 def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]:
     """Stretches whose unmeasured states (bodies, bristles, currents) continue those of the stretch before."""
     if problem.tied or len(problem.runs) == len({run.log for run in problem.runs}):
         return
-    handed = replace(problem, tied=True).handed_on(u)
-    own = replace(problem, runs=handed, noise=dict(problem.noise))
-    yield MissingForm(
-        "stretches",
-        own.residuals(u[None])[0] - r,
-        1.0,
-        lambda x: f"stretches that begin as those before end, {x:.2g} of the way",
-    )
-
-
-def forms_in_words(chosen: Mapping[str, float], every: Sequence[MissingForm]) -> str:
-    """Forms with their coefficients, in words."""
-    return " and ".join(form.tell(chosen[form.name]) for form in every if form.name in chosen)
+    off = replace(problem, runs=problem.handed_on(u)).residuals(u[None])[0] - r
+    words = "stretches that begin as those before end"
+    yield MissingForm("stretches", off, 1.0, lambda x: f"{words}, {x:.2g} of the way")

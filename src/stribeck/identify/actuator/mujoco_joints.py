@@ -7,17 +7,17 @@ joint's friction.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, needed
 from stribeck.files import open_file
+from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.data.filters import low_pass
 from stribeck.recorded import is_table, no_column, opened
@@ -31,7 +31,8 @@ MuJoCo = Any  # MuJoCo's modules, models and data have no types
 _STEEP = 500.0  # k_v in units of 1/speed: the smooth sign is complete at a few thousandths of the speed
 _ROOM = 1e-4  # of the largest torque: lower bound of the friction
 _EVEN = 0.01  # of a step: tolerance of an even grid of samples
-_CUTOFF = 0.1  # of the sampling rate
+_NYQUIST = 0.45  # of the sampling rate: the largest cut-off frequency, a tenth below half of it
+_CUTOFF = 0.1  # of the sampling rate: above it, differences show more noise than motion
 
 
 @dataclass(frozen=True)
@@ -60,14 +61,12 @@ class Joint:
         folder, entries = Path(folder), list[dict[str, object]]()
         folder.mkdir(parents=True, exist_ok=True)
         for i, r in enumerate(self.logs.recordings):
-            names = {**{n: c.column for n, c in r.outputs.items()}, **{n: c.column for n, c in r.inputs.items()}}
+            outputs, inputs = ({n: c.column for n, c in group.items()} for group in (r.outputs, r.inputs))
             columns = {"t": r.t, **{c.column: c.x for c in (*r.outputs.values(), *r.inputs.values())}}
             rows = [",".join(columns), *(",".join(map(repr, row)) for row in np.stack([*columns.values()], 1).tolist())]
             write_text(folder / f"{self.name}_{i}.csv", "\n".join(rows) + "\n")
-            entry = {"file": f"{self.name}_{i}.csv", "hold_out": r.hold_out}
-            entry |= {} if r.window is None else {"window": r.window}
-            entry |= {"outputs": {n: names[n] for n in r.outputs}, "inputs": {n: names[n] for n in r.inputs}}
-            entries.append(entry)
+            entry = {"file": f"{self.name}_{i}.csv", "hold_out": r.hold_out, "outputs": outputs, "inputs": inputs}
+            entries.append(entry | ({} if r.window is None else {"window": r.window}))
         sought = {s.path: {"low": s.low, "high": s.high} for s in self.logs.sought}
         machine, logs = folder / f"{self.name}.toml", folder / f"{self.name}_logs.toml"
         write_text(machine, tomli_w.dumps(self.machine.data))
@@ -102,14 +101,16 @@ def from_mujoco(
     """
     with needed("identify.from_mujoco"):
         import mujoco
-    made = _model(mujoco, model)
+    frictionless = _model(mujoco, model)
     logs = log if isinstance(log, list | tuple) else [log]
-    found = [_Motion(mujoco, made, x, i, time, positions or {}, torques or {}, cutoff) for i, x in enumerate(logs)]
-    driven = [name for name in found[0].joints if all(name in motion.torque for motion in found)]
+    motions = [
+        _Motion(mujoco, frictionless, x, i, time, positions or {}, torques or {}, cutoff) for i, x in enumerate(logs)
+    ]
+    driven = [name for name in motions[0].joints if all(name in motion.torque for motion in motions)]
     if not driven:
-        wanted = ", ".join(f"{name}.torque" for name in found[0].joints)
+        wanted = ", ".join(f"{name}.torque" for name in motions[0].joints)
         raise InputError(f"{arg('torques')}: no joint has a torque in every recording (looked for {wanted})")
-    return {name: _joint(name, found, window, hold_out) for name in driven}
+    return {name: _joint(name, motions, window, hold_out) for name in driven}
 
 
 def _model(mujoco: MuJoCo, model: MuJoCo) -> MuJoCo:
@@ -119,19 +120,19 @@ def _model(mujoco: MuJoCo, model: MuJoCo) -> MuJoCo:
     if isinstance(model, str | Path):
         try:
             open_file(Path(model)).close()  # raises for a pipe, on which MuJoCo would block
-            made = mujoco.MjModel.from_xml_path(str(model))
+            copied = mujoco.MjModel.from_xml_path(str(model))
         except OSError as error:
             raise InputError(f"{model}: cannot be read: {error.strerror}") from None
         except ValueError as error:
             raise InputError(f"{model}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
     else:
-        made = copy.deepcopy(model)
+        copied = copy.deepcopy(model)
     for name in ("dof_frictionloss", "dof_damping", "dof_dampingpoly", "actuator_damping", "actuator_dampingpoly"):
-        if hasattr(made, name):
-            getattr(made, name)[:] = 0.0
+        if hasattr(copied, name):
+            getattr(copied, name)[:] = 0.0
     flags = mujoco.mjtDisableBit
-    made.opt.disableflags |= int(flags.mjDSBL_CONTACT) | int(flags.mjDSBL_LIMIT) | int(flags.mjDSBL_FRICTIONLOSS)
-    return made
+    copied.opt.disableflags |= int(flags.mjDSBL_CONTACT) | int(flags.mjDSBL_LIMIT) | int(flags.mjDSBL_FRICTIONLOSS)
+    return copied
 
 
 class _Motion:
@@ -160,14 +161,11 @@ class _Motion:
         self.t = columns["time"] - columns["time"][0]
         self.position = {n: columns[f"position of {n}"] for n in self.joints}
         self.torque = {n: columns[f"torque of {n}"] for n in self.joints if f"torque of {n}" in columns}
-        self.speed: dict[str, Array] = {}
-        self.acceleration: dict[str, Array] = {}
-        self.rigid: dict[str, Array] = {}
-        self.inertia: dict[str, Array] = {}
+        self.place = {n: int(model.jnt_dofadr[j]) for n, j in self.joints.items()}
         self._invert(mujoco, model, cutoff)
 
     def _invert(self, mujoco: MuJoCo, model: MuJoCo, cutoff: float | None) -> None:
-        """Compute speeds, accelerations, and each joint's inertia and rigid-body torque."""
+        """Compute speeds, accelerations, rigid-body torques and inertias, (times, places of the joints)."""
         step = float(np.median(np.diff(self.t)))
         rows = np.stack([self.t, *self.position.values(), *self.torque.values()])
         if not np.isfinite(rows).all() or abs(np.diff(self.t) - step).max() > _EVEN * step or len(self.t) < 32:
@@ -175,49 +173,45 @@ class _Motion:
             raise InputError(f"{arg('time')}: {show(self.file)}: {text}")
         rate, data = 1 / step, mujoco.MjData(model)
         qpos = np.tile(model.qpos0, (len(self.t), 1))
-        v, a = np.zeros((2, len(self.t), model.nv))
-        for name, j in self.joints.items():
-            q = low_pass(self.position[name], min(cutoff or _CUTOFF * rate, 0.45 * rate), step)
-            spline, dof = make_interp_spline(self.t, q, 5), int(model.jnt_dofadr[j])
-            qpos[:, int(model.jnt_qposadr[j])] = q
-            v[:, dof], a[:, dof] = spline.derivative(1)(self.t), spline.derivative(2)(self.t)
-        rigid, own, full = np.empty_like(v), np.empty_like(v), np.empty((model.nv, model.nv))
+        self.speed, self.acceleration, self.rigid, self.inertia = np.zeros((4, len(self.t), model.nv))
+        for name, place in self.place.items():
+            q = low_pass(self.position[name], min(cutoff or _CUTOFF * rate, _NYQUIST * rate), step)
+            spline = make_interp_spline(self.t, q, 5)
+            qpos[:, int(model.jnt_qposadr[self.joints[name]])] = q
+            self.speed[:, place], self.acceleration[:, place] = (spline.derivative(n)(self.t) for n in (1, 2))
+        full = np.empty((model.nv, model.nv))
         for i in range(len(self.t)):
-            data.qpos[:], data.qvel[:], data.qacc[:] = qpos[i], v[i], a[i]
+            data.qpos[:], data.qvel[:], data.qacc[:] = qpos[i], self.speed[i], self.acceleration[i]
             mujoco.mj_inverse(model, data)
-            rigid[i] = data.qfrc_inverse
+            self.rigid[i] = data.qfrc_inverse
             mujoco.mj_fullM(model, data, full)
-            own[i] = np.diag(full)
-        for name, j in self.joints.items():
-            dof = int(model.jnt_dofadr[j])
-            self.speed[name], self.acceleration[name] = v[:, dof], a[:, dof]
-            self.rigid[name], self.inertia[name] = rigid[:, dof], own[:, dof]
+            self.inertia[i] = np.diag(full)
 
 
 def _joint(name: str, motions: Sequence[_Motion], window: float, hold_out: Sequence[int]) -> Joint:
     """The machine of a joint. Its body has the mean inertia; the rest of the rigid-body torque is a recorded load."""
-    inertia = float(np.mean(np.concatenate([m.inertia[name] for m in motions])))
-    speed = max(float(np.sqrt(np.mean(np.concatenate([m.speed[name] for m in motions]) ** 2))), 1e-6)
+    place = motions[0].place[name]
+    inertia = float(np.mean(np.concatenate([m.inertia[:, place] for m in motions])))
+    speed = max(float(np.sqrt(np.mean(np.concatenate([m.speed[:, place] for m in motions]) ** 2))), 1e-6)
     size = max(float(np.max(abs(np.concatenate([m.torque[name] for m in motions])))), 1e-9)
     body = "".join(c if c.isalnum() else "_" for c in name)
-    still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
     law = {"name": "coulomb_viscous", "k_v": _STEEP / speed,
            "parameters": {"F_c": 0.03 * size, "sigma_2": 0.03 * size / speed}}  # fmt: skip
     machine = Scenario({
         "schema": 2, "name": body,
         "bodies": {body: {"inertia" if name in motions[0].hinges else "mass": inertia}},
         "contacts": {"friction": {"from": body, "law": law}},
-        "loads": {n: {"on": body, "kind": "signal", "signal": still} for n in ("drive", "rigid")},
+        "loads": {n: {"on": body, "kind": "signal", "signal": STILL} for n in ("drive", "rigid")},
         "solve": {"t_end": float(motions[0].t[-1])}, "output": {"step": float(np.median(np.diff(motions[0].t)))},
     })  # fmt: skip
     recordings = []
     for i, m in enumerate(motions):
-        rest = inertia * m.acceleration[name] - m.rigid[name]
+        rest = inertia * m.acceleration[:, place] - m.rigid[:, place]
         inputs = {"loads.drive.signal": Channel("torque", m.t, m.torque[name])}
         inputs["loads.rigid.signal"] = Channel("rigid_bodies", m.t, rest)
         outputs = {f"{body}.y": Channel("position", m.t, m.position[name])}
-        made = Recording(m.file, m.t, outputs, inputs, window=window, hold_out=i in hold_out)
-        recordings.append(replace(made, window=None) if window >= m.t[-1] else made)
+        stretch = window if window < m.t[-1] else None
+        recordings.append(Recording(m.file, m.t, outputs, inputs, window=stretch, hold_out=i in hold_out))
     bounds = {"F_c": size, "sigma_2": size / speed}
     sought = tuple(Sought(f"contacts.friction.law.parameters.{n}", _ROOM * x, x) for n, x in bounds.items())
     return Joint(body, machine, Logs(tuple(recordings), sought))

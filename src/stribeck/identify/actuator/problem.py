@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate
-from stribeck.identify.actuator.related import Relations
-from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate, Relations
+from stribeck.identify.actuator.inputs import number_at
+from stribeck.identify.actuator.recordings import Channel
+from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
 from stribeck.waveforms import Signal
 
-STEP = 2e-4  # of a coordinate, for differences
-_SPEED = float(np.sqrt(12 / 12**3))  # deviation of a slope over twelve samples, by their deviation and distance
-_MOST = 4e6  # numbers in memory at once
-_REMEMBERED = 4e6  # cached numbers of simulated points
+STEP = 2e-4  # of a coordinate, for differences: far above the solver's error, far below the next minimum
+_SPEED = float(np.sqrt(12 / FIRST_SAMPLES**3))  # deviation of their slope, by their deviation and distance
+_MEMORY = 4e6  # numbers that one batch of lanes, or the cache, may hold: some 30 MB
+Keep = Callable[[dict[str, float], float], None]  # called with the best values and their cost
 
 
 @dataclass(frozen=True)
@@ -38,32 +39,29 @@ class Seam:
 
 def chains(runs: Sequence[RecordedRun]) -> list[list[int]]:
     """The indices of the runs: consecutive stretches of a recording form one list, in their order."""
-    found: list[list[int]] = []
+    lists: list[list[int]] = []
     end = np.nan
-    for k in sorted(range(len(runs)), key=lambda k: (runs[k].log, float(runs[k].piece or 0))):
+    for k in sorted(range(len(runs)), key=lambda k: (runs[k].log, runs[k].begin)):
         run = runs[k]
-        begin = float(run.piece or 0)
-        follows = found and runs[found[-1][-1]].log == run.log and abs(begin - end) < run.scenario.output.step
-        found = [*found[:-1], [*found[-1], k]] if follows else [*found, [k]]
-        end = begin + run.scenario.end
-    return found
+        if lists and runs[lists[-1][-1]].log == run.log and abs(run.begin - end) < run.scenario.output.step:
+            lists[-1].append(k)
+        else:
+            lists.append([k])
+        end = run.begin + run.scenario.end
+    return lists
 
 
-def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> list[Seam]:
+def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> Iterator[Seam]:
     """The ties between consecutive stretches."""
     before = {(runs[b].log, runs[b].piece): a for ks in chains(runs) for a, b in pairwise(ks)}
-    found = []
     for i, c in enumerate(sought):
-        k = before.get((c.log or 0, c.piece)) if c.nuisance else None
-        if k is None:
+        if not c.nuisance or (k := before.get((c.log or 0, c.piece))) is None:
             continue
         body, what = c.name.rsplit(".", 2)[1:]
-        position = next((t for t in runs[k].targets if t.column == f"{body}.y"), None)
-        if position is None or len(position.t) < 2:
-            continue
-        share = 1.0 if what == "y" else _SPEED / float(np.median(np.diff(position.t)))
-        found.append(Seam(k, f"{body}.{what}", i, position.column, share))
-    return found
+        for target in runs[k].targets:
+            if target.column == f"{body}.y" and len(target.t) > 1:
+                share = 1.0 if what == "y" else _SPEED / float(np.median(np.diff(target.t)))
+                yield Seam(k, f"{body}.{what}", i, target.column, share)
 
 
 @dataclass
@@ -74,6 +72,11 @@ class MachineProblem:
     (simulated - measured)/noise of every target of every run, then priors. If stretches are ``tied``, the difference
     between each end and the next start follows, by the start's deviation from the samples. Unmeasured states of a start
     (bristles, currents, unmeasured bodies) then continue the stretch before, at the same point.
+
+    Attributes:
+        known_noise: columns whose noise is given.
+        keep: saves the progress of a search.
+        pieces: the run, the target and the rows of the residuals of every compared column.
     """
 
     runs: list[RecordedRun]
@@ -83,21 +86,25 @@ class MachineProblem:
     work: Work = field(default_factory=Work)
     step: float = STEP
     tied: bool = False
+    known_noise: frozenset[str] = frozenset()
+    keep: Keep | None = None
 
     def __post_init__(self) -> None:
         self.low, self.high = (np.array([c.bounds[i] for c in self.sought]) for i in (0, 1))
         self.concerns = [np.array([_belongs(c, run) for c in self.sought], bool) for run in self.runs]
-        self._seen: list[dict[bytes, Array]] = [{} for _ in self.runs]
-        sizes = [run.size for run in self.runs]
-        self.first = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
-        self.priors = [i for i, c in enumerate(self.sought) if c.prior is not None]
-        self.ties = ties(self.runs, self.sought) if self.tied else []
+        self._cache: list[dict[bytes, Array]] = [{} for _ in self.runs]
+        self.first = np.concatenate([[0], np.cumsum([run.size for run in self.runs])]).astype(int)
+        self.priors = [(i, c.prior) for i, c in enumerate(self.sought) if c.prior is not None]
+        self.ties = list(ties(self.runs, self.sought)) if self.tied else []
         self.size = int(self.first[-1]) + len(self.priors) + len(self.ties)
+        self.pieces: list[tuple[int, Channel, slice]] = []
+        end = 0
+        for k, target in ((k, target) for k, run in enumerate(self.runs) for target in run.targets):
+            self.pieces.append((k, target, slice(end, end := end + len(target.t))))
         self._states = [state.name for state in self.runs[0].scenario.system.states]
         self._chains = chains(self.runs) if self.tied else [[k] for k in range(len(self.runs))]
         self._chains.sort(key=lambda ks: -sum(self.runs[k].scenario.rows for k in ks))
-        self._starts = [c for c in self.sought if c.nuisance]
-        self._relations = Relations(self.sought, lambda path: number_at(self.runs[0], path))
+        self._relations = Relations(self.sought, lambda path: number_at(self.runs[0].scenario, path))
 
     def repaired(self, U: Array) -> Array:
         """The points moved into the bounds, and to where relations hold (F_s >= F_c)."""
@@ -106,27 +113,24 @@ class MachineProblem:
     def residuals(self, U: Array) -> Array:
         """The residuals at the points U, by the noise. The runs are simulated in parallel."""
         U = np.atleast_2d(U)
-        found = np.full((len(U), self.size), np.nan)
+        r = np.full((len(U), self.size), np.nan)
         simulated = self.work.each(lambda ks: list(self._followed(ks, U)), self._chains)
         self.work.check()
-        for k, rows, _ in chain.from_iterable(filter(None, simulated)):
-            run, at = self.runs[k], int(self.first[k])
-            begin = 0
-            for target in run.targets:
-                size = len(target.t)
-                found[:, at : at + size] = (rows[:, begin : begin + size] - target.x) / self.noise[target.column]
-                at, begin = at + size, begin + size
-            for at, tie in enumerate(self.ties, int(self.first[-1]) + len(self.priors)):
-                if tie.run == k:
-                    there = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
-                    end = rows[:, begin + self._states.index(tie.column)]
-                    found[:, at] = (end - there) / (tie.share * self.noise[tie.of])
-        for n, i in enumerate(self.priors):
-            c = self.sought[i]
-            assert c.prior is not None
-            found[:, self.first[-1] + n] = [(c.outer(u) - c.prior[0]) / c.prior[1] for u in U[:, i]]
+        columns = {k: rows for k, rows, _ in chain.from_iterable(filter(None, simulated))}
+        for k, target, rows in self.pieces:
+            if k in columns:
+                x = columns[k][:, rows.start - self.first[k] : rows.stop - self.first[k]]
+                r[:, rows] = (x - target.x) / self.noise[target.column]
+        compared = int(self.first[-1])
+        for row, (i, (mean, deviation)) in enumerate(self.priors, compared):
+            r[:, row] = [(self.sought[i].outer(u) - mean) / deviation for u in U[:, i]]
+        for row, tie in enumerate(self.ties, compared + len(self.priors)):
+            if tie.run in columns:
+                begin = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
+                end = columns[tie.run][:, self.runs[tie.run].size + self._states.index(tie.column)]
+                r[:, row] = (end - begin) / (tie.share * self.noise[tie.of])
         self.work.tick()
-        return found
+        return r
 
     def _followed(self, ks: Sequence[int], U: Array) -> Iterator[tuple[int, Array, Mapping[str, Array]]]:
         """The runs of a chain at the points U: the result of :meth:`_simulated`, and shifts of initial states.
@@ -142,22 +146,24 @@ class MachineProblem:
             yield k, rows, shift
 
     def _unset(self, k: int) -> dict[str, float]:
-        """The initial states of a stretch that no coordinate of its own sets, with the machine's initial values."""
+        """The initial states of a stretch that no coordinate sets, with the machine's initial values."""
         run = self.runs[k]
-        own = {".".join(c.name.rsplit(".", 2)[1:]) for c in self._starts if (c.log, c.piece) == (run.log, run.piece)}
+        starts = [c for c in self.sought if c.nuisance and (c.log, c.piece) == (run.log, run.piece)]
+        fitted = {".".join(c.name.rsplit(".", 2)[1:]) for c in starts}
         begins = {**run.scenario.initial}
         for path, x in run.start.items():
             _, body, _, what = path.split(".")
             begins[f"{body}.{what}"] = x
-        return {n: begins.get(n, 0.0) for n in self._states if n not in own}
+        return {n: begins.get(n, 0.0) for n in self._states if n not in fitted}
 
     def handed_on(self, u: Array) -> list[RecordedRun]:
         """The runs at the point u. States that no coordinate sets continue the run before."""
-        found = list(self.runs)
-        for k, _, shift in chain.from_iterable(self._followed(ks, u[None]) for ks in self._chains):
+        runs = list(self.runs)
+        whole = replace(self, tied=True)
+        for k, _, shift in chain.from_iterable(whole._followed(ks, u[None]) for ks in whole._chains):
             known = {n: float(x[0]) for n, x in shift.items() if np.isfinite(x[0])}
-            found[k] = replace(self.runs[k], shift=known or self.runs[k].shift)
-        return found
+            runs[k] = replace(self.runs[k], shift=known or self.runs[k].shift)
+        return runs
 
     def predicted(
         self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = (), threads: int | None = None,
@@ -172,10 +178,8 @@ class MachineProblem:
         for i in np.flatnonzero(self.concerns[k]):
             c = self.sought[i]
             x = np.array([c.outer(u) for u in U[:, i]])
-            for path, scale in c.targets.items():
-                values[path] = scale * x
-            if c.output is not None:
-                sensors[c.output] = x
+            values |= {path: scale * x for path, scale in c.targets.items()}
+            sensors |= {c.output: x} if c.output is not None else {}
         if not values:  # parallel simulation needs at least one number by lane: an unchanged one
             name = next(x.name for x in run.scenario.system.bodies if x.free)
             path, now = f"bodies.{name}.initial.y", run.scenario.elements.initial.get(f"{name}.y", 0.0)
@@ -184,104 +188,87 @@ class MachineProblem:
             column: (sensors.get((column, "delay")), sensors.get((column, "clock")))
             for column, what in sensors if what in ("delay", "clock")
         }  # fmt: skip
-        found = run.predict(values, delays, threads or self.threads, ends, shift, signals)
-        for target, x in zip(run.targets, found, strict=False):
-            gain, offset = (sensors.get((target.column, what)) for what in ("gain", "offset"))
-            if gain is not None:
-                x *= gain[:, None]
-            if offset is not None:
-                x += offset[:, None]
-            for name, column in target.beside.items():
-                if (factor := sensors.get((target.column, name))) is not None:
-                    x += factor[:, None] * column
-        return found
+        columns = run.predict(values, delays, threads or self.threads, ends, shift, signals)
+        for target, x in zip(run.targets, columns, strict=False):
+            of_sensor = {what: each[:, None] for (column, what), each in sensors.items() if column == target.column}
+            x *= of_sensor.get("gain", 1.0)
+            x += of_sensor.get("offset", 0.0)
+            for name, term in target.beside.items():
+                if name in of_sensor:
+                    x += of_sensor[name] * term
+        return columns
 
     def _simulated(self, k: int, U: Array, shift: Mapping[str, Array]) -> Array:
         """The compared columns of a run at the points U, one after the other, and its final states if stretches are tied.
 
         Equal points are simulated once, and recent points are cached.
         """
-        run, seen = self.runs[k], self._seen[k]
+        run, cached = self.runs[k], self._cache[k]
         given = np.column_stack([U[:, self.concerns[k]], *shift.values()])
         keys = [row.tobytes() for row in given]
-        new = [i for key, i in {key: i for i, key in enumerate(keys)}.items() if key not in seen]
-        most = max(8, int(_MOST / max(run.scenario.rows, 1)))
+        new = [i for key, i in {key: i for i, key in enumerate(keys)}.items() if key not in cached]
+        most = max(8, int(_MEMORY / max(run.scenario.rows, 1)))
         threads = -(-self.threads // min(len(self._chains), self.threads))
-        here: dict[bytes, Array] = {key: seen[key] for key in keys if key in seen}
+        here: dict[bytes, Array] = {key: cached[key] for key in keys if key in cached}
         for first in range(0, len(new), most):
             some = new[first : first + most]
             begun = {name: x[some] for name, x in shift.items()}
             columns = self.predicted(run, k, U[some], self._states if self.tied else (), threads, begun or None)
             here |= zip((keys[i] for i in some), np.concatenate(columns, axis=1), strict=True)
-        room = int(_REMEMBERED / (len(self.runs) * max(run.size, 1)))
-        self._seen[k] = dict(list({**seen, **here}.items())[-room:]) if room else {}
+        room = int(_MEMORY / (len(self.runs) * max(run.size, 1)))
+        self._cache[k] = dict(list({**cached, **here}.items())[-room:]) if room else {}
         return np.array([here[key] for key in keys])
 
     def slopes(self, U: Array, step: Array) -> tuple[Array, Array]:
-        """Residuals (points, residuals) and Jacobians (points, residuals, coordinates), by differences within the bounds."""
+        """Residuals (points, residuals) and Jacobians (points, residuals, coordinates), by differences within the bounds.
+
+        Where the simulation to one side fails, the difference is taken to the other.
+        """
         U = np.atleast_2d(U)
-        n = len(self.sought)
+        count, n = U.shape
         side = np.where(U + step <= self.high, 1.0, -1.0)
         side[:, self._relations.lower()] = -1.0
-        side = np.where((side < 0) & (U - step < self.low), 1.0, side)
-        all_ = np.repeat(U, n + 1, axis=0).reshape(len(U), n + 1, n)
-        for i in range(n):
-            all_[:, i + 1, i] += side[:, i] * step[i]
-        found = self.residuals(all_.reshape(len(U) * (n + 1), n)).reshape(len(U), n + 1, -1)
-        J = np.empty((len(U), self.size, n))
-        for i in range(n):
-            J[:, :, i] = (found[:, i + 1] - found[:, 0]) / (side[:, i] * step[i])[:, None]
-        if np.isnan(J).any():
-            self._other_side(U, step, side, found, J)
-        return found[:, 0], J
-
-    def _other_side(self, U: Array, step: Array, side: Array, found: Array, J: Array) -> None:
-        """Replace derivatives that failed to one side by differences to the other side."""
-        for p in range(len(U)):
-            bad = [i for i in range(U.shape[1]) if np.isnan(J[p, :, i]).any()]
-            if not bad or np.isnan(found[p, 0]).any():
-                continue
-            tried = np.repeat(U[p : p + 1], len(bad), axis=0)
-            for row, i in enumerate(bad):
-                tried[row, i] -= side[p, i] * step[i]
-            r = self.residuals(tried)
-            for row, i in enumerate(bad):
-                slope = (r[row] - found[p, 0]) / (-side[p, i] * step[i])
-                J[p, :, i] = np.where(np.isfinite(slope), slope, 0.0)
+        moves = np.where((side < 0) & (U - step < self.low), 1.0, side) * step
+        points = np.repeat(U, n + 1, axis=0).reshape(count, n + 1, n)
+        points[:, np.arange(1, n + 1), np.arange(n)] += moves
+        r = self.residuals(points.reshape(-1, n)).reshape(count, n + 1, -1)
+        base, J = r[:, 0], np.empty((count, self.size, n))
+        J[:] = np.swapaxes((r[:, 1:] - r[:, :1]) / moves[:, :, None], 1, 2)
+        for p in np.flatnonzero(np.isnan(J).any(axis=(1, 2)) & ~np.isnan(base).any(axis=1)):
+            bad = np.flatnonzero(np.isnan(J[p]).any(axis=0))
+            other = np.repeat(U[p : p + 1], len(bad), axis=0)
+            other[np.arange(len(bad)), bad] -= moves[p, bad]
+            slope = (self.residuals(other) - base[p]) / -moves[p, bad, None]
+            J[p][:, bad] = np.where(np.isfinite(slope), slope, 0.0).T
+        return base, J
 
     def central(self, u: Array, step: Array) -> Array:
         """The Jacobian at one point by central differences, one-sided at bounds and failed simulations."""
         n = len(u)
-        up, down = np.minimum(u + step, self.high), np.maximum(u - step, self.low)
+        sides = np.minimum(u + step, self.high), np.maximum(u - step, self.low)
         points = np.repeat(u[None], 2 * n, axis=0)
-        points[np.arange(n), np.arange(n)] = up
-        points[n + np.arange(n), np.arange(n)] = down
+        points[np.arange(2 * n), np.tile(np.arange(n), 2)] = np.concatenate(sides)
         r = self.residuals(np.concatenate([u[None], points]))
+        ends = []
+        for at, moved in zip(sides, (r[1 : 1 + n], r[1 + n :]), strict=True):
+            whole = np.all(np.isfinite(moved), axis=1, keepdims=True)
+            ends.append((np.where(whole[:, 0], at, u), np.where(whole, moved, r[0])))
+        (up, above), (down, below) = ends
         J = np.empty((self.size, n))
-        for i in range(n):
-            a, b = r[1 + i], r[1 + n + i]
-            if np.isfinite(a).all() and np.isfinite(b).all():
-                J[:, i] = (a - b) / max(up[i] - down[i], 1e-300)
-            elif np.isfinite(a).all():
-                J[:, i] = (a - r[0]) / max(up[i] - u[i], 1e-300)
-            elif np.isfinite(b).all():
-                J[:, i] = (r[0] - b) / max(u[i] - down[i], 1e-300)
-            else:
-                J[:, i] = 0.0
+        J[:] = ((above - below) / np.maximum(up - down, 1e-300)[:, None]).T
         return J
 
     def start(self) -> Array:
         """The user's or the machine's initial values; without one, the middle of the bounds."""
-        found = []
+        u = []
         for c in self.sought:
             x = c.start if c.start is not None else None if c.prior is None else c.prior[0]
             if x is None and c.output is not None:
                 x = NEUTRAL.get(c.output[1], 0.0)
             if x is None:
-                x = number_at(self.runs[0], next(iter(c.targets), ""))
-            inside = x is not None and c.low <= x <= c.high
-            found.append(c.inner(x) if inside and x is not None else float(np.mean(c.bounds)))
-        return np.asarray(self.repaired(np.array([found]))[0])
+                x = number_at(self.runs[0].scenario, next(iter(c.targets), ""))
+            u.append(c.inner(x) if x is not None and c.low <= x <= c.high else float(np.mean(c.bounds)))
+        return np.asarray(self.repaired(np.array([u]))[0])
 
     def point(self, values: Mapping[str, float]) -> Array:
         """A point from values by name; other coordinates have their initial values."""
@@ -294,19 +281,6 @@ class MachineProblem:
     def values(self, u: Array) -> dict[str, float]:
         """The values at a point, by name."""
         return {c.name: c.outer(x) for c, x in zip(self.sought, u, strict=True)}
-
-
-def number_at(run: RecordedRun, path: str) -> float | None:
-    """The machine's number at a path, if there is one."""
-    value: object = run.scenario.data
-    for word in path.split("."):
-        if isinstance(value, dict):
-            value = value.get(word)
-        elif isinstance(value, list) and word.isdigit() and int(word) < len(value):
-            value = value[int(word)]
-        else:
-            return None
-    return float(value) if isinstance(value, int | float) else None
 
 
 def _belongs(c: MachineCoordinate, run: RecordedRun) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +18,11 @@ from stribeck.identify.actuator.solve import fine_slopes, left_step
 from stribeck.identify.core import search as beam
 from stribeck.identify.core.choice import Selection, independent
 from stribeck.identify.core.library import CELL, LEVELS, STEEP, Model, ModelLibrary
+from stribeck.identify.core.search import SEEN
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.record import BLOCKS, ROWS
 
-SEEN = (0.02, 0.98)  # quantiles of the rows' speeds: the slowest and the fastest level
 SLIDING = 1e-3  # of the fastest speed: a slower contact counts as stuck
 WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
@@ -34,23 +35,21 @@ class MachineLibrary(ModelLibrary):
         sought: the reported coordinates; ``u``: their point.
         J: derivatives of all residuals by all coordinates; ``left``: the step to the linearized problem's optimum.
         speeds: of the levels; ``levels``: values there, with ``slopes`` by the coordinates and ``of_forms`` by column.
-        size: the standard deviation of the measured columns; ``top``: their largest change.
+        measured: the changes of the measured columns.
         slow: by contact, the slowest recorded speed.
-        hidden: by form, the largest coefficient that may go unnoticed; ``scale``: the unit of a column's coefficient.
+        unit: the rms of each column before it was scaled to 1.
     """
 
     sought: list[MachineCoordinate]
     u: Array
     forms: list[MissingForm]
     speeds: dict[str, float]
+    slow: dict[str, float]
     levels: Array
     slopes: Array
     of_forms: dict[int, Array]
-    size: float
-    top: float
-    slow: dict[str, float]
-    hidden: dict[str, float]
-    scale: dict[int, float]
+    measured: Array
+    unit: Array
     J: Array
     left: Array
 
@@ -77,12 +76,12 @@ class MachineLibrary(ModelLibrary):
     @property
     def largest(self) -> float:
         """The largest change of the measured columns."""
-        return self.top
+        return float(np.max(abs(self.measured)))
 
     @property
     def deviation(self) -> float:
         """The standard deviation of the measured columns."""
-        return self.size
+        return float(np.std(self.measured))
 
     def parameters(self, model: Model, x: Array) -> dict[str, float]:
         """The fitted parameters and the levels."""
@@ -101,7 +100,7 @@ class MachineLibrary(ModelLibrary):
 
     def largest_hidden(self, form: str) -> float:
         """The largest coefficient from the form's definition."""
-        return self.hidden[form]
+        return next(x.largest for x in self.forms if x.name == form) * float(self.unit[self.groups[form][-1]])
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
         """The range between its bounds as the scale of a parameter that may be 0."""
@@ -138,38 +137,35 @@ def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
     motion = RunMotion.of(problem, u)
-    every = missing_forms(problem, u, motion)
+    forms = missing_forms(problem, u, motion)
     room = (problem.high - problem.low)[starts] * WIDE
-    raw = np.column_stack([-r, J[:, asked], *(x.slopes for x in every)])
-    clean = _without(J[:, starts] * room, raw)
+    clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked], *(x.slopes for x in forms)]))
     drawn = [_without(J[:, starts] * room, x.T).T for x in input_errors(problem, u, J)]
     first = 1 + len(asked)
     rms = np.maximum(np.sqrt(np.mean(clean**2, axis=0)), 1e-300)
-    moved = [i for i in range(len(every)) if rms[first + i] > 0]
+    moves = np.append(np.ones(first, bool), rms[first:] > 0)
+    forms = [form for form, some in zip(forms, moves[first:], strict=True) if some]
     clean[:, 0] -= clean[:, 1:first] @ np.linalg.lstsq(clean[:, 1:first], clean[:, 0], rcond=1e-12)[0]  # converged
-    columns = np.column_stack([clean[:, :first], *(clean[:, first + i] / rms[first + i] for i in moved)])
+    unit = np.append(np.ones(first), rms[first:])[moves]
+    columns = np.ascontiguousarray(clean[:, moves] / unit)
     groups: dict[str, list[int]] = {}
-    hidden, scale = dict[str, float](), dict[int, float]()
-    for place, i in enumerate(moved, first):
-        groups.setdefault(every[i].name, []).append(place)
-        hidden[every[i].name] = every[i].largest * float(rms[first + i])
-        scale[place] = 1 / float(rms[first + i])
-    speeds, slow, levels, slopes, of_forms = _levels(problem, u, asked, motion, every, moved, rms, first)
+    for place, form in enumerate(forms, first):
+        groups.setdefault(form.name, []).append(place)
     block = _blocks(problem)
     gram = np.array([columns[block == b].T @ columns[block == b] for b in range(block.max() + 1)])
     gram = gram + columns[block < 0].T @ columns[block < 0] / len(gram)  # priors belong to every block
-    size, top = _sizes(problem)
+    measured = [(t.x - t.x.mean()) / problem.noise[t.column] for _, t, _ in problem.pieces]
     lib = MachineLibrary(
         columns=columns, gram=gram, groups=groups, targets=[0], starts=[1], natural=[1.0] * columns.shape[1],
-        sought=[problem.sought[i] for i in asked], u=u[asked], forms=[every[i] for i in moved], speeds=speeds, levels=levels,
-        slopes=slopes, of_forms=of_forms, size=size, top=top, slow=slow, hidden=hidden, scale=scale, J=J, drawn=drawn,
-        left=left_step(problem, u, r, J)[asked],
+        sought=[problem.sought[i] for i in asked], u=u[asked], forms=forms, measured=np.concatenate(measured),
+        unit=unit, J=J, drawn=drawn,
+        left=left_step(problem, u, r, J)[asked], **_levels(problem, u, asked, motion, dict(enumerate(forms, first)), unit),
     )  # fmt: skip
     beam.search(lib)
     solved, sse = lib.solve(gram.sum(0))
-    out = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
-    out.index = next(i for i, m in enumerate(lib.models) if not m[1])
-    return out
+    choice = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
+    choice.index = next(i for i, m in enumerate(lib.models) if not m[1])
+    return choice
 
 
 def _without(starts: Array, columns: Array) -> Array:
@@ -182,40 +178,31 @@ def _without(starts: Array, columns: Array) -> Array:
 
 def _blocks(problem: MachineProblem) -> NDArray[np.intp]:
     """The block of time of each residual; -1 for priors and ties."""
-    when = np.full((problem.size, 2), np.inf)
-    for k, run in enumerate(problem.runs):
-        at = int(problem.first[k])
-        for target in run.targets:
-            n = len(target.t)
-            when[at : at + n] = np.column_stack([np.full(n, float(run.log)), target.t + float(run.piece or 0.0)])
-            at += n
-    compared = int(problem.first[-1])
-    order = np.lexsort((when[:compared, 1], when[:compared, 0]))
+    log = np.concatenate([np.full(len(t.t), float(problem.runs[k].log)) for k, t, _ in problem.pieces])
+    time = np.concatenate([t.t + problem.runs[k].begin for k, t, _ in problem.pieces])
+    compared = len(time)
     count = int(np.clip(compared // ROWS, 2, BLOCKS))
     block = np.full(problem.size, -1, np.intp)
-    block[order] = np.arange(compared) * count // compared
+    block[np.lexsort((time, log))] = np.arange(compared) * count // compared
     return block
 
 
-def _sizes(problem: MachineProblem) -> tuple[float, float]:
-    """The standard deviation and the largest change of the measured columns, by the noise."""
-    parts = [(t.x - t.x.mean()) / problem.noise[t.column] for run in problem.runs for t in run.targets]
-    whole = np.concatenate(parts)
-    return float(np.std(whole)), float(np.max(abs(whole)))
+class _Levels(TypedDict):
+    """The friction levels of the contacts with fitted laws, as of :class:`MachineLibrary`."""
+
+    speeds: dict[str, float]
+    slow: dict[str, float]
+    levels: Array
+    slopes: Array
+    of_forms: dict[int, Array]
 
 
 def _levels(
-    problem: MachineProblem, u: Array, asked: Sequence[int], motion: RunMotion, every: Sequence[MissingForm],
-    moved: Sequence[int], rms: Array, first: int,
-) -> tuple[dict[str, float], dict[str, float], Array, Array, dict[int, Array]]:  # fmt: skip
-    """The friction levels of the contacts with fitted laws, at four recorded speeds.
-
-    Returns names and speeds, the slowest speed of each contact, values, and derivatives by the coordinates and by each
-    form's column.
-    """
-    scenario = problem.runs[0].scenario
+    problem: MachineProblem, u: Array, asked: Sequence[int], motion: RunMotion, forms: Mapping[int, MissingForm], unit: Array
+) -> _Levels:  # fmt: skip
+    """The levels at four recorded speeds, and their derivatives by the coordinates and by each form's column."""
     speeds, slow, spans = dict[str, float](), dict[str, float](), dict[str, slice]()
-    for contact in scenario.data.get("contacts", {}):
+    for contact in problem.runs[0].scenario.data.get("contacts", {}):
         law = f"contacts.{contact}.law"
         w = abs(motion.column(f"{contact}.w"))
         sliding = w[w > SLIDING * w.max(initial=0.0)]
@@ -224,37 +211,31 @@ def _levels(
         low, high = np.quantile(sliding, SEEN).tolist()
         slow[contact] = float(np.quantile(w, SEEN[0]))
         spans[contact] = slice(len(speeds), len(speeds) + len(LEVELS))
-        at = (low, float(np.sqrt(low * high)), 0.5 * high, high)
-        speeds |= {f"{contact} {n}": v for n, v in zip(LEVELS, at, strict=True)}
+        four = (low, float(np.sqrt(low * high)), 0.5 * high, high)
+        speeds |= {f"{contact} {n}": v for n, v in zip(LEVELS, four, strict=True)}
     v = np.array(list(speeds.values()))
 
-    def values(point: Array) -> Array:
+    def levels(point: Array) -> Array:
         inside = problem.repaired(point[None])[0].tolist()
         numbers = {p: s * c.outer(x) for c, x in zip(problem.sought, inside, strict=True) for p, s in c.targets.items()}
         parts = [_steady(problem, contact, numbers, v[rows]) for contact, rows in spans.items()]
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    base, slopes = values(u), np.zeros((len(v), len(asked)))
+    base, slopes = levels(u), np.zeros((len(v), len(asked)))
     for n, i in enumerate(asked):
         step = problem.step if u[i] + problem.step <= problem.high[i] else -problem.step
-        slopes[:, n] = (values(u + step * (np.arange(len(u)) == i)) - base) / step
+        slopes[:, n] = (levels(u + step * (np.arange(len(u)) == i)) - base) / step
     of_forms = dict[int, Array]()
-    for place, i in enumerate(moved, first):
-        form = every[i]
+    for place, form in forms.items():
         if form.at is not None and form.contact in spans:
-            rows, added = spans[form.contact], np.zeros(len(v))
-            added[rows] = form.at(base[rows], v[rows]) / rms[first + i]
-            of_forms[place] = added
-    return speeds, slow, base, slopes, of_forms
+            rows, of_forms[place] = spans[form.contact], np.zeros(len(v))
+            of_forms[place][rows] = form.at(base[rows], v[rows]) / unit[place]
+    return {"speeds": speeds, "slow": slow, "levels": base, "slopes": slopes, "of_forms": of_forms}
 
 
 def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:
     """The friction of a contact at constant speeds, without loads, with some numbers of the machine changed."""
     path = f"contacts.{contact}.law"
-    law = problem.runs[0].scenario.elements.laws[path]
-    own = {
-        p.removeprefix(f"{path}.").removeprefix("parameters."): x
-        for p, x in numbers.items()
-        if p.startswith(f"{path}.")
-    }
-    return np.asarray(law.replace(**{n: x for n, x in own.items() if n in law.constants()}).steady_force(v), float)
+    law, inside = problem.runs[0].scenario.elements.laws[path], f"{path}."
+    names = {p.removeprefix(inside).removeprefix("parameters."): x for p, x in numbers.items() if p.startswith(inside)}
+    return np.asarray(law.replace(**{n: x for n, x in names.items() if n in law.constants()}).steady_force(v), float)

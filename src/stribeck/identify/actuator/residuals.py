@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,62 +12,59 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.runs import roughness
 
-_FIRST = 0.05  # of a column's changes: initial value of the noise
-# Residual in units of the noise: 1.0 for white noise, to some hundredths. A larger one may be a local minimum, unless
-# this many starts agree.
-_DOUBTED, _AGREEING = 1.2, 2
+_FIRST = 0.05  # of a column's changes: initial value of the noise, between that of good and of poor models
+AS_WELL = 1.2  # ratio of rms residuals up to which two agree: white noise reaches 1 to some hundredths
+_AGREEING = 2  # starts that come to one minimum make a better one unlikely
 
 
-def first_noise(recordings: Sequence[Recording]) -> tuple[dict[str, float], set[str]]:
+def first_noise(recordings: Sequence[Recording]) -> tuple[dict[str, float], frozenset[str]]:
     """The initial value of each column's noise, and the columns whose noise is given."""
-    found: dict[str, float] = {}
+    noise: dict[str, float] = {}
     given: set[str] = set()
     for column in dict.fromkeys(c for r in recordings for c in r.outputs):
         channels = [r.outputs[column] for r in recordings if column in r.outputs]
-        told = [c.noise for c in channels if c.noise is not None]
-        if told:
-            found[column] = float(np.sqrt(np.mean(np.square(told))))
+        known = [c.noise for c in channels if c.noise is not None]
+        if known:
+            noise[column] = float(np.sqrt(np.mean(np.square(known))))
             given.add(column)
         else:
             size = float(np.sqrt(np.mean([np.nanvar(c.x) for c in channels])))
-            found[column] = _FIRST * size if size > 0 else 1.0
-    return found, given
+            noise[column] = _FIRST * size if size > 0 else 1.0
+    return noise, frozenset(given)
 
 
 def noise_of(problem: MachineProblem, column: str) -> float:
     """The noise of a column, from its changes between samples."""
-    rough = roughness([t.x for run in problem.runs for t in run.targets if t.column == column])
+    rough = roughness([t.x for _, t, _ in problem.pieces if t.column == column])
     return max(rough, floor_of(problem, column))
 
 
 def floor_of(problem: MachineProblem, column: str) -> float:
     """The least noise of a column: its quantization noise."""
-    steps = [
-        np.diff(np.unique(t.x)).min(initial=np.inf) for run in problem.runs for t in run.targets if t.column == column
-    ]
+    steps = [np.diff(np.unique(t.x)).min(initial=np.inf) for _, t, _ in problem.pieces if t.column == column]
     least = min(steps, default=np.inf)
     return float(least / np.sqrt(12)) if np.isfinite(least) else 0.0
 
 
 def by_column(problem: MachineProblem, r: Array) -> dict[str, list[Array]]:
     """Residuals in the columns' units, by column and run."""
-    found: dict[str, list[Array]] = {}
-    for k, run in enumerate(problem.runs):
-        at = int(problem.first[k])
-        for target in run.targets:
-            found.setdefault(target.column, []).append(r[at : at + len(target.t)] * problem.noise[target.column])
-            at += len(target.t)
-    return found
+    columns: dict[str, list[Array]] = {}
+    for _, target, rows in problem.pieces:
+        columns.setdefault(target.column, []).append(r[rows] * problem.noise[target.column])
+    return columns
 
 
 def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
     """By column: the rms residual, and the rms of the column's changes within a recording."""
     left = by_column(problem, problem.residuals(u[None])[0])
     size: dict[str, list[Array]] = {}
-    for target in (target for run in problem.runs for target in run.targets):
+    for _, target, _ in problem.pieces:
         size.setdefault(target.column, []).append(target.x - target.x.mean())
-    rms: Callable[[list[Array]], float] = lambda parts: float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))  # noqa: E731
-    return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
+    return {name: (_rms(parts), _rms(size[name])) for name, parts in left.items()}
+
+
+def _rms(parts: Sequence[Array]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
 
 
 def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
@@ -77,14 +74,12 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
     """
     if agreeing >= _AGREEING:
         return []
-    left = by_column(problem, problem.residuals(u[None])[0])
-    least = {n: max(floor_of(problem, n), roughness(parts)) for n, parts in left.items()}  # without the motion
-    more = {
-        n: left for n, (left, _) in leftovers(problem, u).items() if least[n] > 0 and not left <= _DOUBTED * least[n]
-    }
+    columns = by_column(problem, problem.residuals(u[None])[0])
+    least = {n: max(floor_of(problem, n), roughness(parts)) for n, parts in columns.items()}  # without the motion
+    more = {n: left for n, parts in columns.items() if least[n] > 0 and not (left := _rms(parts)) <= AS_WELL * least[n]}
     if more and np.isfinite(list(more.values())).all():  # nan: the simulation fails there
-        least = {n: float(np.hypot(least[n], x)) for n, x in carried(problem, u).items()}
+        least = {n: float(np.hypot(least[n], _rms(x))) for n, x in by_column(problem, carried(problem, u)).items()}
     return [
         f"{n}: {left:.2g} is left, {left / least[n]:.3g} times the noise of what is measured"
-        for n, left in more.items() if not left <= _DOUBTED * least[n]
+        for n, left in more.items() if not left <= AS_WELL * least[n]
     ]  # fmt: skip

@@ -179,11 +179,11 @@ class MachineFit(Fit):
         from stribeck.identify import figures
         from stribeck.mouth import plots
 
-        traced = [log for log in self.logs if log.traces]
-        if not traced:
+        traces = next((log.traces for log in self.logs if log.traces), None)
+        if traces is None:
             raise InputError("fit: it holds no recording; there is nothing to plot")
         with plots.style():
-            return figures.traces(traced[0].traces, ("measured", "simulated"))
+            return figures.traces(traces, ("measured", "simulated"))
 
     def document(self) -> Document:
         """The fit as a document for the terminal and for a page."""
@@ -193,7 +193,7 @@ class MachineFit(Fit):
 
     def to_dict(self) -> dict[str, object]:
         """The fit as ``stribeck fit --logs --json`` prints it."""
-        told: Mapping[str, object] = {
+        data: Mapping[str, object] = {
             "status": self.status, "reason": self.reason,
             "parameters": {name: p.to_dict() for name, p in self.estimates.items()},
             "levels": {name: p.to_dict() | {"speed": self.speeds[name]} for name, p in self.levels.items()},
@@ -201,4 +201,4 @@ class MachineFit(Fit):
             "noise": self.noise, "notes": self.notes, "baselines": self.baselines, "laws": self.laws or {},
             "transfer": self.transfer, "error": {"fitted": self.error(False), "held_out": self.error(True)},
         }  # fmt: skip
-        return dict(finite(told))
+        return dict(finite(data))

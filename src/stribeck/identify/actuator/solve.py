@@ -6,7 +6,6 @@ each step, are simulated together. The worst starts are given up after each step
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,11 +15,11 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.work import Stopped
 
-_DAMPINGS = np.array([1e-4, 1e-2, 1.0, 30.0, 1e3])
-_KEEP = (10, 6, 4, 3, 2, 2, 1)  # starts that continue after each step
-_WIDE = 4
-_STEPS = 40
-SMALL = 1e-7  # relative reduction of the cost below which the search ends
+_DAMPINGS = np.array([1e-4, 1e-2, 1.0, 30.0, 1e3])  # of the present one: a search may both slow down and speed up
+_KEEP = (10, 6, 4, 3, 2, 2, 1)  # starts that continue after each step: a poor one seldom wins later
+_WIDE = 4  # starts that a comparison converges
+_STEPS, ROUGH_STEPS = 40, 12  # of a search, and of one that only compares
+SMALL, ROUGHLY = 1e-7, 1e-4  # relative reduction of the cost below which a search ends; far from the optimum
 _HUGE = 1e300
 _CHANGE = 3.0  # change of the residuals by a step of differences, their deviation being 1
 _SHORTEST, _LONGEST = 1e-5, 2e-2  # steps of a coordinate: above the solver's noise, below the next minimum
@@ -51,8 +50,8 @@ def half_squares(r: Array) -> Array:
 
 
 def search(
-    problem: MachineProblem, starts: int, seed: int, first: Array | None = None,
-    keep: Callable[[Array, float], None] | None = None, wide: bool = False, steps: int = _STEPS, small: float = SMALL,
+    problem: MachineProblem, first: Array | None = None, starts: int = 1, seed: int = 0, wide: bool = False,
+    steps: int = _STEPS, small: float = SMALL,
 ) -> Found:  # fmt: skip
     """The best point from several starts: ``first`` (or the machine's), and others spread over the bounds.
 
@@ -63,20 +62,12 @@ def search(
 
     Ctrl-C, and ``Work.stop``, end the search with the best point so far.
     """
-    begin = [problem.start() if first is None else first]
+    begin = problem.start() if first is None else first
     if not problem.sought:  # a machine without its friction, for comparison
-        return Found(begin[0], float(half_squares(problem.residuals(begin[0][None]))[0]))
-    best = Found(begin[0], _HUGE, 1, True)
+        return Found(begin, float(half_squares(problem.residuals(begin[None]))[0]))
+    best = Found(begin, _HUGE, 1, True)
     try:
-        if starts > 1:
-            spread = qmc.LatinHypercube(len(problem.sought), rng=np.random.default_rng(seed)).random(starts - 1)
-            local = np.array([c.nuisance or c.output is not None for c in problem.sought])
-            U = problem.low + spread * (problem.high - problem.low)
-            U[:, local] = begin[0][local]  # known roughly already
-            U = np.concatenate([np.array(begin), U])
-        else:
-            U = np.array(begin)
-        U = problem.repaired(U)
+        U = problem.repaired(_spread_over_bounds(problem, begin, starts, seed))
         costs = half_squares(problem.residuals(U))
         order = np.argsort(costs)[: _KEEP[0]]
         if 0 not in order:
@@ -87,25 +78,35 @@ def search(
         for step in range(steps):
             i = int(np.argmin(costs))
             best = Found(U[i].copy(), float(costs[i]), agreeing(costs, costs[i]), True)
-            if keep is not None:
-                keep(best.u, best.cost)
+            if problem.keep is not None:
+                problem.keep(problem.values(best.u), best.cost)
             if costs[i] >= _HUGE and step:
                 break
             U, new, damping, apart = _step(problem, U, costs, damping, apart)
             fall = costs - new
             quiet = np.where(fall > small * new, 0, quiet + np.where(fall > 0, 2, 1))
-            costs = new
             most = _KEEP[min(step, len(_KEEP) - 1)]
-            going = np.argsort(costs)[: max(most, _WIDE) if wide else most]
-            U, costs, damping, quiet = U[going], costs[going], damping[going], quiet[going]
+            going = np.argsort(new)[: max(most, _WIDE) if wide else most]
+            U, costs, damping, quiet = U[going], new[going], damping[going], quiet[going]
             if quiet[int(np.argmin(costs))] >= 2:
                 break
-        i = int(np.argmin(costs))
-        rest = tuple(U[j] for j in np.argsort(costs)[1:])
-        return Found(U[i], float(costs[i]), max(best.agreeing, agreeing(costs, costs[i])), False, rest)
+        i, *others = np.argsort(costs)
+        same = max(best.agreeing, agreeing(costs, costs[i]))
+        return Found(U[i], float(costs[i]), same, False, tuple(U[j] for j in others))
     except (KeyboardInterrupt, Stopped):
         problem.work.stop()
         return best
+
+
+def _spread_over_bounds(problem: MachineProblem, begin: Array, starts: int, seed: int) -> Array:
+    """The first start, and others anywhere within the bounds of the machine's numbers."""
+    if starts == 1:
+        return begin[None]
+    spread = qmc.LatinHypercube(len(problem.sought), rng=np.random.default_rng(seed)).random(starts - 1)
+    local = np.array([c.nuisance or c.output is not None for c in problem.sought])
+    U = problem.low + spread * (problem.high - problem.low)
+    U[:, local] = begin[local]  # known roughly already
+    return np.concatenate([begin[None], U])
 
 
 def agreeing(costs: Array, least: float) -> int:
@@ -118,16 +119,13 @@ def _step(
 ) -> tuple[Array, Array, Array, Array]:
     """One step of each start: the best of several dampings. ``apart``: steps of the differences, now and next."""
     r, J = problem.slopes(U, apart)
-    tried, found = _tried(problem, U, r, J, damping[:, None] * _DAMPINGS, 1.0)
-    new, out, after = costs.copy(), U.copy(), damping.copy()
-    for p in range(len(U)):
-        i = int(np.argmin(found[p]))
-        if found[p, i] < costs[p]:
-            out[p], new[p] = tried[p, i], found[p, i]
-            after[p] = float(np.clip(damping[p] * _DAMPINGS[i], 1e-9, 1e6))
-        else:
-            after[p] = min(damping[p] * 1e3, 1e9)
-    return out, new, after, steps_of(J[int(np.argmin(costs))], problem.step)
+    trials, trial_costs = _tried(problem, U, r, J, damping[:, None] * _DAMPINGS, 1.0)
+    points, lanes, i = U.copy(), np.arange(len(U)), np.argmin(trial_costs, axis=1)
+    least = trial_costs[lanes, i]
+    better = least < costs
+    points[better] = trials[lanes, i][better]
+    after = np.where(better, np.clip(damping * _DAMPINGS[i], 1e-9, 1e6), np.minimum(damping * 1e3, 1e9))
+    return points, np.where(better, least, costs), after, steps_of(J[int(np.argmin(costs))], problem.step)
 
 
 def _tried(problem: MachineProblem, U: Array, r: Array, J: Array, dampings: Array, part: float) -> tuple[Array, Array]:
@@ -139,13 +137,13 @@ def _tried(problem: MachineProblem, U: Array, r: Array, J: Array, dampings: Arra
     count, n = dampings.shape[1], U.shape[1]
     base = [(p, d) for p in range(len(U)) for d in dampings[p]]
     points = problem.repaired(np.array([U[p] + part * direction(r[p], J[p], U[p], problem, d) for p, d in base]))
-    found = problem.residuals(points)
+    residuals = problem.residuals(points)
     again = [
         x + direction(y - r[p] - J[p] @ (x - U[p]), J[p], x, problem, d)
-        for (p, d), x, y in zip(base, points, found, strict=True)
+        for (p, d), x, y in zip(base, points, residuals, strict=True)
     ]
     corrected = problem.repaired(np.array(again))
-    costs = np.stack([half_squares(found), half_squares(problem.residuals(corrected))])
+    costs = np.stack([half_squares(residuals), half_squares(problem.residuals(corrected))])
     better = costs[1] < costs[0]
     points[better] = corrected[better]
     return points.reshape(len(U), count, n), costs.min(axis=0).reshape(len(U), count)

@@ -3,21 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
-from stribeck.identify.actuator.runs import RecordedRun, recorded_run, roughness
+from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun, recorded_run, roughness
 from stribeck.scenario import Scenario
 
-_NEAR, _FEWEST = 12, 4  # most and fewest samples for the estimate of a state
+_FEWEST = 4  # samples for the estimate of a state: a parabola takes three
 _BENDS = 2.0  # times the noise: a larger residual shows that a parabola does not describe the samples
-_ROOM = 6.0  # bounds of an initial state, in standard deviations of its estimate
-_MOVES = 3.0
-_STILL = 6.0  # times the noise: largest range of the first samples of a body at rest
-_SLOPE = 2.5  # standard deviations: largest slope of these samples
+_FAR = 6.0  # standard deviations that no error reaches: bounds of an initial state, and the largest range at rest
+_SIGNIFICANT = 3.0, 2.5  # standard deviations of an initial speed, and of the slope of the first samples, of a motion
+_WHOLE = 0.9  # of a recording: a longer stretch is all of it
+_NEAR_CUT = 0.25  # of a stretch: how far its cut may move to a larger speed
+
+
+def problem_of(
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate],
+    noise: dict[str, float], window: float | None = None, **options: object,
+) -> MachineProblem:  # fmt: skip
+    """The problem of some recordings, whole or in stretches, with the coordinates of their initial states behind ``sought``.
+
+    Args:
+        window: length of the stretches, s; each recording's own if it has one.
+        options: further attributes of the problem.
+    """
+    runs, starts = prepared(scenario, recordings, sought, window)
+    return MachineProblem(runs, [*sought, *starts], noise, **options)  # type: ignore[arg-type]
+
+
+def prepared(
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate],
+    window: float | None = None,
+) -> tuple[list[RecordedRun], list[MachineCoordinate]]:  # fmt: skip
+    """The runs, whole or in stretches, and the coordinates of their initial states."""
+    named = {c.name for c in sought} | paths(sought)
+    runs: list[RecordedRun] = []
+    starts: list[MachineCoordinate] = []
+    for log, recording in recordings:
+        length = recording.window or window
+        spans: Sequence[tuple[float, float] | None] = [None]
+        if length is not None and length < _WHOLE * recording.t[-1]:
+            spans = stretches(recording, length)
+        for span in spans:
+            run, begins = _Beginning(scenario, recording, log, named, span).states()
+            if run.size:
+                runs.append(run)
+                starts += begins
+    return runs, starts
 
 
 def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
@@ -27,117 +63,104 @@ def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
     """
     good = np.isfinite(channel.x)
     t, x = channel.t[good], channel.x[good]
-    order = np.argsort(abs(t - at))[:_NEAR]
+    order = np.argsort(abs(t - at))[:FIRST_SAMPLES]
     noise = roughness([x[np.sort(order)]])
     for count in range(len(order), 0, -2):
         near = np.sort(order[:count])
         s, span = t[near] - at, max(np.ptp(t[near]), 1e-12)
         A = np.stack([np.ones(len(s)), s / span, (s / span) ** 2], axis=1)
-        found, *_ = np.linalg.lstsq(A, x[near], rcond=None)
-        left = x[near] - A @ found
+        parabola, *_ = np.linalg.lstsq(A, x[near], rcond=None)
+        left = x[near] - A @ parabola
         rough = float(np.sqrt(left @ left / max(len(s) - 3, 1)))
         if rough <= _BENDS * noise or count <= _FEWEST:
             break
     step = np.diff(np.unique(x[near])).min(initial=np.inf)
     rough = max(rough, step / 3 if np.isfinite(step) else 0.0)
     spread = rough * np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
-    spread[:2] += np.ptp(x[near]) / _ROOM  # the motion may bend more than a parabola: bounds must not cut it off
-    return float(found[0]), float(found[1] / span), float(spread[0]), float(spread[1] / span)
+    spread[:2] += np.ptp(x[near]) / _FAR  # the motion may bend more than a parabola: bounds must not cut it off
+    return float(parabola[0]), float(parabola[1] / span), float(spread[0]), float(spread[1] / span)
 
 
 def moves(channel: Channel) -> bool:
     """Whether the first samples of a measured position or speed show a motion: a large range or a significant slope."""
-    x = channel.x[np.isfinite(channel.x)][:_NEAR]
-    steps = np.diff(np.unique(channel.x[np.isfinite(channel.x)])).min(initial=np.inf)
-    noise = max(roughness([x]), float(steps) / np.sqrt(12) if np.isfinite(steps) else 0.0)
-    if channel.noise is not None:
-        noise = max(noise, channel.noise)
+    good = channel.x[np.isfinite(channel.x)]
+    x, steps = good[:FIRST_SAMPLES], np.diff(np.unique(good)).min(initial=np.inf)
+    noise = max(roughness([x]), float(steps) / np.sqrt(12) if np.isfinite(steps) else 0.0, channel.noise or 0.0)
     if not np.ptp(x) > 0:
         return False
     index = np.arange(len(x)) - (len(x) - 1) / 2
     slope = abs(float(index @ x)) / np.sqrt(float(index @ index))
-    return bool(np.ptp(x) > _STILL * noise or slope > _SLOPE * noise)
+    return bool(np.ptp(x) > _FAR * noise or slope > _SIGNIFICANT[1] * noise)
 
 
-def begun(
-    scenario: Scenario, recording: Recording, log: int, named: set[str], span: tuple[float, float] | None = None
-) -> tuple[RecordedRun, list[MachineCoordinate]]:
-    """A recording, or a stretch of it, to simulate, and the coordinates of its initial state.
+@dataclass(frozen=True)
+class _Beginning:
+    """The start of a recording, or of a stretch of it.
 
     If the file, the recording or the user gives a body's initial state, it is used. Otherwise the first samples give an
     estimate, which the fit refines.
     """
-    late = any((n.startswith("outputs.") and n.endswith((".delay", ".clock"))) or ".outputs." in n for n in named)
-    run = recorded_run(scenario, recording, log, span, late)
-    at = span[0] if span else 0.0
-    found: list[MachineCoordinate] = []
-    told: set[str] = set()
-    for column, channel in sorted(recording.outputs.items(), key=lambda each: each[0].endswith(".v")):
-        name, _, what = column.rpartition(".")
-        if (
-            what not in ("y", "v")
-            or not _free(scenario, name)
-            or {f"outputs.{column}.offset", f"log.{log}.outputs.{column}.offset"} & named
-        ):
-            continue
-        carried = {b: f for b, f in scenario.elements.carried(name).items() if b not in told}
-        told |= set(carried)
-        x0, rate, dx0, drate = state_at(channel, at)
-        states = (("y", x0, dx0), ("v", rate, drate)) if what == "y" else (("v", x0, dx0),)
-        for kind, x, dx in states:
-            targets = {
-                f"bodies.{b}.initial.{kind}": f
-                for b, f in carried.items()
-                if not _given(scenario, recording, log, named, b, kind, span)
-            }
-            if not targets or (kind == "v" and span is None and not (what == "v" or moves(channel))):
+
+    scenario: Scenario
+    recording: Recording
+    log: int
+    named: set[str]
+    span: tuple[float, float] | None
+
+    def states(self) -> tuple[RecordedRun, list[MachineCoordinate]]:
+        """The run to simulate, and the coordinates of its initial state."""
+        late = any(
+            (n.startswith("outputs.") and n.endswith((".delay", ".clock"))) or ".outputs." in n for n in self.named
+        )
+        run = recorded_run(self.scenario, self.recording, self.log, self.span, late)
+        starts: list[MachineCoordinate] = []
+        known: set[str] = set()
+        outputs = sorted(self.recording.outputs.items(), key=lambda each: each[0].endswith(".v"))
+        for column, channel in outputs:
+            name, _, what = column.rpartition(".")
+            offsets = {f"outputs.{column}.offset", f"log.{self.log}.outputs.{column}.offset"}
+            if what not in ("y", "v") or not self._free(name) or offsets & self.named:
                 continue
-            if kind == "y" and span is None and abs(x) < 1e-12 * max(1.0, float(np.nanmax(abs(channel.x)))):
-                continue
-            room = _ROOM * max(dx, 1e-9 * max(abs(x), 1e-3))
-            label = f"log.{log}.{'' if span is None else f'{at:g}s.'}initial.{name}.{kind}"
-            still = kind == "v" and span is None and abs(x) < _MOVES * dx
-            first = 0.0 if still else x  # rest unless motion is significant: a false speed would deflect bristles
-            low, high = min(x - room, first), max(x + room, first)
-            run.start |= {path: f * first for path, f in targets.items()}
-            found.append(MachineCoordinate(label, low, high, first, None, targets, None, log, True, run.piece))
-    return run, [replace(c, prior=None) for c in found]
+            carried = {b: f for b, f in self.scenario.elements.carried(name).items() if b not in known}
+            known |= set(carried)
+            x, rate, dx, drate = state_at(channel, self.span[0] if self.span else 0.0)
+            states = {"y": (x, dx), "v": (rate, drate)} if what == "y" else {"v": (x, dx)}
+            for kind, (value, deviation) in states.items():
+                targets = {f"bodies.{b}.initial.{kind}": f for b, f in carried.items() if not self._given(b, kind)}
+                if targets and (self.span is not None or self._differs(channel, what, kind, value)):
+                    starts.append(self._coordinate(run, f"{name}.{kind}", targets, value, deviation))
+        return run, starts
 
+    def _free(self, body: str) -> bool:
+        machine = self.scenario.system
+        return body in machine.elements.bodies and machine.leader(body).velocity is None
 
-def prepared(
-    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], named: set[str], window: float | None = None
-) -> tuple[list[RecordedRun], list[MachineCoordinate]]:  # fmt: skip
-    """The runs, whole or in stretches, and the coordinates of their initial states."""
-    runs: list[RecordedRun] = []
-    starts: list[MachineCoordinate] = []
-    for log, recording in recordings:
-        length = recording.window or window
-        spans: list[tuple[float, float] | None] = [None]
-        if length is not None and length < 0.9 * recording.t[-1]:
-            spans = list(stretches(recording, length))
-        for span in spans:
-            run, own = begun(scenario, recording, log, named, span)
-            if run.size:
-                runs.append(run)
-                starts += own
-    return runs, starts
+    def _given(self, body: str, kind: str) -> bool:
+        """Whether a body's initial state is given."""
+        path = f"bodies.{body}.initial.{kind}"
+        if self.span is not None and self.span[0] > 0:
+            return False
+        inside = self.scenario.data["bodies"].get(body, {}).get("initial", {})
+        fitted = {path, f"log.{self.log}.initial.{body}.{kind}"} & self.named
+        return kind in inside or path in self.recording.known or bool(fitted)
 
+    def _differs(self, channel: Channel, what: str, kind: str, value: float) -> bool:
+        """Whether the first samples of a whole recording may tell the state from 0, the machine's own."""
+        if kind == "v":
+            return what == "v" or moves(channel)
+        return not abs(value) < 1e-12 * max(1.0, float(np.nanmax(abs(channel.x))))
 
-def _free(scenario: Scenario, body: str) -> bool:
-    machine = scenario.system
-    return body in machine.elements.bodies and machine.leader(body).velocity is None
-
-
-def _given(
-    scenario: Scenario, recording: Recording, log: int, named: set[str], body: str, kind: str,
-    span: tuple[float, float] | None,
-) -> bool:  # fmt: skip
-    """Whether a body's initial state is given."""
-    path = f"bodies.{body}.initial.{kind}"
-    if span is not None and span[0] > 0:
-        return False
-    inside = scenario.data["bodies"].get(body, {}).get("initial", {})
-    return kind in inside or path in recording.known or bool({path, f"log.{log}.initial.{body}.{kind}"} & named)
+    def _coordinate(
+        self, run: RecordedRun, name: str, targets: dict[str, float], value: float, deviation: float
+    ) -> MachineCoordinate:
+        """The coordinate of one state, at which the run begins."""
+        room = _FAR * max(deviation, 1e-9 * max(abs(value), 1e-3))
+        still = name.endswith(".v") and self.span is None and abs(value) < _SIGNIFICANT[0] * deviation
+        first = 0.0 if still else value  # rest unless motion is significant: a false speed would deflect bristles
+        run.start |= {path: f * first for path, f in targets.items()}
+        label = f"log.{self.log}.{'' if self.span is None else f'{self.span[0]:g}s.'}initial.{name}"
+        low, high = min(value - room, first), max(value + room, first)
+        return MachineCoordinate(label, low, high, first, None, targets, None, self.log, True, run.piece)
 
 
 def stretches(recording: Recording, window: float) -> list[tuple[float, float]]:
@@ -147,14 +170,12 @@ def stretches(recording: Recording, window: float) -> list[tuple[float, float]]:
     """
     length = float(recording.t[-1])
     count = max(1, round(length / window))
-    if count == 1:
-        return [(0.0, length)]
     position = next((c for n, c in recording.outputs.items() if n.endswith(".y")), None)
     cuts = [0.0]
     for i in range(1, count):
         at = i * length / count
         if position is not None:
-            t = recording.t[abs(recording.t - at) < 0.25 * length / count]
+            t = recording.t[abs(recording.t - at) < _NEAR_CUT * length / count]
             x = np.interp(t, position.t[np.isfinite(position.x)], position.x[np.isfinite(position.x)])
             wide = max(len(t) // 20, 1)
             speed = abs(x[2 * wide :] - x[: -2 * wide])

@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
+from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Trace
-from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.identify.actuator.starts import prepared
 from stribeck.scenario import Scenario
 
-_BEGIN = 24  # samples to which the initial state of a predicted recording is fitted
+_BEGIN = 2 * FIRST_SAMPLES  # to which the initial state of a predicted recording is fitted
 
 
 def traces(
@@ -29,22 +29,20 @@ def traces(
     Stretches of ``fitted`` begin in the same states. An initial state that was not fitted is fitted to the first samples.
     """
     chosen = [c for c in sought if c.log in (None, log)]
-    named = {c.name for c in chosen} | paths(chosen)
-    runs, own = prepared(scenario, [(log, recording)], named, window)
+    runs, starts = prepared(scenario, [(log, recording)], chosen, window)
     shifts = {(run.log, run.piece): run.shift for run in fitted}
     runs = [replace(run, shift=shifts.get((run.log, run.piece), {})) for run in runs]
-    problem = MachineProblem(runs, [*chosen, *own], dict.fromkeys(recording.outputs, 1.0))
-    u = _begun(problem, problem.point(values), {c.name for c in own} - set(values))
-    parts: dict[str, list[tuple[Array, Array, Array]]] = {}
+    problem = MachineProblem(runs, [*chosen, *starts], dict.fromkeys(recording.outputs, 1.0))
+    u = _begun(problem, problem.point(values), {c.name for c in starts} - set(values))
+    columns: dict[str, list[tuple[Array, Array, Array]]] = {}
     for k, run in enumerate(problem.runs):
-        at = float(run.piece) if run.piece is not None else 0.0
         for target, x in zip(run.targets, problem.predicted(run, k, u[None]), strict=True):
-            parts.setdefault(target.column, []).append((target.t + at, target.x, x[0]))
-    found = []
-    for column, pieces in parts.items():
-        t, x, p = (np.concatenate([piece[i] for piece in pieces]) for i in range(3))
-        found.append(Trace(column, unit_of(scenario, column), t, x, p))
-    return found
+            columns.setdefault(target.column, []).append((target.t + run.begin, target.x, x[0]))
+    units = {c.name: c.unit for c in scenario.system.columns}
+    return [
+        Trace(column, units.get(column, ""), *(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
+        for column, pieces in columns.items()
+    ]
 
 
 def _begun(problem: MachineProblem, u: Array, open_: set[str]) -> Array:
@@ -52,23 +50,18 @@ def _begun(problem: MachineProblem, u: Array, open_: set[str]) -> Array:
     u = u.copy()
     for k, run in enumerate(problem.runs):
         concerned = [(i, problem.sought[i]) for i in np.flatnonzero(problem.concerns[k])]
-        mine = [i for i, c in concerned if c.name in open_]
-        if not mine:
+        states = [i for i, c in concerned if c.name in open_]
+        if not states:
             continue
         values = problem.values(u)
         held = {
-            path: scale * values[c.name] for i, c in concerned if i not in mine for path, scale in c.targets.items()
+            path: scale * values[c.name] for i, c in concerned if i not in states for path, scale in c.targets.items()
         }
         sensors = [replace(c, low=values[c.name], high=values[c.name]) for _, c in concerned if c.output is not None]
         first = run.until(float(np.sort(np.concatenate([x.t for x in run.targets]))[: _BEGIN * len(run.targets)][-1]))
         size = {t.column: float(np.std(t.x)) or 1.0 for t in run.targets}
         part = MachineProblem(
-            [replace(first, start={**run.start, **held})], [*(problem.sought[i] for i in mine), *sensors], size
+            [replace(first, start={**run.start, **held})], [*(problem.sought[i] for i in states), *sensors], size
         )
-        u[mine] = search(part, 1, 0, np.array([*u[mine], *(0.0 for _ in sensors)])).u[: len(mine)]
+        u[states] = search(part, np.array([*u[states], *(0.0 for _ in sensors)])).u[: len(states)]
     return u
-
-
-def unit_of(scenario: Scenario, column: str) -> str:
-    """The unit of a machine's column."""
-    return next((c.unit for c in scenario.system.columns if c.name == column), "")
