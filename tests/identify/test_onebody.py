@@ -16,7 +16,9 @@ STEP = 2e-3
 
 
 def fitted(log, law="lugre", **options):
-    return fit_simulated(log, law, FitOptions(**{"starts": 3, **options}))
+    asked = FitOptions(**{"method": "dynamic", "starts": 3, **options})
+    asked.check(law)
+    return fit_simulated(log, law, asked)
 
 
 @pytest.fixture(scope="module")

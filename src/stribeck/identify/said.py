@@ -151,9 +151,13 @@ def _candidates(fit: LogFit) -> list[Chapter]:
         [c["name"], ", ".join(c["forms"]) or "-", Share(c["relative_force_error"], _PLACES), c["numbers"]]
         for c in fit.candidates
     ]
-    text = ["Of the static laws, the one of the least BIC is reported. Forms are what a law lacks, chosen from one table."]
+    text = [
+        "Of the static laws, the one of the least BIC is reported. Forms are what a law lacks, chosen from one table."
+    ]
     if any(laws.find(c["law"]).has_z for c in fit.candidates if c["law"] in laws.builtin()):
-        text.append("A law with bristles is simulated in all rows, and reported if it halves the static law's error there.")
+        text.append(
+            "A law with bristles is simulated in all rows, and reported if it halves the static law's error there."
+        )
     table = Table(["law", "forms", "relative residual", "numbers"], rows, prose=True)
     return [Chapter("candidates", "Candidates", text, [table], on=PAGE)]
 
