@@ -42,10 +42,10 @@ def test_a_brief_chapter_has_five_facts_on_the_screen():
 def test_a_pipe_is_written_directly(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     read = list[str]()
-    reader = threading.Thread(target=lambda: read.append((tmp_path / "pipe").read_text()))
+    reader = threading.Thread(target=lambda: read.append((tmp_path / "pipe").read_text()), daemon=True)
     reader.start()
     write_text(tmp_path / "pipe", "through")
-    reader.join()
+    reader.join(10)
     assert read == ["through"]
     assert [p.name for p in tmp_path.iterdir()] == ["pipe"]
 
