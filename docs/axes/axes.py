@@ -56,9 +56,7 @@ def fitted(machine: dict[str, Any], recorded: dict[str, np.ndarray], out: Path) 
     told = {n: found.estimates[n].to_dict() for n in FITTED if found.estimates[n].identifiable}
     data = deepcopy(machine)
     numbers = data["contacts"][contact]["law"]["parameters"]
-    numbers |= {
-        n: float(found.values[n]) for n in FITTED
-    }  # as the fitted curve has them, where the log leaves one open
+    numbers |= {n: float(found.values[n]) for n in FITTED}  # the fitted curve's, where the log leaves one open
     numbers["F_s"] = max(numbers["F_s"], numbers["F_c"])
     numbers["sigma_0"], numbers["sigma_1"] = 0.7 * numbers["sigma_0"], 0.7 * numbers["sigma_1"]  # not measured: a guess
     file = out / "parameters.toml"
