@@ -6,10 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
-from typing_extensions import TypedDict  # Pydantic takes no other before Python 3.12
 
 from stribeck import laws
 from stribeck.arrays import Array

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypedDict
 
 import numpy as np
-from typing_extensions import TypedDict  # Pydantic takes no other before Python 3.12
 
 from stribeck.arrays import Array
 from stribeck.constants import rotary_unit

@@ -182,9 +182,9 @@ class File(SignalTable):
         min_length=1, description="CSV, Parquet, MAT or NPZ file, relative to the scenario file"
     )
     time: str = Field(description="name of the column of times")
-    time_unit: str = Field("s", description="unit of that column, such as ms")
+    time_unit: str | None = Field(None, description="unit of that column, such as ms; the file's, or s, unless given")
     value: str = Field(description="name of the column of values")
-    unit: str | None = Field(None, description="unit of that column, such as mm; SI unless given")
+    unit: str | None = Field(None, description="unit of that column, such as mm; the file's, or SI, unless given")
     folder: Path | None = Field(None, exclude=True)  # None: written in Python, and read when its machine is made
 
     @classmethod

@@ -265,8 +265,8 @@ class CsvSource(Source):
             and len(lines) > self.rows_from + 1
             and is_units(lines[self.rows_from], self.separator, len(cells))
         ):
-            words = next(csv.reader([lines[self.rows_from]], delimiter=self.separator))
-            self.stated = {name: word.strip() for name, word in zip(cells, words, strict=True)}
+            words = split_cells(lines[self.rows_from], self.separator)
+            self.stated = dict(zip(cells, words, strict=True))
             self.rows_from += 1
         self.names = cells if self.head else [str(i + 1) for i in range(len(cells))]
         if self.head and len(next(csv.reader(lines[self.rows_from :], delimiter=self.separator))) == len(cells) + 1:

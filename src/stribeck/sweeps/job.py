@@ -189,7 +189,8 @@ class Sweep:
         """The manifest: description of the sweep, digests of its parts, their numbers of failed and of inaccurate lanes."""
         try:
             manifest = json.loads(self.place.get(_MANIFEST) or b"")
-            digests, failed, inaccurate = (dict(manifest.pop(key)) for key in ("sha256", "failed", "inaccurate"))
+            digests, failed = (dict(manifest.pop(key)) for key in ("sha256", "failed"))
+            inaccurate = dict(manifest.pop("inaccurate", {}))  # without them, parts are simulated anew
             return dict(manifest), digests, failed, inaccurate
         except OSError as error:
             raise InputError(f"{here}: {_MANIFEST} in it cannot be read: {error.strerror or error}") from None

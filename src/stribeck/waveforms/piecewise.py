@@ -274,13 +274,19 @@ class FileSignal(PointsSignal):
 
     @classmethod
     def read(
-        cls, path: Path, time: str, value: str, unit: str | None = None, time_unit: str = "s", scale: float = 1.0
+        cls,
+        path: Path,
+        time: str,
+        value: str,
+        unit: str | None = None,
+        time_unit: str | None = None,
+        scale: float = 1.0,
     ) -> FileSignal:
         """The signal in the columns ``time`` and ``value`` of a CSV, Parquet, MAT or NPZ file.
 
         Args:
             path: the file; the separator and decimal sign of CSV are detected.
-            time: the name of the column of times; ``time_unit`` is its unit.
+            time: the name of the column of times; ``time_unit`` is its unit (the file's, or s, unless given).
             value: the name of the column of values; ``unit`` is their unit (the file's, or SI, unless given).
             scale: a factor of the values, applied after their unit.
 
@@ -300,15 +306,13 @@ class FileSignal(PointsSignal):
         names = {"time": time, "value": value}
         source = opened_with(path, names)
         columns = source.columns(names)
-        if unit is None:
-            unit = source.unit(value, known["unit"]) or None
-        if time_unit == "s":
-            time_unit = source.unit(time, TIME) or time_unit
+        unit = unit or source.unit(value, known["unit"])
+        time_unit = time_unit or source.unit(time, TIME)
         if empty := [(key, count) for key, x in columns.items() if (count := int(np.isnan(x).sum()))]:
             text = f"this column of {path} has {{}} empty or nan cells"
             raise InputError([f"{key}: {names[key]!r}: {text.format(count)}" for key, count in empty])
-        columns["time"] *= TIME[time_unit]
-        columns["value"] *= scale * (known["unit"][unit] if unit is not None else 1.0)
+        columns["time"] *= TIME[time_unit] if time_unit else 1.0
+        columns["value"] *= scale * (known["unit"][unit] if unit else 1.0)
         t = columns["time"]
         if problems := cls.problems(t, columns["value"]) or _constant_time(t):
 

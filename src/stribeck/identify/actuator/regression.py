@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import TypedDict  # Pydantic takes no other before Python 3.12
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate

@@ -18,7 +18,7 @@ from stribeck.identify.data.clocks import on_one_clock, released, steady_stretch
 from stribeck.identify.data.effect import HIGHEST, LITTLE, LONGEST_LOOK, RAISED, by_effect, quiet
 from stribeck.identify.data.filters import SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
-from stribeck.identify.data.read import ColumnNames, named_in, read
+from stribeck.identify.data.read import ColumnNames, named_in, read_named
 from stribeck.identify.data.units import is_rotary
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.recorded import is_table, opened
@@ -63,13 +63,16 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
     """
     names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
     cleaned, owners, how = [], [], how or Preparation()
+    rotary = list[bool]()
     for each, name in zip(sources, names, strict=True):
+        source = opened(each)
+        named = named_in(source, columns)
+        motion = (named.names.get(role, "") for role in ("position", "velocity"))
+        rotary.append(any(is_rotary(named.units.get(column, "")) for column in motion))
         notes: list[str] = []
-        for part in steady_stretches(read(each, columns), name, notes):
+        for part in steady_stretches(read_named(source, named), name, notes):
             own = released(part, name, notes, how.simulated)
-            if len(own["time"]) < len(
-                part["time"]
-            ):  # no published log: the motion has far fewer rows than were recorded
+            if len(own["time"]) < len(part["time"]):  # no published log: far fewer rows move than were recorded
                 how = replace(how, published=False, spline=True)
             found = clean(own, name)
             cleaned.append(replace(found, notes=[*notes, *found.notes]))
@@ -77,10 +80,7 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
             notes = []
     hashes = tuple(sha256_of(Path(each)) for each in sources if not is_table(each))
     log = prepare(on_one_clock(cleaned), how, owners)
-    named = named_in(opened(sources[0]), columns)
-    motion = (named.names.get(role, "") for role in ("position", "velocity"))
-    turns = any(is_rotary(named.units.get(name, "")) for name in motion)
-    return log.with_columns(hashes=hashes if len(hashes) == len(sources) else (), rotary=turns)
+    return log.with_columns(hashes=hashes if len(hashes) == len(sources) else (), rotary=rotary[0])
 
 
 def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:

@@ -95,7 +95,11 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
         InputError: the file or a column is not there, or holds no numbers; an unknown unit; a line for each problem.
     """
     source = opened(data)
-    columns = named_in(source, columns)
+    return read_named(source, named_in(source, columns), needs_force)
+
+
+def read_named(source: Source, columns: ColumnNames, needs_force: bool = True) -> dict[str, Array]:
+    """As :func:`read`, of an open file or table, with the columns that :func:`named_in` has completed."""
     used, problems = set(columns.names.values()), _missing(columns, source, needs_force)
     wanted = {role: name for role, name in columns.names.items() if name in source.names}
     problems += [no_column(role, name, source) for role, name in columns.names.items() if role not in wanted]
