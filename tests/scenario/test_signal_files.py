@@ -114,6 +114,7 @@ def test_the_units_that_a_file_states_are_used(tmp_path):
     assert found.signal.t.tolist() == [0.0, 0.25]
     np.testing.assert_allclose(found.signal.value, [1e-3, 1.25e-3], rtol=1e-15)
     np.testing.assert_allclose(load(tmp_path, text, value="Weg", unit="um").signal.value, [1e-6, 1.25e-6], rtol=1e-15)
+    assert load(tmp_path, text, value="Weg", time_unit="s").signal.t.tolist() == [0.0, 250.0]
 
 
 def test_tabs_and_numpy_archives_are_read(tmp_path):
