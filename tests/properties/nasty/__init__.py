@@ -1,6 +1,6 @@
 """Nasty user laws, each with the truth of the five properties derived by hand in its docstring.
 
-A class states ``truth``, one word for each property: ``passive`` it holds, ``-passive`` it does not, ``?passive`` not
+A law states ``truth``, one word for each property: ``passive`` it holds, ``-passive`` it does not, ``?passive`` not
 derived (any verdict will do). ``natural = True`` marks laws of the literature. ``values`` are changes to MILD below.
 
 The properties are those of docs/explanation/check.md: Z is ``z_bound`` (F_s/sigma_0 unless the law says otherwise), ``passive``
@@ -61,8 +61,8 @@ def cases() -> Iterator[Case]:
         if file.name == "__init__.py":
             continue
         for node in ast.parse(file.read_text()).body:
-            if isinstance(node, ast.ClassDef) and (truth := _attribute(node, "truth")) is not None:
-                yield Case(file.stem, node.name, parsed(truth), bool(_attribute(node, "natural")))
+            if stated := _stated(node):
+                yield Case(file.stem, node.name, parsed(stated["truth"]), stated.get("natural", False))
 
 
 def parsed(truth: str) -> dict[str, bool | None]:
@@ -73,8 +73,13 @@ def parsed(truth: str) -> dict[str, bool | None]:
     return found
 
 
-def _attribute(node: ast.ClassDef, name: str) -> Any:
-    for line in node.body:
-        if isinstance(line, ast.Assign) and isinstance(line.targets[0], ast.Name) and line.targets[0].id == name:
-            return ast.literal_eval(line.value)
-    return None
+def _stated(node: ast.stmt) -> dict[str, Any]:
+    """What a class says of itself, or a decorator of base.py of the law that it makes; {} where there is no ``truth``."""
+    found: dict[str | None, ast.expr] = {}
+    match node:
+        case ast.ClassDef():
+            lines = [n for n in node.body if isinstance(n, ast.Assign)]
+            found = {n.targets[0].id: n.value for n in lines if isinstance(n.targets[0], ast.Name)}
+        case ast.FunctionDef(decorator_list=[ast.Call(func=ast.Name(id="added" | "rate" | "friction")) as call]):
+            found = {"truth": call.args[0], **{word.arg: word.value for word in call.keywords}}
+    return {n: ast.literal_eval(found[n]) for n in ("truth", "natural") if "truth" in found and n in found}

@@ -3,33 +3,26 @@
 from stribeck.expressions.ops import clip, exp, log, sign, sqrt, where
 from stribeck.laws import BristleLaw, Claims
 from stribeck.laws.terms import g
+from tests.properties.nasty.base import rate
 
 
 def lugre(p, v, z):
     return v - abs(v) / g(p, v) * z
 
 
-class DecaysAtRest(BristleLaw):
+@rate("unique bounded -smooth passive -drift_free")
+def DecaysAtRest(p, v, z):
     """f = LuGre's - z/1000 s. Lipschitz; inward at Z; |v|; decays. D = D0 + 100 z^2 - 0.1 z v >= 50 v^2 + 100 z^2
     - 0.1 |z v| >= 0."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return lugre(p, v, z) - 1e-3 * z
+    return lugre(p, v, z) - 1e-3 * z
 
 
-class GrowsAtRest(BristleLaw):
+@rate("unique -bounded -smooth -passive -drift_free")
+def GrowsAtRest(p, v, z):
     """f = LuGre's + z/1000 s. At v = 0 z grows without limit, for nothing (F v = 0), and winding it back at a
     slow v < 0 gives sigma_0 z/(1 + z/g) -> g_N for each metre: without limit: neither bounded nor passive.
     Lipschitz, |v|."""
-
-    truth = "unique -bounded -smooth -passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return lugre(p, v, z) + 1e-3 * z
+    return lugre(p, v, z) + 1e-3 * z
 
 
 class GrowsAtRestOnly(BristleLaw):
@@ -44,73 +37,47 @@ class GrowsAtRestOnly(BristleLaw):
         return where(abs(v) <= 0, 1e-3 * z, lugre(p, v, z))
 
 
-class DecaysAtRestOnly(BristleLaw):
+@rate("unique bounded -smooth passive -drift_free")
+def DecaysAtRestOnly(p, v, z):
     """f = -z where v = 0, LuGre's else: inward at Z: bounded. At v = 0, F v = 0 and W' f <= 0; else B1: passive.
     f jumps. B0."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return where(abs(v) <= 0, -z, lugre(p, v, z))
+    return where(abs(v) <= 0, -z, lugre(p, v, z))
 
 
-class ClimbsAtRestOnly(BristleLaw):
+@rate("unique -bounded -smooth -passive -drift_free", symmetric=False)
+def ClimbsAtRestOnly(p, v, z):
     """f = 1e-6 m/s where v = 0, LuGre's else: z passes Z at rest, for nothing, and unwinding draws: neither
     bounded nor passive."""
-
-    truth = "unique -bounded -smooth -passive -drift_free"
-    symmetric = False
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return where(abs(v) <= 0, 1e-6, lugre(p, v, z))
+    return where(abs(v) <= 0, 1e-6, lugre(p, v, z))
 
 
-class ElasticButCreepsAtRestOnly(BristleLaw):
+@rate("unique -bounded -smooth passive -drift_free")
+def ElasticButCreepsAtRestOnly(p, v, z):
     """f = v, but -z where v = 0. z = y while it moves: not bounded. S = W: D = 200 v^2 or W' z >= 0: passive. f
     jumps at v = 0 (z != 0). At v = 0 f = -z is not v: not drift_free."""
-
-    truth = "unique -bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return where(abs(v) <= 0, -z, v)
+    return where(abs(v) <= 0, -z, v)
 
 
-class WindsUpAtRest(BristleLaw):
+@rate("unique bounded -smooth -passive -drift_free", symmetric=False)
+def WindsUpAtRest(p, v, z):
     """f = LuGre's + 1e-6 clip(1 - (z/Z)^2, -1, 1). Lipschitz, bounded growth: unique. At z = Z f <= 0, at -Z f >=
     0: bounded. At v = 0 z tends to Z for nothing; unwinding it at v = -1e-4 m/s draws the integral of (1.5 u -
     0.03)/(1 + u) Z du > 0, again and again: not passive. |v|: not smooth."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-    symmetric = False
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return lugre(p, v, z) + 1e-6 * clip(1 - (z * p.sigma_0 / p.F_s) ** 2, -1.0, 1.0)
+    return lugre(p, v, z) + 1e-6 * clip(1 - (z * p.sigma_0 / p.F_s) ** 2, -1.0, 1.0)
 
 
-class CreepsToTheMiddle(BristleLaw):
+@rate("unique bounded -smooth passive -drift_free")
+def CreepsToTheMiddle(p, v, z):
     """f = LuGre's - 1e-6 clip(z/Z, -1, 1): inward at Z. Lipschitz. D = D0 + 1e-6 u (sigma_0 z - 100 v) with u =
     z/Z: >= 50 v^2 + 1.5e-6 u^2 - 1e-4 |u v| , 4 * 50 * 1.5e-6 = 3e-4 > 1e-8: passive."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return lugre(p, v, z) - 1e-6 * clip(z * p.sigma_0 / p.F_s, -1.0, 1.0)
+    return lugre(p, v, z) - 1e-6 * clip(z * p.sigma_0 / p.F_s, -1.0, 1.0)
 
 
-class UndefinedAtRest(BristleLaw):
+@rate("-unique ?bounded -smooth ?passive -drift_free")
+def UndefinedAtRest(p, v, z):
     """|v| written v^2/|v|: at v = 0 f is 0/0, no number, so that no solution exists for v = 0: not unique, not
     smooth. Else LuGre."""
-
-    truth = "-unique ?bounded -smooth ?passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - v**2 / abs(v) / g(p, v) * z
+    return v - v**2 / abs(v) / g(p, v) * z
 
 
 class UndefinedAtTheOrigin(BristleLaw):
@@ -201,74 +168,48 @@ class LogarithmicViscosity(BristleLaw):
         return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + where(abs(v) > 0, 1e-3 * v * log(abs(v)), 0.0)
 
 
-class GrowsBelow1eMinus200(BristleLaw):
+@rate("unique -bounded -smooth -passive -drift_free")
+def GrowsBelow1eMinus200(p, v, z):
     """f = z where |v| < 1e-200, LuGre's else: as GrowsAtRestOnly."""
-
-    truth = "unique -bounded -smooth -passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return where(abs(v) < 1e-200, z, lugre(p, v, z))
+    return where(abs(v) < 1e-200, z, lugre(p, v, z))
 
 
-class SignFrom1eMinus200(BristleLaw):
+@rate("unique -bounded -smooth -passive -drift_free", symmetric=False)
+def SignFrom1eMinus200(p, v, z):
     """|v| written v where v > 1e-200, else -v. At v = 1e-200 f = v (1 + z/g): z grows for ever: not bounded. f
     jumps (z != 0). Lipschitz. z unrestricted: B2, not passive."""
-
-    truth = "unique -bounded -smooth -passive -drift_free"
-    symmetric = False
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - where(v > 1e-200, v, -v) / g(p, v) * z
+    return v - where(v > 1e-200, v, -v) / g(p, v) * z
 
 
-class FlatAtZero(BristleLaw):
+@rate("unique -bounded -smooth passive -drift_free", values_changed={"sigma_1": 0.0})
+def FlatAtZero(p, v, z):
     """f = v - e(z) |v| z/g with e = exp(-(0.1 Z/z)^2) for z != 0, 0 at z = 0: below |v| everywhere, so held
     speeds take z to where e z = g > Z: not bounded (sigma_1 = 0: D = 100 v^2 + e g_N |v| r^2 >= 0: passive). e is
     C-infinity: f is Lipschitz in z. e > 0 for z != 0: not drift_free, though e < 1e-43 for |z| < 0.01 Z. |v|: not
     smooth."""
-
-    truth = "unique -bounded -smooth passive -drift_free"
-    values_changed = {"sigma_1": 0.0}
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        u = z * p.sigma_0 / p.F_s
-        return v - where(abs(u) > 0, exp(-0.01 / u**2), 0.0) * abs(v) / g(p, v) * z
+    u = z * p.sigma_0 / p.F_s
+    return v - where(abs(u) > 0, exp(-0.01 / u**2), 0.0) * abs(v) / g(p, v) * z
 
 
-class HalvedAtZeroOnly(BristleLaw):
+@rate("?unique bounded -smooth passive -drift_free")
+def HalvedAtZeroOnly(p, v, z):
     """f = LuGre's, but v/2 where z = 0, v: f != v at z = 0: not drift_free. Inward at Z: bounded, as the
     solutions of LuGre but for a set of times of measure 0 (z = 0 with f != 0 is left at once): unique, passive
     (B1)."""
-
-    truth = "?unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return where(abs(z) <= 0, 0.5 * v, lugre(p, v, z))
+    return where(abs(z) <= 0, 0.5 * v, lugre(p, v, z))
 
 
-class SignOfZInTheRate(BristleLaw):
+@rate("-unique bounded -smooth ?passive -drift_free")
+def SignOfZInTheRate(p, v, z):
     """f = v - |v| sgn z: for v > 0 it is 2 v at z < 0, v at 0, 0 above. From z = 0 no z(t) obeys it (it cannot
     stay, f = v, nor rise, f = 0): not unique. At Z f <= 0: it never moves outwards: bounded within any level. f
     jumps."""
-
-    truth = "-unique bounded -smooth ?passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) * sign(z)
+    return v - abs(v) * sign(z)
 
 
-class HoldsAtRestByAThreshold(BristleLaw):
+@rate("unique bounded -smooth -passive -drift_free")
+def HoldsAtRestByAThreshold(p, v, z):
     """f = LuGre's where |v| > 1e-12, else 0: below it nothing moves. Lipschitz in z; bounded; jumps (z != 0 or v
     != 0). At |v| <= 1e-12 and z of the other sign than v, f = 0 and F v = sigma_0 z v + 100 v^2 < 0 for ever: not
     passive."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return where(abs(v) > 1e-12, lugre(p, v, z), 0.0)
+    return where(abs(v) > 1e-12, lugre(p, v, z), 0.0)

@@ -1,4 +1,9 @@
-"""What most of the laws here begin with."""
+"""What most of the laws here begin with, and decorators for those that are one equation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
 
 from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
@@ -26,3 +31,37 @@ class Lopsided(WithForce):
     """The same where h need not be odd."""
 
     symmetric = False
+
+
+class Springy(BristleLaw):
+    """F = sigma_0 z + sigma_2 v."""
+
+    v_d = None
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_0 * z + p.sigma_2 * v
+
+
+def deflection(p, z):
+    """u = z/Z."""
+    return z * p.sigma_0 / p.F_s
+
+
+def _of_one(method: str, own_base: type[BristleLaw]) -> Callable[..., Any]:
+    """A decorator that makes a law of the function that gives its ``method``; the docstring derives the ``truth``."""
+
+    def of(truth: str, base: type[BristleLaw] = own_base, **attributes: Any) -> Callable[..., type[BristleLaw]]:
+        def made(equation: Callable[..., Any]) -> type[BristleLaw]:
+            given = {"truth": truth, method: staticmethod(equation), **attributes}
+            own = {"__doc__": equation.__doc__, "__module__": equation.__module__}
+            return type(base)(equation.__name__, (base,), own | given)
+
+        return made
+
+    return of
+
+
+added = _of_one("h", WithForce)
+rate = _of_one("dz_dt", BristleLaw)
+friction = _of_one("friction", BristleLaw)

@@ -4,41 +4,30 @@ from stribeck.constants import Constant
 from stribeck.expressions.ops import both, clip, sign, sqrt, where
 from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
+from tests.properties.nasty.base import rate
 
 
 def lugre(p, v, z):
     return v - abs(v) / g(p, v) * z
 
 
-class HugeSquare(BristleLaw):
+@rate("unique bounded smooth passive -drift_free")
+def HugeSquare(p, v, z):
     """m = sqrt((1e155 v)^2 + 1)/1e155 = sqrt(v^2 + 1e-310): a smooth majorant (C1: the root is of something > 0),
     sigma_1 m(0) <= F_s: bounded, passive, leaks; (1e155 v)^2 overflows from v = 0.1 on."""
-
-    truth = "unique bounded smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - sqrt((1e155 * v) ** 2 + 1) / 1e155 / g(p, v) * z
+    return v - sqrt((1e155 * v) ** 2 + 1) / 1e155 / g(p, v) * z
 
 
-class TinyRoot(BristleLaw):
+@rate("unique bounded smooth passive -drift_free")
+def TinyRoot(p, v, z):
     """m = sqrt(v^2 + 1e-300): as HugeSquare; equal to |v| in floats from 1e-142 on."""
-
-    truth = "unique bounded smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - sqrt(v**2 + 1e-300) / g(p, v) * z
+    return v - sqrt(v**2 + 1e-300) / g(p, v) * z
 
 
-class Trillion(BristleLaw):
+@rate("unique bounded -smooth passive -drift_free")
+def Trillion(p, v, z):
     """f = v - 1e12 |v| z/(1e12 g): LuGre: B0, B1."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - 1e12 * abs(v) / (1e12 * g(p, v)) * z
+    return v - 1e12 * abs(v) / (1e12 * g(p, v)) * z
 
 
 class TrillionDrag(BristleLaw):
@@ -120,15 +109,11 @@ class AtLuGresCondition(BristleLaw):
     dz_dt = staticmethod(lugre)
 
 
-class LeaksTenToTheMinus300(BristleLaw):
+@rate("unique -bounded smooth passive -drift_free")
+def LeaksTenToTheMinus300(p, v, z):
     """f = v - 1e-300 z: not v for z != 0: not drift_free. Linear: unique, smooth. Held v: z -> 1e300 v: not
     bounded. D = 200 v^2 - 1e-298 z v + 1e-295 z^2 >= 0: passive."""
-
-    truth = "unique -bounded smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - 1e-300 * z
+    return v - 1e-300 * z
 
 
 class ElasticForAPicometre(BristleLaw):
@@ -146,16 +131,11 @@ class ElasticForAPicometre(BristleLaw):
         return v - clip((abs(z) - 1e-12) / 1e-12, 0.0, 1.0) * abs(v) / g(p, v) * z
 
 
-class ElasticOneWay(BristleLaw):
+@rate("unique -bounded -smooth -passive -drift_free", symmetric=False)
+def ElasticOneWay(p, v, z):
     """f = v for v > 0, LuGre's for v < 0: not v on |z| <= z_0 for all v. Held v > 0: not bounded. z unrestricted,
     v -> -large, z < 0 with r > 2: B2: not passive. Lipschitz; df/dv jumps at v = 0."""
-
-    truth = "unique -bounded -smooth -passive -drift_free"
-    symmetric = False
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return where(v > 0, v, lugre(p, v, z))
+    return where(v > 0, v, lugre(p, v, z))
 
 
 class ElasticExceptWhenFast(BristleLaw):
@@ -208,16 +188,12 @@ class NearlyElastic(BristleLaw):
         return v * (1 - 1e-18) - clip((abs(z) - 0.5e-5) / 0.5e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
 
 
-class NearlyElasticForReal(BristleLaw):
+@rate("unique bounded -smooth passive -drift_free")
+def NearlyElasticForReal(p, v, z):
     """f = v - 1e-18 v - ramp: (1 - 1e-18) v for |z| <= c, which is not v: not drift_free. Else as NearlyElastic:
     S' = sigma_0 z/(1 - 1e-18) below c, D there 200 v^2 - O(1e-16) v^2: passive. Bounded (f sgn z less than
     LuGre's or v z < 0)."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - 1e-18 * v - clip((abs(z) - 0.5e-5) / 0.5e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
+    return v - 1e-18 * v - clip((abs(z) - 0.5e-5) / 0.5e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
 
 
 class Piezo(BristleLaw):

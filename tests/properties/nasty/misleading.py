@@ -4,6 +4,7 @@ from stribeck.constants import Constant
 from stribeck.expressions.ops import both, exp, log, pi, sqrt, tanh, where
 from stribeck.laws import BristleLaw, Claims, Scales
 from stribeck.laws.terms import g, term
+from tests.properties.nasty.base import rate
 
 
 def lugre(p, v, z):
@@ -23,16 +24,11 @@ class PushesBackwardsOnly(BristleLaw):
         return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + where(v < -1e-4, 10.0, 0.0)
 
 
-class LooseBackwardsOnly(BristleLaw):
+@rate("unique -bounded -smooth passive -drift_free", values_changed={"sigma_1": 0.0})
+def LooseBackwardsOnly(p, v, z):
     """|v|/g for v > 0, |v|/(2 g) for v < 0, said to be symmetric: held slowly backwards z -> -2 g < -Z: not
     bounded. sigma_1 = 0: D = 100 v^2 + sigma_0 z^2 (|v|/g or half of it) >= 0 for every z: passive. B0 else."""
-
-    truth = "unique -bounded -smooth passive -drift_free"
-    values_changed = {"sigma_1": 0.0}
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - where(v > 0, 1.0, 0.5) * abs(v) / g(p, v) * z
+    return v - where(v > 0, 1.0, 0.5) * abs(v) / g(p, v) * z
 
 
 class ElasticForwardsOnly(BristleLaw):

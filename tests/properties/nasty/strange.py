@@ -4,6 +4,7 @@ from stribeck.constants import Constant
 from stribeck.expressions.ops import atan, clip, cos, exp, log, pi, sign, sin, sqrt, tanh, where
 from stribeck.laws import BristleLaw, Scales
 from stribeck.laws.terms import g
+from tests.properties.nasty.base import friction, rate
 
 
 def plain(p, v, z, dz_dt):
@@ -41,15 +42,11 @@ class MirroredUndamped(Mirrored):
     values_changed = {"sigma_2": 0.0}
 
 
-class HalfMirrored(_Strange):
+@rate("unique bounded -smooth -passive -drift_free", _Strange)
+def HalfMirrored(p, v, z):
     """f = -v - |v| z/g with LuGre's force: slid at v > 0, z -> -g, F = -g_N + 100 v: F v < 0 held at 1e-3: B3, not
     passive. Mirrored LuGre's f: unique, bounded; |v|."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return -v - abs(v) / g(p, v) * z
+    return -v - abs(v) / g(p, v) * z
 
 
 class Micrometres(_Strange):
@@ -91,84 +88,55 @@ class DieterichRuina(_Strange):
         return v / (abs(v) + 1e-6) * (1 + 0.1 * log(1 + z * z)) + p.sigma_2 * v
 
 
-class DieterichRuinaAged(DieterichRuina):
+@friction("unique -bounded -smooth -passive -drift_free", DieterichRuina, natural=False)
+def DieterichRuinaAged(p, v, z, dz_dt):
     """With 1 - 0.1 log(1 + z^2), < 0 for z > 150 s, which a rest of 200 s gives: F < 0 then at v = 1e-9 m/s (share 1e-3,
     sigma_2 v = 1e-7), while z goes from 200 to 150 at most as fast as 1 - 1e-4 * 200 ...: it rises: held at 1e-9, z -> D/v =
     1e4 s and stays there: F v < 0 for ever: not passive."""
-
-    truth = "unique -bounded -smooth -passive -drift_free"
-    natural = False
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return v / (abs(v) + 1e-6) * (1 - 0.1 * log(1 + z * z)) + p.sigma_2 * v
+    return v / (abs(v) + 1e-6) * (1 - 0.1 * log(1 + z * z)) + p.sigma_2 * v
 
 
-class Frozen(_Strange):
+@rate("unique bounded smooth -passive -drift_free", _Strange)
+def Frozen(p, v, z):
     """f = 0: z stays where it is: unique, bounded, smooth (F = sigma_0 z + sigma_2 v). From z = Z/2 F v = (0.75 + 100 v) v <
     0 at v = -1e-3, for ever: not passive. f != v."""
-
-    truth = "unique bounded smooth -passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return 0 * v
+    return 0 * v
 
 
-class AlwaysWindsUp(_Strange):
+@rate("unique bounded -smooth -passive -drift_free", _Strange)
+def AlwaysWindsUp(p, v, z):
     """f = |v| (1 - z/g): z -> g for either sign of v: inward at +-Z: bounded; Lipschitz. Slid backwards slowly, z = g and
     F v = (g_N + 100 v) v < 0: not passive. |v|."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return abs(v) * (1 - z / g(p, v))
+    return abs(v) * (1 - z / g(p, v))
 
 
-class Latches(_Strange):
+@rate("unique bounded -smooth passive -drift_free", _Strange)
+def Latches(p, v, z):
     """f = v max(0, 1 - r): LuGre's where r <= 1; beyond z waits for v to turn: bounded, Lipschitz. D is LuGre's for r <= 1,
     else F v = (sigma_0 |z| + 100 |v|) |v| > 0: passive. B0 else."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        share = 1 - sign(v) * z / g(p, v)
-        return v * where(share > 0, share, 0.0)
+    share = 1 - sign(v) * z / g(p, v)
+    return v * where(share > 0, share, 0.0)
 
 
-class AgainstItself(_Strange):
+@friction("unique bounded -smooth passive -drift_free", _Strange)
+def AgainstItself(p, v, z, dz_dt):
     """sigma_1 = 0, F = sigma_0 z - 40 f + 100 v: f v = v^2 (1 - r) <= 2.5 v^2 for |r| <= 1.5: D = 100 v^2 - 40 f v + g_N |v|
     r^2 (1 + 40 |v|/g_N ...): with W alone F v - W' f = v^2 (100 - 40 (1 - r)) + g_N |v| r^2 >= 0: passive, just. B0."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z - 40.0 * dz_dt + p.sigma_2 * v
+    return p.sigma_0 * z - 40.0 * dz_dt + p.sigma_2 * v
 
 
-class AgainstItselfByAHair(_Strange):
+@friction("unique bounded -smooth -passive -drift_free", _Strange)
+def AgainstItselfByAHair(p, v, z, dz_dt):
     """With -40.001: from z = -Z a pulse at large v has F v/v^2 -> 100 - 40.001 * 2.5 < 0 near r = -1.5, z moves like v: it
     draws without limit: not passive. B0."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z - 40.001 * dz_dt + p.sigma_2 * v
+    return p.sigma_0 * z - 40.001 * dz_dt + p.sigma_2 * v
 
 
-class SquareDamping(_Strange):
+@friction("unique bounded -smooth -passive -drift_free", _Strange)
+def SquareDamping(p, v, z, dz_dt):
     """F = sigma_0 z + 100 f |f| + 100 v. From near Z at large v, r near 1.5: f |f| v = -v^3 (r - 1)^2: it draws like v^2 for
     each metre of z: not passive. B0."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z + 100.0 * dz_dt * abs(dz_dt) + p.sigma_2 * v
+    return p.sigma_0 * z + 100.0 * dz_dt * abs(dz_dt) + p.sigma_2 * v
 
 
 class SquareDampingFlat(SquareDamping):
@@ -178,133 +146,84 @@ class SquareDampingFlat(SquareDamping):
     values_changed = {"F_c": 1.5}
 
 
-class SaturatedDamping(_Strange):
+@friction("unique bounded -smooth passive -drift_free", _Strange)
+def SaturatedDamping(p, v, z, dz_dt):
     """F = sigma_0 z + tanh(f/v_s) + 100 v: v tanh(f/v_s) >= -|v| where f v < 0, so where r > 1, and there g_N |v| r^2 >=
     |v|: D >= 0: passive. B0."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z + tanh(dz_dt / p.v_s) + p.sigma_2 * v
+    return p.sigma_0 * z + tanh(dz_dt / p.v_s) + p.sigma_2 * v
 
 
-class SineSaturation(_Strange):
+@rate("unique bounded -smooth passive -drift_free", _Strange, natural=True)
+def SineSaturation(p, v, z):
     """f = v - |v| sin(pi u/2), u = z/Z: f = 0 or inward at |z| = Z, Lipschitz: unique, bounded (from outside Z z may run on,
     but it starts within). f v >= 0: D = 100 f v + 100 v^2 + sigma_0 z |v| sin >= 0 within Z: passive. |v|."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-    natural = True
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) * sin(pi * z * p.sigma_0 / (2 * p.F_s))
+    return v - abs(v) * sin(pi * z * p.sigma_0 / (2 * p.F_s))
 
 
-class SineSaturationTooLong(_Strange):
+@rate("unique -bounded -smooth -passive -drift_free", _Strange, values_changed={"sigma_1": 0.0})
+def SineSaturationTooLong(p, v, z):
     """With u less by 1e-7 of it: sin < 1 at Z: held v > 0 takes z past Z (to Z (1 + 1e-7)): not bounded. sigma_1 = 0: D =
     100 v^2 + sigma_0 z |v| sin(...) < 0 where the sine is < 0, at z from 2 Z to 4 Z; to and fro there slowly: unwinding (v <
     0) f = -|v| (1 + sin), winding v (1 - sin), sin < 0: L = sigma_0 z/(1 + sin) > U = sigma_0 z/(1 - sin): not passive, with
     z not restricted. Lipschitz."""
-
-    truth = "unique -bounded -smooth -passive -drift_free"
-    values_changed = {"sigma_1": 0.0}
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) * sin(pi * z * p.sigma_0 / (2 * p.F_s) * (1 - 1e-7))
+    return v - abs(v) * sin(pi * z * p.sigma_0 / (2 * p.F_s) * (1 - 1e-7))
 
 
-class SinhDecay(_Strange):
+@rate("unique bounded -smooth passive -drift_free", _Strange)
+def SinhDecay(p, v, z):
     """f = v - |v| sinh(u)/sinh(1): falls with z: unique; it is inward or 0 at |u| >= 1: bounded. f v >= 0 within: D = 100 f v
     + 100 v^2 + sigma_0 z |v| sinh(u)/sinh(1) >= 0: passive. |v|."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        u = p.sigma_0 * z / p.F_s
-        return v - abs(v) * (exp(u) - exp(-u)) / (exp(1.0 + 0 * u) - exp(-1.0 + 0 * u))
+    u = p.sigma_0 * z / p.F_s
+    return v - abs(v) * (exp(u) - exp(-u)) / (exp(1.0 + 0 * u) - exp(-1.0 + 0 * u))
 
 
-class CoshEscape(_Strange):
+@rate("-unique -bounded smooth ?passive -drift_free", _Strange)
+def CoshEscape(p, v, z):
     """f = v cosh(z/1 m): held v > 0 takes z to infinity within pi m of way: not unique (no z for all t), not bounded.
     Analytic: smooth. Passive not derived (z ends). f != v."""
-
-    truth = "-unique -bounded smooth ?passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v * (exp(z) + exp(-z)) / 2
+    return v * (exp(z) + exp(-z)) / 2
 
 
-class ExponentialSlip(_Strange):
+@rate("unique bounded -smooth -passive -drift_free", _Strange)
+def ExponentialSlip(p, v, z):
     """f = v - z (exp|v| - 1)/1e-5: exp|v| - 1 >= |v|, 1e-5 <= Z: inward: bounded; linear in z: unique. From z = Z/2 at v = 20
     f is about -0.75e-5 e^20/1e-5: unwinding draws F v/f = 100 v + O(1) for each metre, and more with v: not passive (with
     sigma_1 = 100; winding costs a fixed amount). |v|."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - z * (exp(abs(v)) - 1) / 1e-5
+    return v - z * (exp(abs(v)) - 1) / 1e-5
 
 
-class RootSlip(_Strange):
+@rate("unique -bounded -smooth passive -drift_free", _Strange, values_changed={"sigma_1": 0.0})
+def RootSlip(p, v, z):
     """f = v - sqrt|v| z/(1e-3 s^.5): z -> 1e-3 sqrt v without bound for large v: not bounded. Linear: unique. sigma_1 = 0: D =
     100 v^2 + sigma_0 z^2 sqrt|v|/1e-3 >= 0 for every z: passive. sqrt|v| is not C1 at 0."""
-
-    truth = "unique -bounded -smooth passive -drift_free"
-    values_changed = {"sigma_1": 0.0}
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - sqrt(abs(v)) * z / 1e-3
+    return v - sqrt(abs(v)) * z / 1e-3
 
 
-class MajorantByCosine(_Strange):
+@rate("unique bounded smooth passive -drift_free", _Strange)
+def MajorantByCosine(p, v, z):
     """m = e/cos(atan(v/e)), e = 1e-6 m/s, is sqrt(v^2 + e^2): theory.md: smooth, bounded, passive (sigma_1 e <= F_s)."""
-
-    truth = "unique bounded smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - 1e-6 / cos(atan(v / 1e-6)) / g(p, v) * z
+    return v - 1e-6 / cos(atan(v / 1e-6)) / g(p, v) * z
 
 
-class MajorantRoundedDown(_Strange):
+@rate("unique -bounded smooth -passive -drift_free", _Strange, values_changed={"F_c": 1.5})
+def MajorantRoundedDown(p, v, z):
     """m = (2/pi) v atan(k v) + 0.6366197/k, k = 1e6, whose last term is less than 2/(pi k): at large v m < |v| by 7e-14.
     F_s = F_c: g = Z: held there z -> Z |v|/m > Z: not bounded. B2: not passive. Smooth."""
-
-    truth = "unique -bounded smooth -passive -drift_free"
-    values_changed = {"F_c": 1.5}
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - (2 / pi * v * atan(1e6 * v) + 0.6366197e-6) / g(p, v) * z
+    return v - (2 / pi * v * atan(1e6 * v) + 0.6366197e-6) / g(p, v) * z
 
 
-class MajorantRoundedUp(_Strange):
+@rate("unique bounded smooth passive -drift_free", _Strange, values_changed={"F_c": 1.5})
+def MajorantRoundedUp(p, v, z):
     """With 0.6366198: m >= |v|, m - |v| <= m(0), sigma_1 m(0) <= F_s: theory.md's proofs: smooth, bounded, passive."""
-
-    truth = "unique bounded smooth passive -drift_free"
-    values_changed = {"F_c": 1.5}
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - (2 / pi * v * atan(1e6 * v) + 0.6366198e-6) / g(p, v) * z
+    return v - (2 / pi * v * atan(1e6 * v) + 0.6366198e-6) / g(p, v) * z
 
 
-class ShrinkingElastic(_Strange):
+@rate("unique bounded -smooth passive -drift_free", _Strange)
+def ShrinkingElastic(p, v, z):
     """f = v for |z| <= c/(1 + (v/v_s)^2), c = 0.3e-5, then a ramp to LuGre's: at each z > 0 it decays at large v: not
     drift_free. The share is in [0, 1] and 1 at Z: bounded, passive (D is linear in it); Lipschitz for bounded v."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        c = 0.3e-5 / (1 + (v / p.v_s) ** 2)
-        return v - clip((abs(z) - c) / c, 0.0, 1.0) * abs(v) / g(p, v) * z
+    c = 0.3e-5 / (1 + (v / p.v_s) ** 2)
+    return v - clip((abs(z) - c) / c, 0.0, 1.0) * abs(v) / g(p, v) * z
 
 
 class ShrinkingElasticToAFloor(_Strange):
@@ -323,62 +242,38 @@ class ShrinkingElasticToAFloor(_Strange):
         return v - clip((abs(z) - c) / c, 0.0, 1.0) * abs(v) / g(p, v) * z
 
 
-class HighPower(_Strange):
+@friction("unique bounded -smooth passive -drift_free", _Strange, values_changed={"sigma_1": 0.0})
+def HighPower(p, v, z, dz_dt):
     """sigma_1 = 0, viscosity 100 (1 - (z/Z)^40) >= 0 within Z: D = that v^2 + g_N |v| r^2 >= 0: passive. B0."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-    values_changed = {"sigma_1": 0.0}
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_2 * (1 - (p.sigma_0 * z / p.F_s) ** 40) * v
+    return p.sigma_0 * z + p.sigma_2 * (1 - (p.sigma_0 * z / p.F_s) ** 40) * v
 
 
-class HighPowerTooMuch(_Strange):
+@friction("unique bounded -smooth -passive -drift_free", _Strange, values_changed={"sigma_1": 0.0})
+def HighPowerTooMuch(p, v, z, dz_dt):
     """100 (1 - 1.01 (z/Z)^40) is -1 at Z: from there, at large v, F v -> -v^2, and z falls like v: a pulse draws without
     limit: not passive. B0."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-    values_changed = {"sigma_1": 0.0}
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_2 * (1 - 1.01 * (p.sigma_0 * z / p.F_s) ** 40) * v
+    return p.sigma_0 * z + p.sigma_2 * (1 - 1.01 * (p.sigma_0 * z / p.F_s) ** 40) * v
 
 
-class BumpInBoth(_Strange):
+@friction("unique bounded -smooth -passive -drift_free", _Strange, symmetric=False)
+def BumpInBoth(p, v, z, dz_dt):
     """h = -1000 exp(-((v - 1)/0.01)^2 - ((u - 0.5)/0.02)^2), u = z/Z: at v = 1 f >= 0.2 there, and to wind z over the bump
     (2e-7 m) draws over 1e-4 J; slowly back gives or costs less than 1e-5 J: not passive. B0."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-    symmetric = False
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        u = p.sigma_0 * z / p.F_s
-        return plain(p, v, z, dz_dt) - 1000.0 * exp(-(((v - 1) / 0.01) ** 2) - ((u - 0.5) / 0.02) ** 2)
+    u = p.sigma_0 * z / p.F_s
+    return plain(p, v, z, dz_dt) - 1000.0 * exp(-(((v - 1) / 0.01) ** 2) - ((u - 0.5) / 0.02) ** 2)
 
 
-class PushesFarOutByAPower(_Strange):
+@friction("unique bounded -smooth -passive -drift_free", _Strange, symmetric=False)
+def PushesFarOutByAPower(p, v, z, dz_dt):
     """h = 1e-3 (v^2 + (100 z)^2)^0.75 >= 0, also backwards: at v = -1e13 h = 3e16 N, 100 v = -1e15 N: F v < 0, held: B3, not
     passive. B0."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-    symmetric = False
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return plain(p, v, z, dz_dt) + 1e-3 * (v**2 + (100.0 * z) ** 2) ** 0.75
+    return plain(p, v, z, dz_dt) + 1e-3 * (v**2 + (100.0 * z) ** 2) ** 0.75
 
 
-class RootRunsOut(_Strange):
+@friction("unique bounded -smooth ?passive -drift_free", _Strange)
+def RootRunsOut(p, v, z, dz_dt):
     """h = sqrt(1 - (v/10)^2): no value beyond 10 m/s: F is not C1. Passive not derived. f is LuGre's: B0."""
-
-    truth = "unique bounded -smooth ?passive -drift_free"
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return plain(p, v, z, dz_dt) + v * sqrt(1 - (v / 10.0) ** 2)
+    return plain(p, v, z, dz_dt) + v * sqrt(1 - (v / 10.0) ** 2)
 
 
 class Subnormal(_Strange):
