@@ -106,10 +106,10 @@ def _limit(claim: Claim) -> Node:
 
 
 def _to_the(x: Node, k: int) -> Node:
-    found = ONE
+    power = ONE
     for _ in range(k):
-        found = make("mul", found, x)
-    return found
+        power = make("mul", power, x)
+    return power
 
 
 def subject(claim: Claim, law: Law) -> Node:

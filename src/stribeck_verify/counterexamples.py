@@ -127,8 +127,8 @@ def _differs(law: Mapping[str, Json], evidence: Mapping[str, Json], of: Function
     gap = abs(above - below) / 4
     for moved in (0, 1):
         # along the line through two points, to the place itself: what changes on the way may be more than the gap
-        found = [2 * at(moved, side * beside[moved]) - at(moved, 2 * side * beside[moved]) for side in (-1, 1)]
+        extrapolated = [2 * at(moved, side * beside[moved]) - at(moved, 2 * side * beside[moved]) for side in (-1, 1)]
         for first, second in ((below, above), (above, below)):
-            if bool(abs(found[0] - first) < gap) and bool(abs(found[1] - second) < gap):
+            if bool(abs(extrapolated[0] - first) < gap) and bool(abs(extrapolated[1] - second) < gap):
                 return True
     return False

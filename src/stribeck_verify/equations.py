@@ -26,8 +26,8 @@ def compare(law: Mapping[str, Json], dz_dt: Node, force: Node) -> None:
     Raises:
         Refused: they differ.
     """
-    for what, stated, own in (("dz/dt", dz_dt, law["dz_dt"]), ("F", force, law["force"])):
-        if not _Comparison(law["constants"])(stated, own):
+    for what, stated, formula in (("dz/dt", dz_dt, law["dz_dt"]), ("F", force, law["force"])):
+        if not _Comparison(law["constants"])(stated, formula):
             raise Refused(f"the equation of {what} is not that of the law {law['law']!r}")
 
 
@@ -61,10 +61,10 @@ class _Comparison:
         if a.op == op and len(a.args) == len(b) and all(self(x, y) for x, y in zip(a.args, b, strict=True)):
             return True
         try:
-            own = to_node([op, *b], self.constants)
+            formula = to_node([op, *b], self.constants)
         except Refused:
             return False
-        return not names(own) - {"pi"} and _equal(a, own)
+        return not names(formula) - {"pi"} and _equal(a, formula)
 
 
 def _equal(a: Node, b: Node) -> bool:
@@ -135,5 +135,5 @@ def compare_bound(law: Mapping[str, Json], Z: fmpq) -> None:
         raise Refused(f"Z is {intervals.nearest(Z)!r}, the law's is {None if lo is None else intervals.nearest(lo)!r}")
 
 
-def _near(own: fmpq, Z: fmpq) -> bool:
-    return bool(abs(Z - own) <= own * _ROUNDING)
+def _near(computed: fmpq, Z: fmpq) -> bool:
+    return bool(abs(Z - computed) <= computed * _ROUNDING)

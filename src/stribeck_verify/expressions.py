@@ -36,12 +36,12 @@ _ARITY = {**dict.fromkeys(UNARY, 1), **dict.fromkeys((*BINARY, *CONDITIONS), 2),
 def node(op: str, *args: Node, value: Json = None) -> Node:
     """The node of an operation."""
     key = (op, value if not isinstance(value, fmpq) else (int(value.p), int(value.q)), args)
-    found = _nodes.get(key)
-    if found is None:
-        found = Node()
-        found.op, found.args, found.value = op, args, value
-        _nodes[key] = found
-    return found
+    known = _nodes.get(key)
+    if known is None:
+        known = Node()
+        known.op, known.args, known.value = op, args, value
+        _nodes[key] = known
+    return known
 
 
 def number(x: fmpq | int) -> Node:
@@ -64,10 +64,10 @@ def rational(text: Json) -> fmpq:
     Raises:
         Refused: the text is no rational number.
     """
-    found = _RATIONAL.fullmatch(text) if isinstance(text, str) else None
+    match = _RATIONAL.fullmatch(text) if isinstance(text, str) else None
     try:
-        if found is not None:
-            return fmpq(int(found[1]), int(found[2] or 1))
+        if match is not None:
+            return fmpq(int(match[1]), int(match[2] or 1))
     except (ValueError, ZeroDivisionError):  # more digits than Python reads; a divisor of 0
         pass
     raise Refused(f"{text!r} is no rational number")

@@ -24,11 +24,11 @@ def text(data: Mapping[str, Json], key: str, allowed: Sequence[str] | None = Non
     Raises:
         Refused: it is missing, or something else.
     """
-    found = data.get(key)
-    if not isinstance(found, str) or (allowed is not None and found not in allowed):
+    value = data.get(key)
+    if not isinstance(value, str) or (allowed is not None and value not in allowed):
         words = "text" if allowed is None else " or ".join(allowed)
         raise Refused(f"{key}: {_shown(data, key)}: must be {words}")
-    return found
+    return value
 
 
 def table(data: Mapping[str, Json], key: str) -> dict[str, Json]:
@@ -37,10 +37,10 @@ def table(data: Mapping[str, Json], key: str) -> dict[str, Json]:
     Raises:
         Refused: it is something else.
     """
-    found = data.get(key, {})
-    if not isinstance(found, dict):
+    value = data.get(key, {})
+    if not isinstance(value, dict):
         raise Refused(f"{key}: {_shown(data, key)}: must be a table")
-    return found
+    return value
 
 
 def items(data: Mapping[str, Json], key: str) -> list[Json]:
@@ -49,10 +49,10 @@ def items(data: Mapping[str, Json], key: str) -> list[Json]:
     Raises:
         Refused: it is something else.
     """
-    found = data.get(key, [])
-    if not isinstance(found, list):
+    value = data.get(key, [])
+    if not isinstance(value, list):
         raise Refused(f"{key}: {_shown(data, key)}: must be a list")
-    return found
+    return value
 
 
 def whole(data: Mapping[str, Json], key: str, least: int, most: int) -> int:
@@ -61,10 +61,10 @@ def whole(data: Mapping[str, Json], key: str, least: int, most: int) -> int:
     Raises:
         Refused: it is missing, something else, or beyond its limits.
     """
-    found = data.get(key)
-    if type(found) is not int or not least <= found <= most:
+    value = data.get(key)
+    if type(value) is not int or not least <= value <= most:
         raise Refused(f"{key}: {_shown(data, key)}: must be a whole number from {least} to {most}")
-    return found
+    return value
 
 
 def limit(data: Mapping[str, Json], key: str) -> fmpq | None:
@@ -73,11 +73,11 @@ def limit(data: Mapping[str, Json], key: str) -> fmpq | None:
     Raises:
         Refused: it is something else.
     """
-    found = data.get(key, "inf")
-    if found == "inf":
+    stated = data.get(key, "inf")
+    if stated == "inf":
         return None
     try:
-        value = rational(found)
+        value = rational(stated)
     except Refused:
         value = fmpq(0)
     if value <= 0:

@@ -112,9 +112,9 @@ class Normal:
     def decided(self, c: Node) -> bool | None:
         """A condition whose two sides differ by a number, or by a product of what is known to be > 0."""
         if c.op in ("both", "either"):
-            found = [self.decided(x) for x in c.args]
+            parts = [self.decided(x) for x in c.args]
             decisive = c.op == "either"
-            return decisive if decisive in found else (None if None in found else not decisive)
+            return decisive if decisive in parts else (None if None in parts else not decisive)
         sign = self.sign(node("sub", c.args[1], c.args[0]))
         return None if sign is None else (sign > 0 or (sign == 0 and c.op == "le"))
 
@@ -144,8 +144,8 @@ class Normal:
                 return (sign * first[0], first[1]) if x.op == "abs" else (self.context.constant(sign), self.one)
             # |-x| = |x|, sgn(-x) = -sgn(x): the one of the two with a leading coefficient > 0
             flip = first[0].leading_coefficient() < 0
-            made = self._opaque((x.op, self._key((-first[0], first[1]) if flip else first)))
-            return (-made[0], made[1]) if flip and x.op == "sign" else made
+            atom = self._opaque((x.op, self._key((-first[0], first[1]) if flip else first)))
+            return (-atom[0], atom[1]) if flip and x.op == "sign" else atom
         if first[0] == 0 and x.op in _AT_0:
             return self.context.constant(_AT_0[x.op]), self.one
         if x.op in ("sin", "cos"):

@@ -158,11 +158,11 @@ def wave(function: str, a: Range) -> Range:
     if first is None or last is None or last - first > 4:
         return fmpq(-1), fmpq(1)
     values = [at(function, x, up) for x in (lo, hi) for up in (False, True)]
-    found = [x for x in values if x is not None]
-    if len(found) != 4:
+    extremes = [x for x in values if x is not None]
+    if len(extremes) != 4:
         return fmpq(-1), fmpq(1)
-    found += [fmpq(1 if k % 2 == 0 else -1) for k in range(int(first.ceil()), int(last.floor()) + 1)]
-    return max(min(found), fmpq(-1)), min(max(found), fmpq(1))
+    extremes += [fmpq(1 if k % 2 == 0 else -1) for k in range(int(first.ceil()), int(last.floor()) + 1)]
+    return max(min(extremes), fmpq(-1)), min(max(extremes), fmpq(1))
 
 
 def power(a: Range, b: Range) -> Range:
@@ -212,12 +212,12 @@ def evaluate(top: Node, box: Mapping[str, Range]) -> Range:
     return Evaluation(box)(top)
 
 
-def joined(op: str, found: list[bool | None]) -> bool | None:
+def joined(op: str, parts: list[bool | None]) -> bool | None:
     """Whether "both" or "either" of conditions hold, of which some may not be known."""
     decisive = op == "either"
-    if decisive in found:
+    if decisive in parts:
         return decisive
-    return None if None in found else not decisive
+    return None if None in parts else not decisive
 
 
 class Evaluation:
@@ -274,7 +274,7 @@ class Evaluation:
         if c.op not in ("lt", "le"):
             return hull(self(cases[0]), self(cases[1]))
         left, right = c.args
-        found = []
+        ranges = []
         for case, (small, large) in zip(cases, ((left, right), (right, left)), strict=True):
             (low, below), (above, high) = self(small), self(large)  # here small <= large
             below = high if below is None else (below if high is None else min(below, high))
@@ -286,10 +286,10 @@ class Evaluation:
             inside = Evaluation(self.box, self.positive)
             inside.known = {**self.preset, small: (low, below), large: (above, high)}
             inside.preset = dict(inside.known)
-            found.append(inside(case))
-        if not found:
+            ranges.append(inside(case))
+        if not ranges:
             raise Refused("neither case of a condition can be")
-        return found[0] if len(found) == 1 else hull(found[0], found[1])
+        return ranges[0] if len(ranges) == 1 else hull(ranges[0], ranges[1])
 
     def _inverse(self, x: Node, b: Range) -> Range:
         sign = _sign(x) if self.positive else 0

@@ -42,15 +42,15 @@ class Region:
 
     def box(self) -> dict[str, Range]:
         """The ranges of u and w."""
-        found = {n: r for n, r in self.axes.items() if n in self.given}
+        ranges = {n: r for n, r in self.axes.items() if n in self.given}
         for ratio, of, by in (("p", "u", "w"), ("q", "w", "u")):
             if ratio in self.axes:
                 lo, hi = intervals.mul(self.axes[ratio], self.axes[by])
                 within = self.given[of]
                 assert within[0] is not None
                 low = within[0] if lo is None else max(lo, within[0])
-                found[of] = (low, hi if within[1] is None else (within[1] if hi is None else min(hi, within[1])))
-        return found
+                ranges[of] = (low, hi if within[1] is None else (within[1] if hi is None else min(hi, within[1])))
+        return ranges
 
 
 class Leaf:
@@ -73,16 +73,16 @@ class Leaf:
         self.ring = Ring([*variables, *shares])
         self.values: dict[Node, Quotient] = {}
         self._open: set[Node] = set()
-        made: dict[str, Quotient] = {}
+        quotients: dict[str, Quotient] = {}
         for i, (name, (lo, hi)) in enumerate(axes):
             assert lo is not None
             x = self.ring.variable(i)
             scale = x if hi is None else self.ring.mul(self.ring.number(hi - lo), x)
-            made[name] = self.ring.add(self.ring.number(lo), scale)
+            quotients[name] = self.ring.add(self.ring.number(lo), scale)
         for ratio, of, by in (("p", "u", "w"), ("q", "w", "u")):
-            if ratio in made:
-                made[of] = self.ring.mul(made[ratio], made[by])
-        for name, x in made.items():
+            if ratio in quotients:
+                quotients[of] = self.ring.mul(quotients[ratio], quotients[by])
+        for name, x in quotients.items():
             if name in ("u", "w"):
                 self.values[self.names[name]] = x
 
@@ -102,10 +102,10 @@ class Leaf:
         x = self(top)
         if relation == "=0":
             return bool(x.above == 0)
-        found = self.ring.sign(x)
-        if found is None:
+        sign_of_top = self.ring.sign(x)
+        if sign_of_top is None:
             return False
-        sign, strict = found
+        sign, strict = sign_of_top
         return {">=0": sign >= 0, ">0": sign > 0 and strict, "!=0": strict}[relation]
 
     # -- conversion -----------------------------------------------------------------------------------------------------
@@ -149,8 +149,8 @@ class Leaf:
         if x.op == "mul":
             return ring.mul(a, b)
         if x.op == "div":
-            found = ring.sign(b)
-            if (found is None or not found[1]) and not self._apart_from_0(x.args[1]):
+            divisor_sign = ring.sign(b)
+            if (divisor_sign is None or not divisor_sign[1]) and not self._apart_from_0(x.args[1]):
                 raise Refused("a divisor may be 0")
             return ring.div(a, b)
         return ring.add(a, b, 1 if x.op == "add" else -1)
@@ -220,8 +220,8 @@ class Leaf:
                 if self._equal(atom.node, x):
                     return value(self, x, atom)
                 if self._equal(atom.node, opposite):
-                    found = value(self, opposite, atom)
-                    return Quotient(-found.above, found.below)
+                    other = value(self, opposite, atom)
+                    return Quotient(-other.above, other.below)
         share = self._share_of(c)
         if share is None and c.op == "both":
             return self(node("where", c.args[0], node("where", c.args[1], a, b), b))
@@ -261,13 +261,13 @@ class Leaf:
 
     def _abs_or_sign(self, x: Node) -> Quotient:
         a = x.args[0]
-        found = self.sign_of(a)
+        known_sign = self.sign_of(a)
         ring = self.ring
-        if x.op == "abs" and found is not None:
+        if x.op == "abs" and known_sign is not None:
             value = self(a)
-            return value if found[0] >= 0 else Quotient(-value.above, value.below)
-        if x.op == "sign" and found is not None and (found[1] or found[0] == 0):
-            return ring.number(found[0])
+            return value if known_sign[0] >= 0 else Quotient(-value.above, value.below)
+        if x.op == "sign" and known_sign is not None and (known_sign[1] or known_sign[0] == 0):
+            return ring.number(known_sign[0])
         if x.op == "sign":  # sign(0) = 0 is neither end: it has a share of its own, not that of a condition
             share = self._share_of(x)
             if share is not None:
@@ -341,8 +341,8 @@ class Leaf:
             if self._equal(atom.node, x):
                 return value(self, x, atom)
             if opposite is not x and self._equal(atom.node, opposite):
-                found = value(self, opposite, atom)
-                return found if x.op == "cos" else Quotient(-found.above, found.below)
+                other = value(self, opposite, atom)
+                return other if x.op == "cos" else Quotient(-other.above, other.below)
         raise Refused(f"{x.op} has no atom")
 
     def _root(self, y: Node) -> Quotient | None:
@@ -370,14 +370,14 @@ class Leaf:
             sign, ring = self.sign_of(y), self.ring
             if sign is None or sign[0] < 0 or (n < 0 and sign != (1, True)):
                 return None
-            found, base = ring.number(1), self(y)
+            product, base = ring.number(1), self(y)
             for _ in range(abs(n)):
-                found = ring.mul(found, base)
-            found = found if n >= 0 else ring.div(ring.number(1), found)
+                product = ring.mul(product, base)
+            product = product if n >= 0 else ring.div(ring.number(1), product)
             if rest == 0:
-                return found
+                return product
             root = node("sqrt", y) if rest == fmpq(1, 2) else node("pow", y, node("number", value=rest))
-            return ring.mul(found, self(root))
+            return ring.mul(product, self(root))
         return None
 
     def _quarters(self, x: Node) -> int | None:

@@ -63,12 +63,12 @@ class Cases:
         ties = [c for c in self.comparisons() if normal.zero(moved(node("sub", c.args[1], c.args[0]), place, normal))]
         if len(ties) > _MOST:
             raise Refused("too many cases meet at one place")
-        found = []
+        forms = []
         for truths in product((TRUE, FALSE), repeat=len(ties)):
             value = put(self.value, dict(zip(ties, truths, strict=True)))
             parts = [value] if self.order == 0 else [value, derivative(value, U), derivative(value, W)]
-            found.append(tuple(normal(decided_on(moved(part, place, normal), domain)) for part in parts))
-        return found
+            forms.append(tuple(normal(decided_on(moved(part, place, normal), domain)) for part in parts))
+        return forms
 
 
 def put(top: Node, by: dict[Node, Node]) -> Node:
@@ -190,8 +190,8 @@ def meets(
     for c in form.comparisons():
         if not depends(c, names) or whole.condition(c) is not None:
             continue
-        own = linear(c, normal)
-        candidates = [*([own] if own is not None else []), *places]
+        root = linear(c, normal)
+        candidates = [*([root] if root is not None else []), *places]
         if not _same(form, c, normal) and not any(
             _agree(form, c, place, not_zero, normal, domain) for place in candidates
         ):
@@ -237,10 +237,10 @@ def agree_on_axis(forms: Sequence[tuple[Cases, int]], axis: Node, exact: Node | 
     quadrant: dict[str, Range] = {n: (fmpq(0), None) for n in ("u", "w")}
     values, slopes = [], []
     for form, side in forms:
-        for found in form.all_at(place, normal, quadrant):
-            values.append(found[0])
+        for pairs in form.all_at(place, normal, quadrant):
+            values.append(pairs[0])
             if form.order:
-                above, below = found[1 if axis is U else 2]
+                above, below = pairs[1 if axis is U else 2]
                 slopes.append((side * above, below))
     if exact is not None:
         values.append(normal(decided_on(known_decided(without_extremes(written_out(exact))), quadrant)))

@@ -114,13 +114,13 @@ class Ring:
             return None if direct is None else (direct[0], False)
         sign = 1 if number > 0 else -1
         for factor, times in factors:
-            found = self._bernstein(factor)
-            if found is None and times % 2 == 0:
+            factor_sign = self._bernstein(factor)
+            if factor_sign is None and times % 2 == 0:
                 strict = False
                 continue
-            if found is None:
+            if factor_sign is None:
                 return None if direct is None else (direct[0], False)
-            sign, strict = sign * found[0] ** times, strict and found[1]
+            sign, strict = sign * factor_sign[0] ** times, strict and factor_sign[1]
         return sign, strict
 
     def _without_monomial(self, p: Polynomial) -> tuple[Polynomial, bool]:
@@ -178,13 +178,13 @@ class Ring:
                     for j, row in enumerate(matrix):
                         done[start + j * stride] = sum((c * x for c, x in zip(row, old, strict=True) if c), 0 * old[0])
             values, stride = done, stride * (n + 1)
-        found = set()
+        signs = set()
         for x in values:
             sign = (x > 0) - (x < 0) if plain else _pi_sign(x)
             if sign is None:
                 return None
-            found.add(int(sign))
-        return found
+            signs.add(int(sign))
+        return signs
 
 
 @lru_cache(maxsize=64)

@@ -81,10 +81,10 @@ def _chord(leaf: Leaf, x: Node, atom: Atom, share: Quotient) -> Quotient:
     y = x.args[0]
     f = fmpq(1, 2)
     if x.op == "pow":
-        found = leaf(x.args[1])
-        if not (found.above.is_constant() and found.below.is_constant()) or found.above == 0:
+        exponent = leaf(x.args[1])
+        if not (exponent.above.is_constant() and exponent.below.is_constant()) or exponent.above == 0:
             raise Refused("the rule 'chord' needs a number as exponent")
-        f = fmpq(found.above.leading_coefficient()) / fmpq(found.below.leading_coefficient())
+        f = fmpq(exponent.above.leading_coefficient()) / fmpq(exponent.below.leading_coefficient())
     if x.op not in ("pow", "sqrt") or not 0 < f < 1:
         raise Refused(f"the rule 'chord' does not fit {x.op}")
     least, most = (rational(n) for n in atom.rest)

@@ -71,8 +71,8 @@ def _formula(*names: str, condition: bool | None = False) -> Check:
     known = {n: {"u": U, "w": W}.get(n, name(n)) for n in names} | {"pi": PI}
 
     def check(x: Json) -> None:
-        found = read(x, known).op in CONDITIONS
-        if condition is not None and found is not condition:
+        is_condition = read(x, known).op in CONDITIONS
+        if condition is not None and is_condition is not condition:
             raise Refused(f"{str(x)[:80]}: must be {'a condition' if condition else 'a number'}")
 
     return check

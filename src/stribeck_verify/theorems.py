@@ -65,12 +65,12 @@ class Case:
         Raises:
             Refused: one does not hold, or states another relation.
         """
-        found = [c for c in self.claims if c.about == about]
-        for claim in found:
+        claims = [c for c in self.claims if c.about == about]
+        for claim in claims:
             if claim.data.get("relation") != relation:
                 raise Refused(f"claim {about}: the relation must be {relation}")
             of.prove(claim, self.law, closed)
-        return found
+        return claims
 
     def hypothesis(self, name: str) -> Case | None:
         """The certificate of another property of the same law, confirmed; None where there is none."""
@@ -162,19 +162,19 @@ def need(claims: list[Claim], s: int, t: int, u: Range, w: Range) -> None:
 def outside(case: Case) -> None:
     """|z| does not grow while it is Z or more: then it stays below Z."""
     _at_least_positive(case.Z)
-    found = case.proved("inward", ">=0")
+    claims = case.proved("inward", ">=0")
     for s in SIGNS:
         for t in (1, -1):
-            need(found, s, t, ENDLESS, (case.Z, None))
+            need(claims, s, t, ENDLESS, (case.Z, None))
 
 
 def edge(case: Case) -> None:
     """dz/dt points inwards at |z| = Z, and solutions are unique beyond."""
     _at_least_positive(case.Z)
-    found = case.proved("inward", ">=0")
+    claims = case.proved("inward", ">=0")
     for s in SIGNS:
         for t in (1, -1):
-            need(found, s, t, ENDLESS, (case.Z, case.Z))
+            need(claims, s, t, ENDLESS, (case.Z, case.Z))
     if "unique" not in case.hypotheses:
         raise Refused("the theorem 'edge' needs that solutions are unique")
     unique = case.hypotheses["unique"]
@@ -386,16 +386,16 @@ def reaches(case: Case, v_max: float | None) -> None:
 
 def _served(claims: list[Claim], t: int, u: Range) -> list[Range]:
     """The cells of |z| on which one slope serves for every v."""
-    own = [c for c in claims if c.t == t]
-    ends = sorted({x for c in own if c.w is not None for x in c.w if x is not None})
+    slices = [c for c in claims if c.t == t]
+    ends = sorted({x for c in slices if c.w is not None for x in c.w if x is not None})
     cells: list[Range] = list(pairwise(ends))
-    if any(c.w is not None and c.w[1] is None for c in own):
+    if any(c.w is not None and c.w[1] is None for c in slices):
         cells.append((ends[-1], None))
     served = []
     for cell in cells:
         try:
             for s in SIGNS:
-                need(own, s, t, u, cell)
+                need(slices, s, t, u, cell)
         except Refused:
             continue
         served.append(cell)
@@ -417,9 +417,9 @@ def elastic(case: Case) -> None:
     """dz/dt = v for |z| <= z_0."""
     z_0 = rational(case.facts["z_0"])
     _at_least_positive(z_0)
-    found = case.proved("elastic", "=0")
+    claims = case.proved("elastic", "=0")
     for s, t in product(SIGNS, SIGNS):
-        need(found, s, t, ENDLESS, (fmpq(0), z_0))
+        need(claims, s, t, ENDLESS, (fmpq(0), z_0))
 
 
 THEOREMS: dict[tuple[str, str], Callable[[Case], None]] = {

@@ -126,24 +126,26 @@ def parameters_for(
         InputError: there is no such set, or it holds a number that no law knows.
     """
     needs = None if law is None else [n for n in law.constants() if n not in given]
-    found = parameter_sets.load(name, folder, needs)
-    values = found.values
-    own = law.constants() if law is not None else {}
-    known = dict.fromkeys(n for each in (PARAMETERS, own, *(c.constants() for c in builtin().values())) for n in each)
-    if law is not None and (odd := [n for n in values if n not in known and n not in found.words]):
+    parameter_set = parameter_sets.load(name, folder, needs)
+    values = parameter_set.values
+    constants = law.constants() if law is not None else {}
+    known = dict.fromkeys(
+        n for each in (PARAMETERS, constants, *(c.constants() for c in builtin().values())) for n in each
+    )
+    if law is not None and (odd := [n for n in values if n not in known and n not in parameter_set.words]):
         raise InputError(
             [f"{name!r}: {n} = {show(values[n])}: no law has such a constant{nearest(n, known)}" for n in odd]
         )
-    every: dict[str, Constant] = {**PARAMETERS, **own}
-    meant = {n: (every[n].unit_for(False), every[n].unit_for(True), "SI") for n in found.units if n in every}
-    if wrong := [n for n, units in meant.items() if found.units[n] not in units]:
+    every: dict[str, Constant] = {**PARAMETERS, **constants}
+    meant = {n: (every[n].unit_for(False), every[n].unit_for(True), "SI") for n in parameter_set.units if n in every}
+    if wrong := [n for n, units in meant.items() if parameter_set.units[n] not in units]:
         raise InputError(
             [
-                f"{name!r}: {n}.unit: {show(found.units[n])}: must be {' or '.join(dict.fromkeys(meant[n][:2]))}"
+                f"{name!r}: {n}.unit: {show(parameter_set.units[n])}: must be {' or '.join(dict.fromkeys(meant[n][:2]))}"
                 for n in wrong
             ]
         )
-    return {n: value for n, value in values.items() if n in PARAMETERS or n in own}
+    return {n: value for n, value in values.items() if n in PARAMETERS or n in constants}
 
 
 def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, **constants: float | str | None) -> Law:
@@ -158,16 +160,16 @@ def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, *
     Raises:
         InputError: if the law or set is unknown, or a value is not allowed; one line for each problem.
     """
-    found, rotary = find(name), constants.pop("rotary", None)
+    law_class, rotary = find(name), constants.pop("rotary", None)
     if not isinstance(rotary, bool | None):
         raise InputError(f"{arg('rotary')}: {show(rotary)}: must be True or False")
     if isinstance(parameters, str | Path):
         values, turns = (
-            parameters_for(found, str(parameters), given=constants),
+            parameters_for(law_class, str(parameters), given=constants),
             parameter_sets.load(str(parameters), needs=()).rotary,
         )
-        return found({**values, **constants}, turns if rotary is None else bool(rotary))
+        return law_class({**values, **constants}, turns if rotary is None else bool(rotary))
     if parameters is not None and not isinstance(parameters, Mapping):
         must = "must be a table of numbers by name, or a set's name or file"
         raise InputError(f"{arg('parameters')}: {show(parameters)}: {must}, not {kind_of(parameters)}")
-    return found({**(parameters or {}), **constants}, bool(rotary))
+    return law_class({**(parameters or {}), **constants}, bool(rotary))

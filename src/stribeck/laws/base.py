@@ -97,8 +97,8 @@ _TAKEN = {  # what the equations and the files call so; a constant of that name 
 @cache
 def _taken_names() -> dict[str, str]:
     """Names that a constant cannot have, and what they are: variables, and what every law is made of."""
-    own = {n: "it is a part of every law" for n in dir(Law) if not isinstance(getattr(Law, n), Constant)}
-    return own | dict.fromkeys((*dir(Constants), "machine", "p"), "it is a part of every law") | _TAKEN
+    attributes = {n: "it is a part of every law" for n in dir(Law) if not isinstance(getattr(Law, n), Constant)}
+    return attributes | dict.fromkeys((*dir(Constants), "machine", "p"), "it is a part of every law") | _TAKEN
 
 
 def _value(constant: Constant, given: Any) -> float | str | None:
@@ -155,8 +155,8 @@ class Law(metaclass=FromFile):
     _graphs: ClassVar[dict[tuple[object, ...], _Graph]] = {}
 
     def __init__(self, values: Mapping[str, Any], rotary: bool = False) -> None:
-        if found := self.problems(values):
-            raise InputError([f"{path}: {text}" for path, text in found])
+        if problems := self.problems(values):
+            raise InputError([f"{path}: {text}" for path, text in problems])
         declared = self.constants()
         self.p = Constants({name: _value(constant, values.get(name)) for name, constant in declared.items()})
         # parameters of the machine that this law does not use, such as v_s for the event threshold
@@ -211,9 +211,9 @@ class Law(metaclass=FromFile):
     def constants(cls) -> dict[str, Constant]:
         """Every constant of the law by name: the machine's parameters first, then its own, what may be left out last."""
         names = dict.fromkeys(name for base in reversed(cls.__mro__) for name in vars(base))
-        own = {name: value for name in names if isinstance(value := getattr(cls, name), Constant)}
-        last = sorted(own, key=lambda name: _may_be_none(own[name]))
-        return {**{name: PARAMETERS[name] for name in cls.uses}, **{name: own[name] for name in last}}
+        constants = {name: value for name in names if isinstance(value := getattr(cls, name), Constant)}
+        last = sorted(constants, key=lambda name: _may_be_none(constants[name]))
+        return {**{name: PARAMETERS[name] for name in cls.uses}, **{name: constants[name] for name in last}}
 
     @classmethod
     def own_constants(cls) -> dict[str, Constant]:
@@ -228,37 +228,37 @@ class Law(metaclass=FromFile):
         """
         declared = cls.constants()
         known = {**PARAMETERS, **declared}
-        found = []
+        problems = []
         for name, value in values.items():
             if name not in known:
                 has = ", ".join(cls.own_constants()) or "none of its own"
                 guess = nearest(name, known) or f" (it has {has})"
-                found.append((name, f"{show(value)}: law '{cls.name}' has no such constant{guess}"))
+                problems.append((name, f"{show(value)}: law '{cls.name}' has no such constant{guess}"))
             elif not (value is None and _may_be_none(known[name])) and (text := known[name].problem(value)):
-                found.append((name, f"{show(value)}: {text}"))
+                problems.append((name, f"{show(value)}: {text}"))
         for name, constant in declared.items():
             if constant.required and name not in values:
                 unit = f" in {constant.unit}" if constant.unit else ""
-                found.append(
+                problems.append(
                     (name, f"missing: law '{cls.name}' needs it ({constant.meaning}, {constant.allowed}{unit})")
                 )
-        wrong = {name for name, _ in found}
+        wrong = {name for name, _ in problems}
         defaults = {n: c.default for n, c in declared.items() if c.default is not None}
         on = defaults | {n: x for n, x in values.items() if x is not None}
-        return found + cls.broken({n: x for n, x in on.items() if n not in wrong})
+        return problems + cls.broken({n: x for n, x in on.items() if n not in wrong})
 
     @classmethod
     def broken(cls, on: Mapping[str, float | str]) -> list[tuple[str, str]]:
         """The relations that do not hold, of those whose constants are all ``on`` and valid by themselves."""
-        found = []
+        problems = []
         for relation in dict.fromkeys((*cls.relations, *STATIC_ABOVE_COULOMB)):
             if all(need in on for need in relation.needs):
                 given = {need: on[need] if isinstance(on[need], str) else float(on[need]) for need in relation.needs}
                 if not relation.holds(SimpleNamespace(**given)):
                     others = ", ".join(f"{n} = {show(on[n])}" for n in relation.needs if n != relation.key)
                     text = f"must be {relation.allowed}{f' ({others})' if others else ''}"
-                    found.append((relation.key, f"{show(on[relation.key])}: {text}"))
-        return found
+                    problems.append((relation.key, f"{show(on[relation.key])}: {text}"))
+        return problems
 
     @property
     def values(self) -> dict[str, float | None]:
@@ -298,13 +298,13 @@ class Law(metaclass=FromFile):
     @classmethod
     def symbolic(cls, make: Callable[[str], Value], form: Form = USUAL, on_term: OnTerm | None = None) -> Constants:
         """The constants as symbols; optional ones that are off are None, choices are words."""
-        words, made = dict(form.choices), dict[str, Value]()
+        words, values = dict(form.choices), dict[str, Value]()
         for name, constant in cls.constants().items():
             if constant.choices:
-                made[name] = words.get(name, constant.choices[0])
+                values[name] = words.get(name, constant.choices[0])
             else:
-                made[name] = None if constant.optional and name not in form else make(name)
-        return Constants(made, on_term)
+                values[name] = None if constant.optional and name not in form else make(name)
+        return Constants(values, on_term)
 
     def same_as(self, other: Law | None) -> bool:
         """Whether another law has the same equations, in the same form, and the same numbers."""
@@ -369,9 +369,9 @@ class Law(metaclass=FromFile):
             name = f"{kind.__module__}:{kind.__qualname__}"
             IN_MEMORY[name] = kind
         numbers = self.p.numbers
-        own = {n: x for n, x in numbers.items() if n not in PARAMETERS}
+        constants = {n: x for n, x in numbers.items() if n not in PARAMETERS}
         machine = {n: x for n, x in numbers.items() if n in PARAMETERS} | self.machine
-        return {"name": name, **own, **self.p.words, **({"parameters": machine} if machine else {})}
+        return {"name": name, **constants, **self.p.words, **({"parameters": machine} if machine else {})}
 
     def _repr_html_(self) -> str:
         """For notebooks: the equations and the constants."""
@@ -492,8 +492,8 @@ class Law(metaclass=FromFile):
         v = np.asarray(v, float)[()]
         moving = np.where(abs(v) < SLOWEST, SLOWEST * np.where(v < 0, -1.0, 1.0), v)[()] if self.has_z else v
         graph = self._graph()
-        found = self._in_floats(lambda p: graph.steady(*(p.numbers[n] for n in graph.names), moving, np.sign(moving)))
-        z, force = (np.where(v == 0, 0.0, np.broadcast_to(x, np.shape(v)))[()] for x in found)
+        values = self._in_floats(lambda p: graph.steady(*(p.numbers[n] for n in graph.names), moving, np.sign(moving)))
+        z, force = (np.where(v == 0, 0.0, np.broadcast_to(x, np.shape(v)))[()] for x in values)
         return z, force
 
     # -- derivatives, from the graph of the equations --------------------------------------------------------------
@@ -517,8 +517,8 @@ class Law(metaclass=FromFile):
         """F and the derivatives of dz/dt and F by v and z."""
         graph = self._graph()
         v, z = np.broadcast_arrays(v, z)
-        found = self._in_floats(lambda p: graph.function(*(p.numbers[n] for n in graph.names), v, z))
-        return [np.broadcast_to(x, v.shape)[()] for x in found]
+        values = self._in_floats(lambda p: graph.function(*(p.numbers[n] for n in graph.names), v, z))
+        return [np.broadcast_to(x, v.shape)[()] for x in values]
 
     def _force_rate(self, v: Array, z: Array, dv_dt: Array) -> tuple[Array, Array]:
         force, _, _, force_v, force_z = self._evaluate(v, z)

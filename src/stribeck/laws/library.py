@@ -85,14 +85,14 @@ def library(*names: str) -> Library:
     sets, machines = parameter_sets.parameters(), dict(machine_sets())
     if not names:
         return Library(dict(laws.builtin()), sets, machines)
-    own = {name: laws.find(name) for name in names if ".py:" in name}
+    from_files = {name: laws.find(name) for name in names if ".py:" in name}
     known = [*laws.builtin(), *sets, *machines]
     for name in names:
-        if name not in known and name not in own:
+        if name not in known and name not in from_files:
             guess = nearest(name, known) or " ('stribeck library' lists what there is)"
             raise InputError(f"{name!r}: no such law, parameter set or machine{guess}")
     return Library(
-        {name: law for name, law in {**laws.builtin(), **own}.items() if name in names},
+        {name: law for name, law in {**laws.builtin(), **from_files}.items() if name in names},
         {name: each for name, each in sets.items() if name in names},
         {name: machine for name, machine in machines.items() if name in names},
     )
@@ -163,8 +163,8 @@ def _equations(law: type[Law], form: Form = USUAL) -> list[dict[str, str]]:
 
 def _guarantees(law: type[Law], form: Form = USUAL) -> dict[str, object]:
     claims = {field.name: getattr(law.claims, field.name) for field in fields(Claims)}
-    found = {n: condition(c, law, form) if callable(c) else c for n, c in claims.items()}
-    return {n: {"if": asdict(c)} if isinstance(c, Equation) else c for n, c in found.items()}
+    conditions = {n: condition(c, law, form) if callable(c) else c for n, c in claims.items()}
+    return {n: {"if": asdict(c)} if isinstance(c, Equation) else c for n, c in conditions.items()}
 
 
 def _changed(law: type[Law], form: Form) -> dict[str, object]:

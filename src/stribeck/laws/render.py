@@ -32,10 +32,10 @@ def equations(law: type[Law], form: Form = USUAL) -> list[Equation]:
     text = {name: pretty.name(name, latex=False) for name in names} | {"dz_dt": "dz/dt"}
     terms = _Terms(latex, text)
     p, v, z, rate = law.symbolic(symbol, form, terms.by_name), symbol("v"), symbol("z"), symbol("dz_dt")
-    found = {"dz_dt": law.dz_dt(p, v, z)} if law.has_z else {}
+    expressions = {"dz_dt": law.dz_dt(p, v, z)} if law.has_z else {}
     force = law.friction(p, v, z, rate if law.has_z else wrap(0))
     definitions = terms.definitions
-    rows = [(latex[name], text[name], value) for name, value in found.items()]
+    rows = [(latex[name], text[name], value) for name, value in expressions.items()]
     rows.append(("F", "F", force))
     rows += [(latex[name], text[name], value) for name, value in definitions.items()]
     return [

@@ -37,11 +37,11 @@ def chapter(law: Law, key: str = "law", of: str = "") -> Chapter:
     )
 
 
-def shelf(found: Library) -> Document:
+def shelf(library: Library) -> Document:
     """All that is in the library, a line each."""
-    laws = [[name, " ".join((each.__doc__ or "").split())] for name, each in found.laws.items()]
-    sets = [[each.name, each.title] for each in found.sets.values()]
-    machines = [[m.name, f"{m.title} ({m.origin}; {m.licence})"] for m in found.machines.values()]
+    laws = [[name, " ".join((each.__doc__ or "").split())] for name, each in library.laws.items()]
+    sets = [[each.name, each.title] for each in library.sets.values()]
+    machines = [[m.name, f"{m.title} ({m.origin}; {m.licence})"] for m in library.machines.values()]
     return Document(
         "library",
         f"{len(laws)} laws, {len(sets)} parameter sets, {len(machines)} machines",
@@ -58,22 +58,22 @@ def _listed(key: str, what: str, rows: Sequence[Sequence[Cell]]) -> Chapter:
     return Chapter(key, what.capitalize(), tables=[Table([what, "description"], rows, prose=True)])
 
 
-def law(found: Mapping[str, Any]) -> Document:
+def law(description: Mapping[str, Any]) -> Document:
     """A law as :func:`stribeck.laws.library.described` has it: equations, claims, constants, source."""
-    facts = [f"claims: {_claims(found['guarantees']) or _NO_CLAIMS[found['has_z']]}"]
-    for form, changed in found["with"].items():
+    facts = [f"claims: {_claims(description['guarantees']) or _NO_CLAIMS[description['has_z']]}"]
+    for form, changed in description["with"].items():
         parts = [*(e["text"] for e in changed["equations"]), _claims(changed["guarantees"])]
         facts.append(f"with {form}: {'; '.join(part for part in parts if part)}")
     rows = [
         [n, p["allowed"] if p["allowed"].startswith("one of") else p["unit"], p["where"], p["meaning"]]
-        for n, p in found["parameters"].items()
+        for n, p in description["parameters"].items()
     ]
     table = Table(["constant", "unit", "table", "meaning"], rows, prose=True)
-    code = "\n".join(each["text"] for each in found["equations"])
+    code = "\n".join(each["text"] for each in description["equations"])
     return Document(
-        found["name"],
-        found["summary"],
-        [f"source: {found['source']}"],
+        description["name"],
+        description["summary"],
+        [f"source: {description['source']}"],
         [
             Chapter("equations", "Equations", facts=facts, code=code),
             Chapter("constants", "Constants", tables=[table]),
@@ -90,18 +90,18 @@ def _claims(guarantees: Mapping[str, object]) -> str:
     return "; ".join(words)
 
 
-def parameter_set(found: ParameterSet) -> Document:
+def parameter_set(parameters: ParameterSet) -> Document:
     """A law's parameters as published."""
-    rows: list[list[Cell]] = [[n, x] for n, x in found.values.items()]
+    rows: list[list[Cell]] = [[n, x] for n, x in parameters.values.items()]
     return Document(
-        found.name,
-        f"{found.title} ({found.motion})",
-        [f"source: {found.source}"],
+        parameters.name,
+        f"{parameters.title} ({parameters.motion})",
+        [f"source: {parameters.source}"],
         [Chapter("values", "Values", tables=[Table(["constant", "value (SI)"], rows)])],
     )
 
 
-def machine(found: MachineSet) -> Document:
+def machine(machine_set: MachineSet) -> Document:
     """A machine with its numbers, and where they are from."""
     rows: list[list[Cell]] = [
         [
@@ -109,13 +109,13 @@ def machine(found: MachineSet) -> Document:
             *(cast(Cell, p.get(key)) for key in ("value", "low", "high", "unit")),
             cast(Cell, p.get("state", p.get("verdict"))),
         ]
-        for path, p in found.parameters.items()
+        for path, p in machine_set.parameters.items()
     ]
     words = ("holds", "source", "record", "licence", "origin", "date", "command")
     table = Table(["number", "value", "from", "to", "unit", "state"], rows)
     return Document(
-        found.name,
-        found.title,
-        [f"{word}: {text}" for word in words if (text := getattr(found, word))],
+        machine_set.name,
+        machine_set.title,
+        [f"{word}: {text}" for word in words if (text := getattr(machine_set, word))],
         [Chapter("numbers", "Numbers", tables=[table])],
     )

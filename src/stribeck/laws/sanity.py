@@ -30,15 +30,15 @@ def problems(law: Law, seed: int = 0) -> list[str]:
     """
     if trouble := laws.trouble(law):
         return [trouble]
-    found = []
+    problems = []
     for name, test in _TESTS.items():
         try:
             with np.errstate(all="ignore"):
                 text = test(_Samples(law, np.random.default_rng(seed)))
         except Exception as error:
             text = f"cannot be tested: {type(error).__name__}: {error}"
-        found += [f"{name}: {text}"] if text else []
-    return found
+        problems += [f"{name}: {text}"] if text else []
+    return problems
 
 
 class _Samples:

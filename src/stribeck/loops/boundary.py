@@ -17,21 +17,22 @@ from stribeck.errors import InputError, arg, nearest
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, time_constant
 
-POINTS = 25  # of the first scan: over a decade, steps of 10 %
-RESOLUTION = 0.03  # of a value: the finest step of the scan, if MOST_STEPS allow it
+POINTS = 25  # of the first scan: over a decade, steps of 10 %, and as many lanes as two cores simulate in a second
+RESOLUTION = 0.03  # of a value, the finest step of the scan: nobody sets a gain closer; MOST_STEPS may not allow it
 MOST_STEPS = 40_000_000  # of all lanes of one path: 10 to 30 s of processor time
-_PARTS = 5  # into which a step of the scan is divided where the verdict changes
-_PRECISE = 0.002  # of its value: how closely a boundary is enclosed
-_ROUNDS = 6  # of dividing: a first step of a tenth of the range needs 3; the others are for changes found on the way
-_TURNS = (
-    0.7  # of a natural logarithm, a factor of two: a step over which amplitude or settling time change more is divided
+_PARTS = (
+    5  # into which a step of the scan is divided where the verdict changes: more lanes at once, but fewer rounds than 2
 )
-_SURE = 0.05  # of its value: the verdict must hold so far on either side of a boundary, at _CHECKS points
+_PRECISE = 0.002  # of its value: how closely a boundary is enclosed, a tenth of what matters to RESOLUTION
+_ROUNDS = 6  # of dividing: a first step of a tenth of the range needs 3; the others are for changes found on the way
+# Of a natural logarithm, a factor of two: a step over which amplitude or settling time change more is divided
+_TURNS = 0.7
+_SURE = 0.05  # of its value: the verdict must hold so far on either side of a boundary, more than one RESOLUTION
 _CHECKS = 4  # points on each side, about 1 % apart, and rounds of judging them where they reveal changes
-_NARROW = 0.04  # of its value: a wider change is a mixture, no boundary
-_MOST = 6  # changes of one path: more are a mixture
-_CONSTANTS = 9  # points at which the slowest time constant is found; between them it is interpolated
-_DECADE = 10.0  # high/low from which a range is divided by ratios
+_NARROW = 0.04  # of its value: a change wider than a step of the scan is a mixture of verdicts, no boundary
+_MOST = 6  # changes of one path: more are a mixture, and too many to read
+_CONSTANTS = 9  # points at which the slowest time constant is found: it is smooth between, and only sets a run's length
+_DECADE = 10.0  # high/low from which a range is divided by ratios: equal steps would leave its lower end one or two
 
 
 @dataclass(frozen=True)

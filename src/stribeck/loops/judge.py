@@ -14,27 +14,46 @@ from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.loops.shaken import swings
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 
-TRAVEL = 1e-6  # of its travel: the rest band of a body without an encoder
+TRAVEL = 1e-6  # of its travel: the rest band of a body without an encoder; what is promised of y, so less may be error
 # Slowest time constants that are simulated first after the signals rest: in the first half, every linear mode decays to
 # e**-12 = 6e-6 of itself, about the rest band.
 SHORTEST = 24
-LONGEST = 49152  # the same at last, eleven doublings; a loop that sticks takes few steps
-_WAITS = 50_000  # steps of a resting lane whose friction force grows too slowly to break away within LONGEST
-_ROWS = 1000  # of the judged half
+# The same at last, eleven doublings: an integral that winds up against friction takes thousands of time constants to
+# break away, and a loop that sticks takes few steps.
+LONGEST = 49152
+_WAITS = (
+    50_000  # steps of a resting lane whose friction force grows too slowly to break away within LONGEST: MOST_STEPS/4
+)
+_ROWS = 1000  # of the judged half: 60 in each of 16 cycles, whose peaks are then exact to 0.14 %
 _ENOUGH_CYCLES = 8  # of a sustained oscillation: two in each judged quarter
-_KEEPS = 0.003  # relative change of a sustained oscillation from the first judged quarter to the last
-_COUNTS = 0.2  # of the rest band, such as an encoder's step: an additional allowance for the quarters' differences
-_ALIKE = 0.01  # relative spread of the quarters of a regular oscillation
-_STEADY = 0.98  # motion in the second half over that in the first: creep that slows down more may end in sticking
-_SLOWS = 0.9  # the same of a contact's force: one that slows down less is extrapolated linearly
-_MOVES_ON = 1e-3  # of F_s, in the judged time: a contact's force that changes less counts as constant up to LONGEST
-_NEAR = 0.9  # of F_s: a contact whose force settles above may break away
-_FAR = 100.0  # of the move: only an unstable loop goes so far
+# Relative change of a sustained oscillation from the first judged quarter to the last: at most this, as one that decays so
+# slowly still needs 300 times the judged time to end. An extreme between two rows alone changes it by 0.14 %.
+_KEEPS = 0.003
+# Of the rest band, such as an encoder's step: an additional allowance for the quarters' differences, as a step at another
+# instant shifts an extreme by a part of it.
+_COUNTS = 0.2
+_ALIKE = (
+    0.01  # relative spread of the quarters of a regular oscillation: several times the error of a peak between two rows
+)
+# Motion in the second half over that in the first: creep that slows down by more in this time comes to rest within some 50
+# times of it, which is simulated.
+_STEADY = 0.98
+# The same of a contact's force: one that slows down less is extrapolated linearly, as the sum of a geometric series with
+# a ratio near 1 depends on noise.
+_SLOWS = 0.9
+_MOVES_ON = 1e-3  # of F_s, in the judged time: at a constant rate, break-away is then a thousand such times away
+_NEAR = (
+    0.9  # of F_s: a contact whose force settles above may break away, as the extrapolation has errors of some percent
+)
+_FAR = 100.0  # of the move: far beyond any overshoot, so only an unstable loop goes there
 _AT_LIMIT = 0.999  # of the limit: an output above it saturates, up to rounding and interpolation
-_OFTEN = 0.02  # of the time, at each limit: with more, the limit bounds the oscillation
-_ONE_WAY = 0.9  # net over total motion: with more, the body creeps
-_FEW, _GREW = 6, 10.0  # rows of a run that ended early; growth from its first third to its last that means instability
-_GROWS = 1.15  # growth from one third to the next, at the end of the longest run
+_OFTEN = 0.02  # of the time, at each limit: with more, the limit bounds the oscillation; 20 of _ROWS, no single spike
+_ONE_WAY = 0.9  # net over total motion: with more, the body creeps; it goes back by 5 % of its way at most
+_FEW, _GREW = (
+    6,
+    10.0,
+)  # rows of a run that ended early, two a third; growth from its first third to its last: no transient's
+_GROWS = 1.15  # growth from one third to the next, at the end of the longest run: more than an irregular cycle's spread
 
 WINDS = "the friction force still changes while the body sticks"
 SHAKEN = "the remaining motion is that of the dither"

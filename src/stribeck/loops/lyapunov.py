@@ -22,7 +22,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
 
 _RISE = 1e-9  # of V(0): smaller rises are the solver's errors
-_TOLERANCE = 1e-6  # of the largest |dV/dt|: rounding of dV/dt and of its bound
+_TOLERANCE = 1e-6  # of the largest |dV/dt|: the error of the states at the default rtol, as promised
 
 Span = tuple[float, float]
 

@@ -12,8 +12,8 @@ from stribeck.scenario import Scenario
 
 SHARE = 1.5  # over the swing of the sliding linear loop: a margin for the effects of sampling and friction
 _SQUARE = 4 / np.pi  # amplitude of the first harmonic of a square wave
-_SMALL = 0.01  # of the largest response: at frequencies above, a dither moves the contact and not the axis
-_OF_SAMPLING = 8  # samples of a wave at least
+_SMALL = 0.01  # of the largest response: 1 % of a dither's swing is below what one accepts at the axis
+_OF_SAMPLING = 8  # samples of a wave at least: with fewer, a sampled sine loses its shape
 _GRID = np.geomspace(1e-2, 1e5, 281)  # of 1/(2 pi the slowest time constant), Hz
 
 

@@ -53,8 +53,8 @@ def write(
     """
     chapters, paths = [], list[Path]()
     for chapter in (each for each in document.chapters if "page" in each.on):
-        made = [plots.drawn(each) if isinstance(each, Figure) else each for each in chapter.figures]
-        shown = [figure for figure in made if figure is not None]
+        drawings = [plots.drawn(each) if isinstance(each, Figure) else each for each in chapter.figures]
+        shown = [figure for figure in drawings if figure is not None]
         chapters.append(replace(chapter, figures=shown))
         paths += [write_figure(figure, folder) for figure in shown if pictures]
     introduction = [_sentence(text) for text in (document.lead, *document.facts)]

@@ -46,9 +46,9 @@ class MachineSet:
 @lru_cache(maxsize=1)
 def machine_sets() -> dict[str, MachineSet]:
     """Every machine of the library by name."""
-    found = {}
+    sets = {}
     for path in sorted(_FOLDER.glob("*.toml")):
         data = read_toml(path)
         words = {key: str(data.get(key, "")) for key in _WORDS}
-        found[path.stem] = MachineSet(path.stem, **words, parameters=data["parameters"], machine=data["machine"])
-    return found
+        sets[path.stem] = MachineSet(path.stem, **words, parameters=data["parameters"], machine=data["machine"])
+    return sets

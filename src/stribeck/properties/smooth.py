@@ -24,9 +24,8 @@ _METHOD = (
 _BROKEN = "one-sided derivatives of {} that differ, enclosed by interval arithmetic"
 _TORN = "values of {} on the two sides of a case that differ, enclosed by interval arithmetic"
 _APART = 1e-9  # of their size: a smaller difference may be rounding in a constant, and is not called a kink
-_TINY = (
-    1e-12  # of a law's natural speed or length: so near an axis, one-sided derivatives are those on it, up to _APART
-)
+# Of a law's natural speed or length: so near an axis, one-sided derivatives are those on it, up to _APART
+_TINY = 1e-12
 _LOOKS, _CROSSING = 240.0, 4.0  # work that a search for kinks may do, and that of one search for a crossing
 _NAMES = ("dz/dt", "F")
 

@@ -42,7 +42,7 @@ ENERGY = Panel(
 def choose_panels(machine: MachineSystem) -> tuple[Panel, ...]:
     """What is worth seeing of a machine, in the order of reading: two panels for each body, contact, motor and controller,
     one for each link and load."""
-    found: list[Panel] = []
+    panels: list[Panel] = []
     controllers = {each.name for each in machine.controllers}
     valves = [each for each in machine.elements.controllers.values() if each.moves_valve]
     followed = {each.measures: each.name for each in machine.controllers} | {x.on: x.name for x in valves}
@@ -50,30 +50,34 @@ def choose_panels(machine: MachineSystem) -> tuple[Panel, ...]:
         if body.tied_to is None:  # what is tied moves in proportion
             tied = [other.name for other in machine.bodies if machine.leader(other.name) is body and other is not body]
             title = f"{body.name} (tied to it: {', '.join(tied)})" if tied else body.name
-            own = followed.get(body.name)
+            controller = followed.get(body.name)
             reads = [x.name for x in machine.elements.sensors.values() if x.on == body.name]
-            beside = ((f"{own}.r",) if own else ()) + tuple(f"{name}.reading" for name in reads)
-            also = (f" and reference of {own}" if own else "") + "".join(f", reading of {name}" for name in reads)
-            found.append(Panel(f"{body.name}.y", f"{title}: position", also=also, axis="position", beside=beside))
-            if own in controllers:
-                found.append(Panel(f"{own}.e", f"{own}: tracking error"))
-            found.append(Panel(f"{body.name}.v", f"{body.name}: velocity"))
-            found += [Panel(f"{body.name}.{s.name}", f"{body.name}: {s.meaning}") for s in body.states]
+            beside = ((f"{controller}.r",) if controller else ()) + tuple(f"{name}.reading" for name in reads)
+            also = (f" and reference of {controller}" if controller else "") + "".join(
+                f", reading of {name}" for name in reads
+            )
+            panels.append(Panel(f"{body.name}.y", f"{title}: position", also=also, axis="position", beside=beside))
+            if controller in controllers:
+                panels.append(Panel(f"{controller}.e", f"{controller}: tracking error"))
+            panels.append(Panel(f"{body.name}.v", f"{body.name}: velocity"))
+            panels += [Panel(f"{body.name}.{s.name}", f"{body.name}: {s.meaning}") for s in body.states]
     for contact in machine.contacts:
         force, slip = f"{contact.name}.F", f"{contact.name}.w"
-        found.append(Panel(force, f"{contact.name}: friction, {contact.friction.kind.name}"))
-        found.append(Panel(force, f"{contact.name}: friction against sliding speed", x=slip, near_rest=True))
-    found += [Panel(f"{link.name}.f", f"{link.name}: force") for link in machine.links]
+        panels.append(Panel(force, f"{contact.name}: friction, {contact.friction.kind.name}"))
+        panels.append(Panel(force, f"{contact.name}: friction against sliding speed", x=slip, near_rest=True))
+    panels += [Panel(f"{link.name}.f", f"{link.name}: force") for link in machine.links]
     for load in machine.loads:
         if load.by_position_alone:  # against time its waves would be a block
-            found.append(Panel(f"{load.name}.curve", f"{load.name}: force against position", x=f"{load.name}.position"))
+            panels.append(
+                Panel(f"{load.name}.curve", f"{load.name}: force against position", x=f"{load.name}.position")
+            )
         else:
-            found.append(Panel(f"{load.name}.f", f"{load.name}: force"))
+            panels.append(Panel(f"{load.name}.f", f"{load.name}: force"))
     for motor in machine.motors:
-        found += [
+        panels += [
             Panel(f"{motor.name}.i", f"{motor.name}: current"),
             Panel(f"{motor.name}.V", f"{motor.name}: voltage"),
         ]
-    found += [Panel(f"{each.name}.u", f"{each.name}: output") for each in machine.controllers]
-    found += [Panel(f"{each.name}.u", f"{each.name}: valve voltage") for each in valves]
-    return (*found, *((ENERGY,) if machine.energy else ()))
+    panels += [Panel(f"{each.name}.u", f"{each.name}: output") for each in machine.controllers]
+    panels += [Panel(f"{each.name}.u", f"{each.name}: valve voltage") for each in valves]
+    return (*panels, *((ENERGY,) if machine.energy else ()))

@@ -35,9 +35,8 @@ _LEAST_PEAK, _LEAST_SIZE = 1e-3, 1e-9
 _STEP_IN_FORCE, _DENSE_IN_FORCE = 1e2, 1e3  # times solve.rtol
 _ROUNDING = 1e3  # times solve.rtol: a tenth of the promised accuracy of F, as rounding of some steps adds up
 _MARGIN = 0.3  # the share of the promise that a pass with finer tolerances aims at
-_FALL = (
-    0.8  # the errors of all steps fall with this power of the tolerances: single ones in proportion, and there are more
-)
+# The errors of all steps fall with this power of the tolerances: single ones in proportion, and there are more
+_FALL = 0.8
 _TOO_LARGE = 1e3  # times: by so much the errors carried on are too large at most (benchmarks/promise.py)
 # Passes with tighter tolerances: the first may measure a wrong peak of F, and the next one then starts from the right one.
 MOST_PASSES = 3

@@ -99,9 +99,9 @@ class Variations:
 
     def part(self, lanes: NDArray[np.int64]) -> Variations:
         """Some of the lanes."""
-        found = Variations(self.scenario, {path: x[lanes] for path, x in self.numbers.items()})
-        found.played = {path: [each[i] for i in lanes] for path, each in self.played.items()}
-        return found
+        selection = Variations(self.scenario, {path: x[lanes] for path, x in self.numbers.items()})
+        selection.played = {path: [each[i] for i in lanes] for path, each in self.played.items()}
+        return selection
 
     def changes(self, lane: int) -> dict[str, float]:
         """The changes that turn the scenario into one lane's, for :meth:`Scenario.with_changes`."""
@@ -117,8 +117,8 @@ class Variations:
         segment |= {name: held[:, :, i] for i, name in enumerate((*machine.held, *machine.shown))}
         values = self._carried.values
         shaped = {key: x[:, np.newaxis] if isinstance(x, np.ndarray) else x for key, x in values.items()}
-        found = machine.output_columns(shaped, segment, t, named)
-        return {name: np.broadcast_to(np.asarray(x, float), shape) for name, x in found.items()}
+        columns = machine.output_columns(shaped, segment, t, named)
+        return {name: np.broadcast_to(np.asarray(x, float), shape) for name, x in columns.items()}
 
     # -- inputs of the equations, a row for each lane --------------------------------------------------------------
 
@@ -142,8 +142,8 @@ class Variations:
         """The absolute tolerance of each state."""
         names = [state.name for state in self.scenario.system.states]
         try:
-            found = self.scenario.atol(self._carried)
-            return self._table([found[name] for name in names])
+            tolerances = self.scenario.atol(self._carried)
+            return self._table([tolerances[name] for name in names])
         except (TypeError, ValueError):  # a user's law whose scales do not accept arrays
             lanes = ({key: float(x[lane]) for key, x in self._constants.items()} for lane in range(len(self)))
             rows = (self.scenario.atol(self.machine.with_values(values)) for values in lanes)
@@ -151,8 +151,8 @@ class Variations:
 
     def thresholds(self) -> Array:
         """The threshold of each watched quantity, 0 for none."""
-        found = self._carried.thresholds()
-        return self._table(found) if found else np.zeros((len(self), 0))
+        thresholds = self._carried.thresholds()
+        return self._table(thresholds) if thresholds else np.zeros((len(self), 0))
 
     def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
         """Events of a lane that do not depend on its states, up to the time reached (:meth:`Elements.more_events`)."""
@@ -186,13 +186,13 @@ class Variations:
 
     def longest_step(self) -> Array:
         """The longest step that cannot skip a wave of a signal, s."""
-        found = np.full(len(self), np.inf)
+        longest = np.full(len(self), np.inf)
         for use in self.machine.signals:
             signals, which = self._signals(use)
-            found = np.minimum(found, np.array([signal.longest_step for signal in signals])[which])
+            longest = np.minimum(longest, np.array([signal.longest_step for signal in signals])[which])
         for each in self._carried.controllers.values():
-            found = np.minimum(found, each.longest_step())
-        return found
+            longest = np.minimum(longest, each.longest_step())
+        return longest
 
     def pieces(self) -> Tables:
         """The signals as tables of pieces."""
@@ -204,28 +204,28 @@ class Variations:
         parts = {use: self._signals(use, in_pieces=True) for use in self.machine.signals}
         rows = np.stack([np.zeros(len(self), np.int64), *(which for _, which in parts.values())], axis=1)
         each, lanes = np.unique(rows, axis=0, return_inverse=True)
-        found = ({use: parts[use][0][i] for use, i in zip(parts, row[1:], strict=True)} for row in each)
-        return [self.machine.pieces(self.scenario.end, x) for x in found], np.asarray(lanes, np.int64).reshape(-1)
+        lookups = ({use: parts[use][0][i] for use, i in zip(parts, row[1:], strict=True)} for row in each)
+        return [self.machine.pieces(self.scenario.end, x) for x in lookups], np.asarray(lanes, np.int64).reshape(-1)
 
     # -- values that no scenario may have --------------------------------------------------------------------------
 
     def problems(self) -> list[str | None]:
         """The error of each lane's values, worded as in the validation of a scenario; None for a valid lane."""
-        found: list[str | None] = [None] * len(self)
+        problems: list[str | None] = [None] * len(self)
         for path, x in self.values.items():
             constant = declared(self.scenario, path) or Constant("", "")
             for lane, value in enumerate(x.tolist()):
                 if text := constant.problem(value):
-                    found[lane] = found[lane] or f"{path}: {value}: {text}"
+                    problems[lane] = problems[lane] or f"{path}: {value}: {text}"
         for owner, law in self.laws().items():
-            self._relations(owner, law, found)
-        return found
+            self._relations(owner, law, problems)
+        return problems
 
     def laws(self) -> dict[str, Law]:
         """The laws by the owner of their constants."""
         return self.machine.laws
 
-    def _relations(self, owner: str, law: Law, found: list[str | None]) -> None:
+    def _relations(self, owner: str, law: Law, problems: list[str | None]) -> None:
         """Add the violated relations between the constants of a law."""
         paths = {place: path for path, place in self.places.items()}
         fixed, names = law.machine | law.values, {**PARAMETERS, **law.constants()}
@@ -235,11 +235,11 @@ class Variations:
             if any(x is None for x in needs.values()) or not any((owner, name) in self._varied for name in needs):
                 continue
             for lane, row in enumerate(self._table([x for x in needs.values() if x is not None])):
-                own = dict(zip(needs, map(float, row), strict=True))
-                if found[lane] is None and not relation.holds(SimpleNamespace(**own)):
-                    stated = ", ".join(f"{name} = {x}" for name, x in own.items() if name != relation.key)
+                numbers = dict(zip(needs, map(float, row), strict=True))
+                if problems[lane] is None and not relation.holds(SimpleNamespace(**numbers)):
+                    stated = ", ".join(f"{name} = {x}" for name, x in numbers.items() if name != relation.key)
                     path = paths.get((owner, relation.key), relation.key)
-                    found[lane] = f"{path}: {own[relation.key]}: must be {relation.allowed} ({stated})"
+                    problems[lane] = f"{path}: {numbers[relation.key]}: must be {relation.allowed} ({stated})"
 
     # -- helpers ---------------------------------------------------------------------------------------------------
 
@@ -298,7 +298,7 @@ def arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:
     """The values as arrays of one length."""
     if not values:
         raise InputError("nothing is varied: give a path with its values, such as {'law.k_v': [1e6, 1e7]}")
-    found, problems = {}, []
+    columns, problems = {}, []
     for path, given in values.items():
         try:
             x = np.asarray(given)
@@ -307,16 +307,16 @@ def arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:
         if x.dtype.kind not in "iuf" or x.ndim > 1 or x.size == 0:
             problems.append(f"{path}: must be a list of numbers with one for each lane, not {kind_of(given)}")
         else:
-            found[str(path)] = x.astype(float)
+            columns[str(path)] = x.astype(float)
     if problems:
         raise InputError(problems)
-    lengths = {path: len(x) for path, x in found.items() if x.ndim}
+    lengths = {path: len(x) for path, x in columns.items() if x.ndim}
     count = max(lengths.values(), default=1)
     if wrong := [
         f"{path}: {n} values: must be as many as the others have ({count})" for path, n in lengths.items() if n != count
     ]:
         raise InputError(wrong)
-    return {path: np.ascontiguousarray(np.broadcast_to(x, (count,))) for path, x in found.items()}
+    return {path: np.ascontiguousarray(np.broadcast_to(x, (count,))) for path, x in columns.items()}
 
 
 def _guess(path: str, known: Mapping[str, object]) -> str:

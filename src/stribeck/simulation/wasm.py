@@ -155,7 +155,7 @@ def in_memory(
     for name in (*arrays, "out"):
         setattr(run, name, place[name])
     run.event_room = event_room
-    made = use(Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap)))
+    result = use(Solving(scenario, given, run, views, lambda: instance.call("stribeck_advance", heap)))
     if memory.nbytes <= _KEPT:
         _of_thread.last = code, instance
-    return made
+    return result

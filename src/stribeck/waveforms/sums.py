@@ -18,9 +18,8 @@ from stribeck.waveforms.piecewise import Signal, SineSignal
 from stribeck.waveforms.trajectories import COEFFICIENTS, Curve
 
 _SINE = tuple(SineSignal.constants)
-_SAMPLES = (
-    4  # samples for each longest step that cannot miss a wave, to find changes of sign; 8 times as many for each piece
-)
+# Samples for each longest step that cannot miss a wave, to find changes of sign; 8 times as many for each piece
+_SAMPLES = 4
 _ROUNDING = 1e-12  # relative: well above the rounding of values
 
 

@@ -25,9 +25,8 @@ from stribeck.properties.steepness.search import (
     with_k_v,
 )
 
-_ACCURACY = (
-    1e-10  # relative, of a k_v found by a root: it costs nothing, and agrees with the formulas to all digits shown
-)
+# Relative, of a k_v found by a root: it costs nothing, and agrees with the formulas to all digits shown
+_ACCURACY = 1e-10
 
 
 def inverse(law: Law, q: float) -> tuple[float | None, str]:
