@@ -3,7 +3,7 @@ the file, from other starts, along a range and on both sides of every reported b
 compensation lowers the error after a reversal.
 
 The verdicts' machines are simulated by design_attack.c and judged here. The factors are found by SciPy on the equations of
-tests/machine/independent.py, which also verify design_attack.c on the first seconds of each machine.
+tests/reference/apart.py, which also verify design_attack.c on the first seconds of each machine.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ import stribeck  # noqa: E402
 from stribeck.arrays import Array  # noqa: E402
 from stribeck.loops.judge import IRREGULAR, judge  # noqa: E402
 from stribeck.loops.loop import loop_of  # noqa: E402
-from tests.machine.independent import solve  # noqa: E402
+from tests.reference.apart import solve  # noqa: E402
 
 AWAY = 0.05
 POINTS = 10  # of each machine

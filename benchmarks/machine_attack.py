@@ -45,7 +45,7 @@ def run(file: Path, out: str) -> tuple[dict[str, np.ndarray], dict[str, dict[str
 def compare(file: Path) -> dict[str, Any]:
     """How far both are apart."""
     begun = time.process_time()
-    expected, events = apart.solve(tomllib.loads(file.read_text()), FINE)
+    expected, events = apart.solve_with_events(tomllib.loads(file.read_text()), FINE)
     seconds = time.process_time() - begun
     with tempfile.TemporaryDirectory() as out:
         found, happened = run(file, out)

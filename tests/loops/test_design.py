@@ -14,9 +14,9 @@ from stribeck.loops.judge import judge
 from stribeck.loops.loop import loop_of
 from stribeck.mouth.cells import human
 from tests.loops.axis import axis
-from tests.machine.independent import solve
 from tests.machine.machines import law
 from tests.pages import Page
+from tests.reference.apart import solve
 
 
 def only(data, **options):

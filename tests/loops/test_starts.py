@@ -28,7 +28,7 @@ def hunter(**controller):
 
 
 def test_what_it_does_depends_on_the_start():
-    """Another solver on equations written apart (tests/machine/independent.py, 30 s, rtol 1e-9) has a cycle of
+    """Another solver on equations written apart (30 s, rtol 1e-9) has a cycle of
     0.816 mm from 0.75 mm off, and rest to 1.6e-11 m from 2.5 mm off."""
     loop = hunter()
     own = judge(loop)[0]

@@ -1,10 +1,10 @@
-"""Each element of a machine against SciPy on equations written apart (tests/machine/independent.py)."""
+"""Each element of a machine against SciPy on equations written apart (tests/reference/apart.py)."""
 
 import numpy as np
 import pytest
 
-from tests.machine import independent
 from tests.machine.machines import law, machine, push, solved
+from tests.reference import apart
 
 pytestmark = [pytest.mark.usefixtures("each_system_is_run_once")]
 
@@ -119,7 +119,7 @@ MACHINES = {
 @pytest.mark.share(7)
 @pytest.mark.parametrize("name", MACHINES)
 def test_columns(name):
-    expected = independent.solve(MACHINES[name])
+    expected = apart.solve(MACHINES[name])
     found = solved(MACHINES[name])
     assert len(found.t) == len(expected["t"])
     for column in found.columns:

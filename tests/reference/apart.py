@@ -1,11 +1,12 @@
 """A solver for machine files on equations written from shared/design/machine.md alone: every law, element and sample.
 
-Nothing of stribeck is used, nor of tests/machine/independent.py. The equations of a machine are put together as vectors:
-an element that sees d = ratio y_from - y_to adds its force times the vector b of its direction; ties, driven bodies and
-the power that goes in are read off from that vector. SciPy integrates from one breakpoint, sample or output to the next.
+Nothing of stribeck is used, so that a mistake in its equations, code or solver cannot stand on both sides. The equations
+of a machine are put together as vectors: an element that sees d = ratio y_from - y_to adds its force times the vector b of
+its direction; ties, driven bodies and the power that goes in are read off from that vector. SciPy integrates from one
+breakpoint, sample or output to the next.
 """
 
-from math import copysign, cos, floor, inf, sin
+from math import copysign, cos, floor, inf, pi, sin
 
 import numpy as np
 from scipy.integrate import odeint, solve_ivp
@@ -141,7 +142,7 @@ class Apart:
                 u = self.held[n]
             else:
                 at = self.measured(c)
-                raw, further, rates = self.law(c, self.now[n](t), y[at], v[at], s[n + ".I"], s[n + ".zh"])
+                raw, further, rates = self.law(c, t, self.now[n](t), y[at], v[at], s[n + ".I"], s[n + ".zh"])
                 limit = c.get("limit", inf)
                 if abs(raw) > limit and further * raw > 0:
                     rates[0] *= min(max(1 - (abs(raw) - limit) / (1e-7 * limit), 0.0), 1.0)
@@ -211,7 +212,7 @@ class Apart:
     def measured(self, c):
         return c.get("measures") or (c["on"] if c["on"] in self.bodies else self.motors[c["on"]]["on"])
 
-    def law(self, c, reference, y, v, integral, zh):
+    def law(self, c, t, reference, y, v, integral, zh):
         """The output without its limit; dI/dt times its gain; the rates of I and z_hat."""
         r, dr, ddr = reference
         if c["kind"] == "pid":
@@ -232,6 +233,10 @@ class Apart:
             else:
                 dzh, F = friction(table["name"], constants(table), v, zh)
             u += own.get("share", 1.0) * F
+        if "dither" in c:
+            turns = c["dither"]["frequency"] * t
+            square = 1.0 if (turns + 1e-9) % 1 < 0.5 else -1.0
+            u += c["dither"]["amplitude"] * (square if c["dither"].get("kind") == "square" else sin(2 * pi * turns))
         return u, gain * rate, [rate, dzh]
 
     @staticmethod
@@ -288,7 +293,7 @@ class Sampler:
             v = self.filter[1]
             A = np.array([[0.0, 1.0], [-w * w, -2 * w]])
             self.filter = np.array([y, 0.0]) + expm(A * self.T) @ (self.filter - [y, 0.0])
-        u, further, (rate, _) = m.law(c, m.now[self.name](t), y, v, self.I, self.zh)
+        u, further, (rate, _) = m.law(c, t, m.now[self.name](t), y, v, self.I, self.zh)
         limit = c.get("limit", inf)
         if not (abs(u) > limit and further * u > 0):
             self.I += self.T * rate
@@ -308,7 +313,12 @@ class Sampler:
         return min(max(u, -limit), limit)
 
 
-def solve(data, fine=0, rtol=1e-10, method="odeint"):
+def solve(data, rtol=1e-10):
+    """The columns at the file's rows."""
+    return solve_with_events(data, 0, rtol)[0]
+
+
+def solve_with_events(data, fine, rtol=1e-10, method="odeint"):
     """The columns at the file's rows, and the events by element and kind (with ``fine`` points in each row's step)."""
     m = Apart(data)
     count = floor(m.t_end / m.step * (1 + 1e-12))

@@ -53,6 +53,8 @@ def bristles(law, c, w, z):
         rate = w - majorant(c, w) / G * z
     elif law == "elastoplastic":
         rate = w - (dupont(c, z, G) if w * z > 0 else 0.0) * abs(w) / G * z
+    elif law == "elastoplastic_sobczyk":
+        rate = smooth_sign(c, w) ** 2 * w - dupont(c, z, G) * w * smooth_sign(c, w) / G * z
     elif law == "elastoplastic_majorant":
         rate = w - share(c, z, G) * majorant(c, w) / G * z
     else:
@@ -65,7 +67,8 @@ def static(law, c, w):
     if law == "coulomb_viscous":
         return c["F_c"] * smooth_sign({"k_v": c.get("k_v", 1e6)}, w) + c["sigma_2"] * w
     if law == "stribeck":
-        return smooth_sign(c, w) * stribeck_level(c, w) + c["sigma_2"] * w
+        sign = smooth_sign(c, w) if "k_v" in c else np.sign(w)
+        return float(sign * stribeck_level(c, w) + c["sigma_2"] * w)
     if law == "makkar":
         return c["g1"] * (tanh(c["g2"] * w) - tanh(c["g3"] * w)) + c["g4"] * tanh(c["g5"] * w) + c["g6"] * w
     if law == "stribeck_tanh":

@@ -22,7 +22,7 @@ MOTION = (".y", ".v", ".w", ".r")
 
 def disagreements(file, found, happened, fine=20):
     """The columns and events of a run that differ from those of the equations written apart, in words."""
-    expected, events = apart.solve(tomllib.loads(file.read_text()), fine)
+    expected, events = apart.solve_with_events(tomllib.loads(file.read_text()), fine)
     assert list(found) == list(expected)
     wrong = []
     for name, x in expected.items():

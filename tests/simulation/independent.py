@@ -4,10 +4,12 @@ Nothing of stribeck is used here, so that a mistake in its equations, code or so
 """
 
 from itertools import pairwise
-from math import atan, exp, fabs, floor, pi, sin, sqrt, tanh
+from math import floor, pi, sin, sqrt
 
 import numpy as np
 from scipy.integrate import odeint
+
+from tests.reference import apart_parts
 
 # theory.md, section 7; the mass is the machine's, or a plausible one: sigma_0 sigma_1 sigma_2 F_c F_s v_s mass
 MACHINES = {
@@ -25,72 +27,9 @@ def machine(name):
     return dict(zip(("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s"), MACHINES[name][:6], strict=True))
 
 
-def _stribeck_force(p, v):
-    return p["F_c"] + (p["F_s"] - p["F_c"]) * exp(-min((v / p["v_s"]) ** 2, 700.0))
-
-
-def _dupont(z, g, z_ba):
-    size = fabs(z)
-    if size <= z_ba:
-        return 0.0
-    return 1.0 if size >= g else 0.5 + 0.5 * sin(pi * (size - 0.5 * (g + z_ba)) / (g - z_ba))
-
-
-def _smoothstep(z, g, z_ba):
-    s = min(max((fabs(z) - z_ba) / (g - z_ba), 0.0), 1.0)
-    return s * s * s * (10.0 + s * (6.0 * s - 15.0))
-
-
 def friction(law, p):
     """(v, z) -> (dz/dt, F) of a law of theory.md, section 1."""
-    k_v = p.get("k_v")
-
-    def smooth_sign(v):
-        return 2.0 / pi * atan(k_v * v)
-
-    def majorant(v):
-        return v * smooth_sign(v) + 2.0 / (pi * k_v)
-
-    def rate(v, z):
-        g = _stribeck_force(p, v) / p["sigma_0"]
-        if law == "lugre":
-            return v - fabs(v) / g * z
-        if law == "lugre_arctan":
-            return v - v * smooth_sign(v) / g * z
-        if law == "lugre_sobczyk":
-            return smooth_sign(v) ** 2 * v - v * smooth_sign(v) / g * z
-        if law == "lugre_majorant":
-            return v - majorant(v) / g * z
-        if law == "elastoplastic":
-            alpha = _dupont(z, g, p["z_ba"]) if v * z > 0 else 0.0
-            return v - alpha * fabs(v) / g * z
-        if law == "elastoplastic_sobczyk":
-            return smooth_sign(v) ** 2 * v - _dupont(z, g, p["z_ba"]) * v * smooth_sign(v) / g * z
-        if law == "elastoplastic_majorant":
-            return v - _smoothstep(z, g, p["z_ba"]) * majorant(v) / g * z
-        raise KeyError(law)
-
-    def bristles(v, z):
-        dz = rate(v, z)
-        return dz, p["sigma_0"] * z + p["sigma_1"] * dz + p["sigma_2"] * v
-
-    def dahl(v, z):
-        return v - p["sigma_0"] * fabs(v) / p["F_c"] * z, p["sigma_0"] * z
-
-    def coulomb_viscous(v, z):
-        return 0.0, p["F_c"] * smooth_sign(v) + p["sigma_2"] * v
-
-    def stribeck(v, z):
-        sign = smooth_sign(v) if k_v else float(np.sign(v))
-        fall = exp(-(fabs(v / p["v_s"]) ** p.get("delta", 2.0)))
-        return 0.0, sign * (p["F_c"] + (p["F_s"] - p["F_c"]) * fall) + p["sigma_2"] * v
-
-    def makkar(v, z):
-        steep = p["g1"] * (tanh(p["g2"] * v) - tanh(p["g3"] * v))
-        return 0.0, steep + p["g4"] * tanh(p["g5"] * v) + p["g6"] * v
-
-    own = {"dahl": dahl, "coulomb_viscous": coulomb_viscous, "stribeck": stribeck, "makkar": makkar}
-    return own.get(law, bristles)
+    return lambda v, z: apart_parts.friction(law, p, v, z)
 
 
 def signal(table, t_end):

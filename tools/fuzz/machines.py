@@ -43,11 +43,11 @@ def one(data: dict[str, object]) -> tuple[str, str | None]:
             return "refused", None if "z_ba" in str(error) else str(error)
         if found.status != "done":
             return found.status, found.reason
-        expected = apart.solve(data)[0]
+        expected = apart.solve(data)
         off = _off(found, expected)
         if not off:
             return "agree", None
-        other = apart.solve(data, rtol=1e-8)[0]  # a motion in which errors grow tells by itself how much
+        other = apart.solve(data, rtol=1e-8)  # a motion in which errors grow tells by itself how much
     own = _off(other, expected, 0.0)
     off = {name: error for name, error in off.items() if error > _UNSURE * own.get(name, 0.0)}
     if off:

@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import tomli_w
 
-from tests.machine.independent import solve
+from tests.reference.apart import solve
 
 NOISE = 2e-5
 

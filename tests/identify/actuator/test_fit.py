@@ -15,7 +15,7 @@ from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.scenario import Scenario
 from tests.identify.actuator.recorded import body, logs, record
-from tests.machine.independent import solve
+from tests.reference.apart import solve
 
 F_C, F_S, MASS = "contacts.guide.law.parameters.F_c", "contacts.guide.law.parameters.F_s", "bodies.a.mass"
 WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}

@@ -10,7 +10,7 @@ from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.residuals import leftovers
 from stribeck.identify.actuator.starts import problem_of
 from tests.identify.actuator.recorded import NOISE, body
-from tests.machine.independent import solve
+from tests.reference.apart import solve
 
 WAVE = {"kind": "sine", "amplitude": 0.1, "frequency": 1.0}
 F_C, F_S, MASS = "contacts.guide.law.parameters.F_c", "contacts.guide.law.parameters.F_s", "bodies.a.mass"

@@ -6,7 +6,7 @@ import pytest
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from tests.identify.actuator.recorded import NOISE, body
-from tests.machine.independent import solve
+from tests.reference.apart import solve
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
 SOUGHT = (Sought(F_C, 0.1, 10.0), Sought(MASS, 0.2, 5.0))
