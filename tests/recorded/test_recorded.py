@@ -87,6 +87,31 @@ def test_a_title_with_a_number_is_not_the_table(tmp_path):
     assert opened(tmp_path / "a.csv").names == ["t", "F"]
 
 
+@pytest.mark.parametrize(
+    ("head", "names"),
+    [
+        ("Test,12\nt,v\n", ["t", "v"]),  # short names below a title, not its units
+        ("12,2026\nt,v\n", ["t", "v"]),  # a title of numbers, not a row
+        ("Test,12\nt,v\ns,mm\n", ["t", "v"]),
+        ("Test,12\ntime_of_day,angle\n", ["time_of_day", "angle"]),
+        ("time,1\ns,mV\n", ["time", "1"]),  # a channel's number, with its unit below
+        ("time,1\n[s],[V]\n", ["time", "1"]),
+        ("Test,12,3\nt,v\n", ["t", "v"]),  # a title of another width
+    ],
+)  # fmt: skip
+def test_names_stand_directly_above_the_rows_or_their_units(tmp_path, head, names):
+    (tmp_path / "a.csv").write_text(head + "0,1\n1,2\n2,3\n")
+    found = opened(tmp_path / "a.csv")
+    assert found.names == names
+    assert found.columns({"position": names[1]})["position"].tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize("cell", ["", "nan", "bad"])
+def test_a_cell_that_is_no_number_makes_its_row_no_line_of_names(tmp_path, cell):
+    (tmp_path / "a.csv").write_text(f"0,1\n1,{cell}\n2,3\n")
+    assert opened(tmp_path / "a.csv").names == ["1", "2"]
+
+
 def test_complex_numbers_are_refused(tmp_path):
     savemat = pytest.importorskip("scipy.io").savemat
     savemat(tmp_path / "a.mat", {"time": T, "force": T + 1j})

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.recorded.units import si_unit
 
 MISSING = (  # cells without a number, as pyarrow reads them by default; spreadsheets and instruments write them
     "", "#N/A", "#N/A N/A", "#NA", "-1.#IND", "-1.#QNAN", "-NaN", "-nan", "1.#IND", "1.#QNAN", "N/A", "NA", "NULL", "NaN",
@@ -78,14 +79,12 @@ def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
         below = lines[i + 1 : i + 3]
         if any(len(split_cells(other, separator)) != len(cells) for other in below if other.strip()):
             continue
+        if below and _are_words(split_cells(below[0], separator)):
+            continue  # the names, below a title of numbers
         rows = [cells, *(split_cells(other, separator) for other in below if other.strip())]
         counts = {len(cells), len(cells) - (not any(row[-1].strip() for row in rows))}  # rows may end in a separator
         heads = [j for j in range(i - 1, max(i - 3, -1), -1) if len(split_cells(lines[j], separator)) in counts]
-        if (
-            len(heads) == 2
-            and heads[1] == i - 2
-            and is_units(lines[i - 1], separator, len(split_cells(lines[i - 2], separator)))
-        ):
+        if len(heads) == 2 and heads[1] == i - 2 and _names_and_units(lines[i - 2], lines[i - 1], separator):
             return i - 2, True, separator
         if heads and heads[0] == i - 1:
             return _above_bad_rows(lines, i - 1, separator, len(split_cells(lines[i - 1], separator))), True, separator
@@ -150,6 +149,21 @@ def is_units(line: str, separator: str, count: int) -> bool:
     """Whether a line below the names contains their units: short words other than numbers, such as s, mm, [N]."""
     cells = [cell.strip().strip('"') for cell in split_cells(line, separator)]
     return len(cells) == count and any(cells) and all(len(c) <= 8 and not _is_number(c) for c in cells)
+
+
+def _names_and_units(above: str, below: str, separator: str) -> bool:
+    """Whether of two lines above the rows the first holds the names and the second their units.
+
+    A line with a number is more often a title than one of names: the line below then holds known units, or is the names.
+    """
+    names, words = split_cells(above, separator), split_cells(below, separator)
+    known = all(not word.strip() or si_unit(word.strip('"[]() ')) for word in words)
+    return is_units(below, separator, len(names)) and (known or not any(map(_is_number, names)))
+
+
+def _are_words(cells: Sequence[str]) -> bool:
+    """Whether each cell holds something that is neither a number nor a mark of a missing one."""
+    return all(cell.strip() not in MISSING and not _is_number(cell) for cell in cells)
 
 
 def _is_number(text: str) -> bool:
