@@ -13,7 +13,7 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, judge
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
-from stribeck.identify.actuator.estimate import BestPoint, beyond_solver, estimate
+from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
@@ -211,11 +211,10 @@ class Fitting:
 
     def doubts(self, best: BestPoint) -> list[str]:
         """Reasons to withhold all parameters although the machine describes the recordings, in words."""
-        grown = beyond_solver(best.problem, best.u)
         if coarse := beyond_noise(best.problem, best.u, best.agreeing):
             few = "few starts came to this minimum, so that nothing is identified (more starts may find a better one)"
-            return [f"{'; '.join(coarse)}: {few}.", *grown]
-        return grown
+            return [f"{'; '.join(coarse)}: {few}."]
+        return []
 
     def suspected(self, best: BestPoint) -> list[str]:
         """Possible errors in recordings that the machine does not describe."""

@@ -31,7 +31,6 @@ _GIVEN = 1.5  # times a given noise: the least residual that takes its place
 # Initial error, as a share of the position's changes; growth of this error above which the motion counts as unstable.
 _OFF, _GROWN = 1e-6, 100.0
 _STRETCH, _SHORTEST = 6, 0.2  # stretches per recording; s
-_COMPUTED = 0.5  # standard deviations: largest move of an estimate by ten times the solver's error
 _MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above which stretches are fitted
 _ROUNDS, _TIED_ROUNDS = 12, 3  # of handing on the unmeasured states, and of weighting tied stretches
 _STEPS = 5  # of the search between two updates of the unmeasured initial states
@@ -83,26 +82,6 @@ def unstable(problem: MachineProblem, u: Array) -> bool:
         if not float(np.max(abs(x[1] - x[0]))) <= _GROWN * off:
             return True
     return False
-
-
-def beyond_solver(problem: MachineProblem, u: Array) -> list[str]:
-    """A warning if ten times the solver's error could move an estimate by much of its standard deviation.
-
-    Errors then grow so fast that the Jacobian over whole recordings is more sensitive than the solver is accurate.
-    """
-    runs = []
-    for run in problem.runs:
-        scenario = run.scenario.with_changes({"solve.rtol": min(10 * run.scenario.solve.rtol, 1e-3)})
-        runs.append(replace(run, scenario=scenario))
-    off = replace(problem, runs=runs).residuals(u[None])[0] - problem.residuals(u[None])[0]
-    size = float(np.linalg.norm(off))  # bound of any estimate's move, in its standard deviations
-    if size <= _COMPUTED:
-        return []
-    worst = max(range(len(runs)), key=lambda k: np.linalg.norm(off[problem.first[k] : problem.first[k + 1]]))
-    return [
-        f"{runs[worst].name}: the motion lets errors grow so fast that the solver's could move numbers by {size:.2g} of their "
-        "deviations (chaotic, or unstable): nothing is identified (shorter recordings, or a smaller solve.rtol, may help)."
-    ]
 
 
 def remembers(scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -> bool:

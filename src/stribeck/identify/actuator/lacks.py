@@ -231,10 +231,10 @@ def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
         added.append(MachineCoordinate(path, low, high, x, None, {path: 1.0}))
     whole = replace(problem, sought=[*problem.sought, *added])
     there = np.append(u, [c.inner(fixed[c.name]) for c in added])
-    J = whole.slopes(there[None], np.full(len(there), whole.step))[1][0]
-    for i, c in enumerate(added, len(u)):
+    J = whole.slopes(there[None], np.full(len(there), whole.step), range(len(u), len(there)))[1][0]
+    for c, slopes in zip(added, J.T, strict=True):
         x = fixed[c.name]
-        yield MissingForm(c.name, J[:, i] / c.slope(c.inner(x)) * x, LARGEST, _of_number(c.name, x))
+        yield MissingForm(c.name, slopes / c.slope(c.inner(x)) * x, LARGEST, _of_number(c.name, x))
 
 
 def _of_number(path: str, now: float) -> Callable[[float], str]:

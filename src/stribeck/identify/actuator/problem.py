@@ -219,25 +219,29 @@ class MachineProblem:
         self._cache[k] = dict(list({**cached, **here}.items())[-room:]) if room else {}
         return np.array([here[key] for key in keys])
 
-    def slopes(self, U: Array, step: Array) -> tuple[Array, Array]:
+    def slopes(self, U: Array, step: Array, by: Sequence[int] | None = None) -> tuple[Array, Array]:
         """Residuals (points, residuals) and Jacobians (points, residuals, coordinates), by differences within the bounds.
 
         Where the simulation to one side fails, the difference is taken to the other.
+
+        Args:
+            by: the coordinates of the Jacobian; all unless given.
         """
         U = np.atleast_2d(U)
-        count, n = U.shape
+        columns = np.arange(U.shape[1]) if by is None else np.asarray(by)
+        count, n = len(U), len(columns)
         side = np.where(U + step <= self.high, 1.0, -1.0)
         side[:, self._relations.lower()] = -1.0
-        moves = np.where((side < 0) & (U - step < self.low), 1.0, side) * step
-        points = np.repeat(U, n + 1, axis=0).reshape(count, n + 1, n)
-        points[:, np.arange(1, n + 1), np.arange(n)] += moves
-        r = self.residuals(points.reshape(-1, n)).reshape(count, n + 1, -1)
+        moves = (np.where((side < 0) & (U - step < self.low), 1.0, side) * step)[:, columns]
+        points = np.repeat(U, n + 1, axis=0).reshape(count, n + 1, -1)
+        points[:, np.arange(1, n + 1), columns] += moves
+        r = self.residuals(points.reshape(count * (n + 1), -1)).reshape(count, n + 1, -1)
         base, J = r[:, 0], np.empty((count, self.size, n))
         J[:] = np.swapaxes((r[:, 1:] - r[:, :1]) / moves[:, :, None], 1, 2)
         for p in np.flatnonzero(np.isnan(J).any(axis=(1, 2)) & ~np.isnan(base).any(axis=1)):
             bad = np.flatnonzero(np.isnan(J[p]).any(axis=0))
             other = np.repeat(U[p : p + 1], len(bad), axis=0)
-            other[np.arange(len(bad)), bad] -= moves[p, bad]
+            other[np.arange(len(bad)), columns[bad]] -= moves[p, bad]
             slope = (self.residuals(other) - base[p]) / -moves[p, bad, None]
             J[p][:, bad] = np.where(np.isfinite(slope), slope, 0.0).T
         return base, J

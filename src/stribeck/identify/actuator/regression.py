@@ -100,7 +100,7 @@ class MachineLibrary(ModelLibrary):
 
     def largest_hidden(self, form: str) -> float:
         """The largest coefficient from the form's definition."""
-        return next(x.largest for x in self.forms if x.name == form) * float(self.unit[self.groups[form][-1]])
+        return next(x.largest for x in self.forms if x.name == form) * float(self.unit[self.groups[form][0]])
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
         """The range between its bounds as the scale of a parameter that may be 0."""
