@@ -32,6 +32,9 @@ _BESIDE = ("-fschedule-insns", "-fsched-pressure")
 # of libm's exp, whose wrapper uses older instructions, then waits for them.
 _NARROW = ("-mmove-max=128", "-mstore-max=128")
 _TIME_LIMIT = 120  # s: a compilation takes 0.3 s to some seconds
+_SILENT = (
+    5  # s: an empty file takes 0.02 s, and a hundred times as long on a loaded machine; then WebAssembly takes over
+)
 _FIRST_OF_ZIG = 600  # s: it builds its C library once for each user
 
 
@@ -59,12 +62,14 @@ class Compiler:
         Raises:
             BuildError: if no command succeeds; with the first error of the plainest command.
         """
-        complaint = ""
+        complaint, name = "", self.command[0]
+        nothing = [*self.command, "-E", "-x", "c", os.devnull, "-o", str(library.with_suffix(".i"))]
+        called(nothing, name, _SILENT, library.parent)  # one that never answers does not answer this either
         native = "-march=native"
         for target in dict.fromkeys([(native, *self.extra), (native,), ()]):  # some compilers reject -march=native
             command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
             limit = _FIRST_OF_ZIG if "ziglang" in self.command else _TIME_LIMIT
-            result = called(command, self.command[0], limit, library.parent)
+            result = called(command, name, limit, library.parent)
             complaint = first_complaint(result.stderr) or f"exit status {result.returncode}, no message"
             if result.returncode == 0:  # nothing was rejected: other options would give the same
                 if library.is_file():
