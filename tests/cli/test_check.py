@@ -107,10 +107,52 @@ def test_a_law_without_z_is_null_with_the_reason(stribeck):
     data = json.loads(stribeck(*law, "--json").out)
     assert {v["holds"] for v in data["properties"].values()} == {None}
     assert all("no internal state" in v["evidence"]["reason"] for v in data["properties"].values())
-    assert " ".join(stribeck(*law).out.split()) == (
+    printed = " ".join(stribeck(*law).out.split())
+    assert printed.startswith(
         "coulomb_viscous: has no internal state z, and the five properties are about laws with one "
         "coulomb_viscous with F_c = 1 N, sigma_2 = 0.1 N s/m, k_v = 1e+06 s/m"
     )
+    assert "passive - yes F v >= 0" in printed
+
+
+def static_law(folder, claims, force):
+    (folder / "mine.py").write_text(
+        "from stribeck.laws import Claims, StaticLaw\n\n\nclass Mine(StaticLaw):\n    name = 'mine'\n"
+        f"    uses = ('F_c', 'sigma_2')\n    claims = Claims({claims})\n\n    @staticmethod\n"
+        f"    def friction(p, v, z, dz_dt):\n        return {force}\n"
+    )
+    return "check", f"{folder / 'mine.py'}:Mine", "--set", "F_c=1", "--set", "sigma_2=0.1"
+
+
+def test_each_claim_of_a_law_without_z_is_answered(stribeck, tmp_path):
+    """A law that drives between 1 and 2 m/s: F v = v^2 (v^2 - 3 |v| + 2) is -0.25 v^2 at 1.5 m/s."""
+    law = static_law(tmp_path, "passive=True, unique=True", "p.sigma_2 * v * (v * v - 3 * (v * v)**0.5 + 2)")
+    found = stribeck(*law, "--json")
+    claims = json.loads(found.out)["claims"]
+    assert {name: each["holds"] for name, each in claims.items()} == {"unique": None, "passive": False}
+    assert claims["unique"]["evidence"]["reason"].startswith("does not apply")
+    v, force = (claims["passive"]["evidence"][name] for name in "vF")
+    assert 1 < abs(v) < 2
+    assert force == pytest.approx(0.1 * v * (v * v - 3 * abs(v) + 2))
+    assert "claims: passive: True: is refuted" in found.err
+    assert "unique yes undecided does not apply" in " ".join(stribeck(*law).out.split())
+    slow = json.loads(stribeck(*law, "--v-max", "0.5", "--json").out)
+    assert slow["claims"]["passive"]["holds"] is True
+
+
+def test_a_claim_of_a_law_without_z_is_proved(stribeck, tmp_path):
+    found = stribeck(*static_law(tmp_path, "passive=True", "p.sigma_2 * v + p.F_c * v**3"), "--json")
+    assert json.loads(found.out)["claims"]["passive"]["holds"] is True
+    assert "refuted" not in found.err
+
+
+def test_a_file_of_certificates_without_one_is_not_written(stribeck, tmp_path):
+    law = ("check", "coulomb_viscous", "--set", "F_c=1", "--set", "sigma_2=0.1")
+    found = stribeck(*law, "--certificate", tmp_path / "proof.json", "--json")
+    assert found.status == 0
+    assert "is not written" in found.err
+    assert not (tmp_path / "proof.json").exists()
+    assert "files" not in json.loads(found.out)
 
 
 @pytest.mark.parametrize(

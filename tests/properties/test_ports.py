@@ -10,7 +10,7 @@ from stribeck import Scenario
 from stribeck.errors import InputError
 from stribeck.expressions.ops import where
 from stribeck.laws.base import Scales, StaticLaw
-from stribeck.properties import ports, replay
+from stribeck.properties import ports, replay, stateless
 from stribeck.properties.checked import CheckedAlways
 from stribeck.properties.ranges import of_contact, of_force, of_signal
 from stribeck.properties.verdicts import refusals
@@ -242,14 +242,14 @@ class Jumps(Dips):
 @pytest.mark.parametrize("kind", [Dips, Jumps])
 def test_a_law_of_a_users_own_is_not_judged_by_the_ends_of_its_ranges(kind):
     varied = Varied(kind({"F_c": 1.0}), {"F_c": (Fraction(1), Fraction(3))})
-    assert ports.static_passive(varied).holds is None
+    assert stateless.static_passive(varied).holds is None
 
 
 @pytest.mark.parametrize("kind", [Dips, Jumps])
 def test_nor_by_its_own_value_where_a_load_holds_another(kind):
     """F v < 0 at F_c = 2.5, which a load that never changes may make of 1; it was said to be passive."""
     varied = Varied(kind({"F_c": 1.0}), {"F_c": (Fraction(5, 2), Fraction(5, 2))})
-    assert ports.static_passive(varied).holds is None
+    assert stateless.static_passive(varied).holds is None
 
 
 def test_a_cylinder_is_a_port():

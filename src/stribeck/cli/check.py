@@ -149,7 +149,7 @@ def _decide(
 def _write(
     verdicts: Verdicts | MachineVerdicts, out: Path | None, certificate: Path | None
 ) -> tuple[list[str] | None, list[str] | None]:
-    """Write the counterexamples, the page and the proofs; the paths of the first and last, and of the page's."""
+    """Write the counterexamples, the page and, if there are any, the proofs; the paths of all but the page, and of the page's."""
     from stribeck.files import write_text
 
     files: list[str] | None = None
@@ -159,8 +159,11 @@ def _write(
 
         files, pages = write_check(verdicts, out, command_line())
     if certificate is not None:
-        write_text(certificate, dumps(verdicts.certificates(), indent=1) + "\n")
-        files = [*(files or ()), str(certificate)]
+        if verdicts.proved:
+            write_text(certificate, dumps(verdicts.certificates(), indent=1) + "\n")
+            files = [*(files or ()), str(certificate)]
+        else:
+            note(f"--certificate: nothing was proved with a certificate: '{certificate}' is not written")
     return files, pages
 
 
@@ -279,7 +282,8 @@ def _note_what_makes_no_sense(law: Law, verdicts: Verdicts) -> None:
     for line in sanity.problems(law):
         note(f"{law.name}: {line}")
     for name, claimed in law.guarantees().items():
-        if claimed and name in verdicts.properties and verdicts[name].holds is False:
+        verdict = {**verdicts.properties, **verdicts.claims}.get(name)
+        if claimed and verdict is not None and verdict.holds is False:
             note(f"{law.name}: claims: {name}: True: is refuted")
 
 

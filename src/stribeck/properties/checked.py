@@ -28,6 +28,7 @@ from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, Unreadable
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
+from stribeck.properties.stateless import claimed, why_not
 from stribeck.properties.storage import Storage, own_speeds
 from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
 from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
@@ -71,7 +72,10 @@ _DROPS = (
 def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
     """The verdicts on a law whose constants do not vary."""
     checked = Checked(law, v_max, work)
-    return _verdicts(Verdicts(law, {}, v_max), lambda name: accepted(checked.decided(name), law, name, v_max))
+    claims = {} if law.has_z else _read_claims(law, v_max)
+    return _verdicts(
+        Verdicts(law, {}, v_max, claims=claims), lambda name: accepted(checked.decided(name), law, name, v_max)
+    )
 
 
 def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
@@ -84,8 +88,7 @@ def _verdicts(verdicts: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts
     """Each property; undecided where a law has no z, or its equations are such that the check itself fails."""
     started = process_time()
     if not verdicts.law.has_z:
-        reason = f"law '{verdicts.law.name}' has no internal state z, which the properties are about"
-        verdicts.properties = {name: undecided(reason) for name in NAMES}
+        verdicts.properties = {name: undecided(why_not(verdicts.law)) for name in NAMES}
         return verdicts
     with needed("a proof"):
         importlib.import_module("flint")
@@ -93,6 +96,13 @@ def _verdicts(verdicts: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts
         verdicts.properties = {name: _safely(decided, name) for name in NAMES}
     verdicts.seconds = process_time() - started
     return verdicts
+
+
+def _read_claims(law: Law, v_max: float | None) -> dict[str, Verdict]:
+    with needed("a proof"):
+        importlib.import_module("flint")
+    with np.errstate(all="ignore"):
+        return claimed(law, v_max)
 
 
 def _safely(decided: Callable[[str], Verdict], name: str) -> Verdict:

@@ -10,19 +10,16 @@ from typing import TYPE_CHECKING
 
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, arg, nearest, unbroken
-from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
 from stribeck.machine.elements.bodies import Body, Laden
 from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.loads import Pendulum
 from stribeck.properties.checked import check_law, check_varied
-from stribeck.properties.claims import NULL
-from stribeck.properties.model import SIGNS, Model
 from stribeck.properties.plain import Json
-from stribeck.properties.prover.search import Budget
 from stribeck.properties.ranges import of_contact
-from stribeck.properties.verdicts import Verdict, Verdicts, undecided
+from stribeck.properties.stateless import static_passive
+from stribeck.properties.verdicts import Verdicts
 from stribeck.properties.worst import Varied
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
@@ -32,10 +29,6 @@ if TYPE_CHECKING:
     from stribeck.mouth.document import Document
 
 ONLY = "contact"  # the name of the contact of a single body
-_WORK = 400  # regions for a law without z: one variable, so a sixth of a whole check suffices
-_STATIC = (
-    "F v >= 0 for every v and every history of its constants (F is affine in those that vary, each part with v's sign)"
-)
 _SUM = (
     "the sum of the kinetic energies and of what contacts, links and pendulums store rises by no more than what loads, "
     "motors, controllers and driven ends supply (theory.md; Coq: machine_passive)"
@@ -93,6 +86,11 @@ class MachineVerdicts:
         """Check every proof and replay every counterexample; True where all agree."""
         agreed = [verdicts.verify() for verdicts in self.contacts.values()]  # every one, also after one that fails
         return all(agreed)
+
+    @property
+    def proved(self) -> bool:
+        """Whether there is a proof with a certificate."""
+        return any(verdicts.proved for verdicts in self.contacts.values())
 
     def certificates(self) -> dict[str, Json]:
         """The certificates of all contacts, as plain data."""
@@ -165,35 +163,6 @@ def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
         verdicts.properties["passive"] = static_passive(varied)
         return verdicts
     return check_varied(varied, v_max, work) if varied.ranges else check_law(law, v_max, work)
-
-
-def static_passive(varied: Varied) -> Verdict:
-    """Whether F v >= 0, which makes a law without z passive.
-
-    If F is affine in the varying constants, signs of polynomials decide: of the remainder and of each constant's factor. If
-    all are >= 0, the law is passive for every history of the constants."""
-    law, names = varied.law, list(varied.ranges)  # a constant that is held may be held elsewhere than at its value
-    cls = type(f"_{law.name}", (type(law),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
-    model = Model(cls({**law.machine, **law.values, **law.choices}, law.rotary))
-    parts = _affine(model.power_force, [symbol(f"c_{n}") for n in names])
-    if parts is None:
-        return undecided(f"the law has no z, and is not affine in {', '.join(names)}, which vary")
-    work = Budget(_WORK)
-    for part in parts:
-        for s in SIGNS:
-            power = model.form_of(part, s, 1) * s
-            if not is_zero(power) and model.prover.show(power, ">=0", {"u": (NULL, None)}, work) is None:
-                return undecided("no proof that F v >= 0 was found")
-    return Verdict(True, _STATIC, {})
-
-
-def _affine(force: Expr, by: list[Expr]) -> list[Expr] | None:
-    """A force where some constants are 0, and its slope by each of them; None where it is not affine in these."""
-    kinks = [node for node in ordered([force]) if node.op in ("lt", "le", "sign", "floor")]
-    slopes = [derivative(force, each) for each in by]
-    if {str(x.value) for x in by} & symbols([*kinks, *slopes]):
-        return None
-    return [*substitute([force], dict.fromkeys(by, ZERO)), *slopes]
 
 
 def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerdicts:

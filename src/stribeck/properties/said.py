@@ -46,7 +46,7 @@ _QUANTITIES = {
     "escape_time": ("z grows without limit within", "s"), "growth": ("growth", ""), "largest_load": ("largest load", "N"),
     "F_s": ("static friction F_s", "N"), "cycles": ("cycles of the load", ""), "distance": ("distance moved", "m"),
     "elastic_displacement": ("elastic deflection", "m"), "largest_v_d": ("passive with v_d up to", "m/s"),
-    "sigma_2_needed": ("passive with sigma_2 from", "N s/m"), "largest_F_s": ("passive with F_s up to", "N"),
+    "F": ("force", "N"), "sigma_2_needed": ("passive with sigma_2 from", "N s/m"), "largest_F_s": ("passive with F_s up to", "N"),
 }  # fmt: skip
 _IN_STEPS = {
     **_QUANTITIES, "F_c": ("F_c", "N"), "F_s": ("F_s", "N"), "z_end": ("z at the end", "m"), "duration": ("duration", "s"),
@@ -61,6 +61,7 @@ def law(verdicts: Verdicts) -> Document:
     chapters = [_steepness(verdicts.steepness)] if verdicts.steepness else []
     if verdicts.properties and verdicts.law.has_z:
         chapters.append(_verdicts(verdicts, "verdicts", "Verdicts"))
+    chapters += _claims(verdicts)
     chapters += [
         Chapter("curve", "Friction at held speeds", figures=[_curve(verdicts.law)], on=PAGE),
         *_replays(verdicts, "", "replays", "The counterexamples"),
@@ -121,6 +122,21 @@ def _verdicts(verdicts: Verdicts, key: str, title: str, headed: bool = False) ->
     tables += [table for name, v in verdicts.properties.items() for table in _steps(name, v, verdicts.law.rotary)]
     facts = [*verdicts.headings(), *_hints(verdicts)] if headed else []
     return Chapter(key, title, [_SENSE], tables, facts=facts, headed=headed)
+
+
+def _claims(verdicts: Verdicts) -> list[Chapter]:
+    """Of a law without internal state, whether it is passive, and the properties that it claims."""
+    if not verdicts.claims:
+        return []
+    stated = verdicts.law.guarantees()
+    rows: list[list[Cell]] = [
+        [name.replace("_", "-"), "-" if stated[name] is None else DECIDED[stated[name]], DECIDED[v.holds], v.reason]
+        for name, v in verdicts.claims.items()
+    ]
+    tables = [Table(["property", "claimed", "holds", "how it was decided"], rows, prose=True)]
+    if evidence := [row for name, v in verdicts.claims.items() for row in _evidence(name, v, verdicts.law.rotary)]:
+        tables.append(Table(["property", "evidence", "value"], evidence, prose=True))
+    return [Chapter("claims", "Claims", [_SENSE], tables)]
 
 
 def _hints(verdicts: Verdicts) -> list[str]:

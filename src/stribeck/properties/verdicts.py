@@ -124,6 +124,7 @@ class Verdicts:
             family.
         varied: if constants vary, the law and their ranges: each verdict holds for every history within these.
         proofs: then, for each verdict, the law that it was found for, which stands for all or is one of them.
+        claims: of a law without internal state, a :class:`Verdict` on its passivity and on each property that it claims.
     """
 
     law: Law
@@ -133,6 +134,7 @@ class Verdicts:
     steepness: dict[str, Steepness] = field(default_factory=dict)
     varied: Varied | None = None
     proofs: dict[str, Law] = field(default_factory=dict)
+    claims: dict[str, Verdict] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Verdict:
         return self.properties[name]
@@ -172,6 +174,11 @@ class Verdicts:
                 verdict.verified = covers and verdict.verified
         return all(verdict.verified is not False for verdict in self.properties.values())
 
+    @property
+    def proved(self) -> bool:
+        """Whether there is a proof with a certificate."""
+        return any(v.holds and v.certificate is not None for v in self.properties.values())
+
     def certificates(self) -> dict[str, Json]:
         """The certificates of all proofs, as plain data."""
         return {
@@ -186,11 +193,13 @@ class Verdicts:
         """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and what belongs to it."""
         varied = {} if self.varied is None else {"level": self.level}
         more = {"steepness": {name: each.to_dict() for name, each in self.steepness.items()}} if self.steepness else {}
+        claims = {"claims": {name: verdict.to_dict() for name, verdict in self.claims.items()}} if self.claims else {}
         return {
             **more,
             "law": self.law.name,
             "properties": {name: verdict.to_dict() for name, verdict in self.properties.items()},
             "constants": {**self.law.values, **self.law.choices},
             "v_max": self.v_max,
+            **claims,
             **varied,
         }

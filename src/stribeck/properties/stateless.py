@@ -1,0 +1,81 @@
+"""Laws without an internal state z: whether they are passive, and what their other claims are worth."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
+from stribeck.laws.base import Law
+from stribeck.properties.claims import NULL
+from stribeck.properties.model import SIGNS, Model
+from stribeck.properties.prover.search import Budget
+from stribeck.properties.verdicts import NAMES, Verdict, undecided
+from stribeck.properties.worst import Varied
+
+_WORK = 400  # regions for a law without z: one variable, so a sixth of a whole check suffices
+_STATIC = (
+    "F v >= 0 for every v and every history of its constants (F is affine in those that vary, each part with v's sign)"
+)
+# Speeds at which a counterexample is looked for: decades around the law's own speed, eight a decade. Those of a law that
+# draws energy are a whole interval, so that the grid's fineness decides what is found, not what is true.
+_DECADES, _A_DECADE = 6, 8
+
+
+def why_not(law: Law) -> str:
+    """Why the five properties are undecided for a law without z."""
+    return f"law '{law.name}' has no internal state z, which the properties are about"
+
+
+def claimed(law: Law, v_max: float | None) -> dict[str, Verdict]:
+    """The verdict on passivity, which needs no z, and on each other property that the law claims."""
+    claims = law.guarantees()
+    return {
+        name: static_passive(Varied(law, {}), v_max) if name == "passive" else undecided(f"does not apply: {why_not(law)}")
+        for name in NAMES
+        if name == "passive" or claims[name] is not None
+    }  # fmt: skip
+
+
+def static_passive(varied: Varied, v_max: float | None = None) -> Verdict:
+    """Whether F v >= 0, which makes a law without z passive.
+
+    If F is affine in the varying constants, signs of polynomials decide: of the remainder and of each constant's factor. If
+    all are >= 0, the law is passive for every history of the constants. If nothing varies, a speed with F v < 0 refutes it."""
+    law, names = varied.law, list(varied.ranges)  # a constant that is held may be held elsewhere than at its value
+    cls = type(f"_{law.name}", (type(law),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
+    model = Model(cls({**law.machine, **law.values, **law.choices}, law.rotary))
+    parts = _affine(model.power_force, [symbol(f"c_{n}") for n in names])
+    if parts is None:
+        return undecided(f"the law has no z, and is not affine in {', '.join(names)}, which vary")
+    most, work = None if v_max is None else Fraction(v_max), Budget(_WORK)
+    for part in parts:
+        for s in SIGNS:
+            power = model.form_of(part, s, 1) * s
+            if not is_zero(power) and model.prover.show(power, ">=0", {"u": (NULL, most)}, work) is None:
+                return (None if names else _driving(law, model, v_max)) or undecided("no proof that F v >= 0 was found")
+    return Verdict(True, _STATIC, {})
+
+
+def _driving(law: Law, model: Model, v_max: float | None) -> Verdict | None:
+    """A speed at which the force drives, by the floats of the law and shown by exact bounds; None if none was found."""
+    scale = float(law.scales(law.p).speed) if v_max is None else v_max
+    speeds = scale * np.logspace(-_DECADES, 0.0 if v_max is not None else _DECADES, _A_DECADE * _DECADES + 1)
+    for s in SIGNS:
+        power = model.form_of(model.power_force, s, 1) * s
+        for v in speeds[s * law.force(s * speeds) < 0]:
+            at = Fraction(float(v))
+            if model.prover.show(-power, ">0", {"u": (at, at)}, Budget(_WORK)) is not None:
+                evidence = {"v": s * float(v), "F": float(law.force(s * float(v)))}
+                return Verdict(False, "F v < 0 at a speed: a motion at this speed draws energy", evidence)
+    return None
+
+
+def _affine(force: Expr, by: list[Expr]) -> list[Expr] | None:
+    """A force where some constants are 0, and its slope by each of them; None where it is not affine in these."""
+    kinks = [node for node in ordered([force]) if node.op in ("lt", "le", "sign", "floor")]
+    slopes = [derivative(force, each) for each in by]
+    if {str(x.value) for x in by} & symbols([*kinks, *slopes]):
+        return None
+    return [*substitute([force], dict.fromkeys(by, ZERO)), *slopes]
