@@ -32,7 +32,7 @@ def pytest_collection_modifyitems(items):
 
 
 # The rooms whose subject is what the compiler makes of a system: there it is called as a user's run calls it.
-AS_USERS_COMPILE = {"codegen", "machine", "reference", "simulation"}
+AS_USERS_COMPILE = {"codegen", "reference"}
 # Elsewhere systems are compiled in a third of the time, and run slower; `make thorough` compiles all as a user's run.
 QUICKLY = "-O0"
 # Where one system is solved many times: in half the time, and a fifth slower.

@@ -1,6 +1,7 @@
 """The base installation: what works with it, and the one line about each package that it does not have."""
 
 import csv
+import json
 import re
 import subprocess
 import sys
@@ -12,6 +13,31 @@ from stribeck import examples
 from stribeck.errors import EXTRAS
 from tests.absent import without
 
+RUN_EACH = """
+import contextlib, io, json
+from stribeck.cli import _status
+found = []
+for words in {lines!r}:
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        status = _status(words)
+    found.append((status, out.getvalue(), err.getvalue()))
+print(json.dumps(found))
+"""
+MAIN_THINGS = (
+    ("--help",), ("run", examples.path("break_away"), "--json"),
+    ("run", examples.path("break_away"), "--law", "lugre", "--law", "lugre_majorant"), ("library",),
+    ("library", "lugre_majorant"), ("new", "mine"), ("doctor",),
+)  # fmt: skip
+NEED_MORE = (
+    (("check", "lugre_majorant", "--parameters", "canudas1995", "--set", "k_v=1e6"), "fit"),
+    (("design", examples.path("servo"), "--set", "solve.t_end=0.1"), "fit"),
+    (("fit", "log.csv", "--law", "lugre", "--time", "t", "--position", "y", "--force", "F"), "fit"),
+    (("fit", "--plan", "stroke=0.1,speed=0.1,force=1", "--simulate", "--out", "rig"), "fit"),
+    (("export", "lugre", "--parameters", "canudas1995", "--target", "c", "--out", "c"), "fmu"),
+    (("sweep", examples.path("break_away"), "--vary", "law.k_v=1e6:1e7:2", "--out", "s"), "plot"),
+)
+
 
 def base(code, folder, blocked=tuple(EXTRAS)):
     """Python code, run where the blocked packages are not installed."""
@@ -19,38 +45,28 @@ def base(code, folder, blocked=tuple(EXTRAS)):
     return subprocess.run([sys.executable, "-c", text], cwd=folder, capture_output=True, text=True, check=False)
 
 
-def command(folder, *words, blocked=tuple(EXTRAS)):
-    return base(f"from stribeck.cli import main; main({[str(w) for w in words]!r})", folder, blocked)
+def commands(folder, *lines, blocked=tuple(EXTRAS)):
+    """Status, standard output and standard error of commands, in one process without the blocked packages."""
+    done = base(RUN_EACH.format(lines=[[str(w) for w in words] for words in lines]), folder, blocked)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
 
 
-@pytest.mark.share(2)
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("--help",),
-        ("run", examples.path("break_away"), "--json"),
-        ("run", examples.path("break_away"), "--law", "lugre", "--law", "lugre_majorant"),
-        ("library",),
-        ("library", "lugre_majorant"),
-        ("new", "mine"),
-        ("doctor",),
-    ],
-    ids=lambda words: " ".join(map(str, words[:1])),
-)
-def test_the_base_installation_does_the_main_things(words, tmp_path):
-    found = command(tmp_path, *words)
-    assert (found.returncode, found.stderr) == (0, "")
+def test_the_base_installation_does_the_main_things(tmp_path):
+    for words, (status, _, err) in zip(MAIN_THINGS, commands(tmp_path, *MAIN_THINGS), strict=True):
+        assert (status, err) == (0, ""), words
 
 
 def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
-    found = command(tmp_path, "run", examples.path("break_away"), "--out", "out")
-    assert found.returncode == 0
+    words = ("run", examples.path("break_away"), "--out")
+    ((status, _, err),) = commands(tmp_path, (*words, "out"))
+    assert status == 0
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"trajectory.csv", "summary.json"}
-    said = found.stderr.splitlines()
+    said = err.splitlines()
     assert len(said) == 2
     assert said[0] == "stribeck: without trajectory.parquet: pyarrow is not installed (pip install 'stribeck[plot]')"
     assert said[1].endswith("(pip install 'stribeck[plot]')")
-    assert command(tmp_path, "run", examples.path("break_away"), "--out", "full", blocked=()).stderr == ""
+    assert commands(tmp_path, (*words, "full"), blocked=())[0][2] == ""
     base_table, full_table = (
         list(csv.reader((tmp_path / name / "trajectory.csv").read_text().splitlines())) for name in ("out", "full")
     )
@@ -58,25 +74,13 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
     np.testing.assert_array_equal(np.array(base_table[1:], float), np.array(full_table[1:], float))
 
 
-@pytest.mark.share(2)
-@pytest.mark.parametrize(
-    ("words", "extra"),
-    [
-        (("check", "lugre_majorant", "--parameters", "canudas1995", "--set", "k_v=1e6"), "fit"),
-        (("design", examples.path("servo"), "--set", "solve.t_end=0.1"), "fit"),
-        (("fit", "log.csv", "--law", "lugre", "--time", "t", "--position", "y", "--force", "F"), "fit"),
-        (("fit", "--plan", "stroke=0.1,speed=0.1,force=1", "--simulate", "--out", "rig"), "fit"),
-        (("export", "lugre", "--parameters", "canudas1995", "--target", "c", "--out", "c"), "fmu"),
-        (("sweep", examples.path("break_away"), "--vary", "law.k_v=1e6:1e7:2", "--out", "s"), "plot"),
-    ],
-    ids=lambda x: str(x[0]) if isinstance(x, tuple) else x,
-)
-def test_a_missing_package_is_one_line_that_names_its_extra(words, extra, tmp_path):
+def test_a_missing_package_is_one_line_that_names_its_extra(tmp_path):
     (tmp_path / "log.csv").write_text("t,y,F\n0,0,1\n")
-    found = command(tmp_path, *words)
-    assert (found.returncode, found.stdout) == (2, "")
-    assert len(found.stderr.splitlines()) == 1
-    assert found.stderr.rstrip().endswith(f"pip install 'stribeck[{extra}]'")
+    found = commands(tmp_path, *(words for words, _ in NEED_MORE))
+    for (words, extra), (status, out, err) in zip(NEED_MORE, found, strict=True):
+        assert (status, out) == (2, ""), words
+        assert len(err.splitlines()) == 1, words
+        assert err.rstrip().endswith(f"pip install 'stribeck[{extra}]'"), words
 
 
 def test_python_says_it_in_the_same_line(tmp_path):
@@ -102,5 +106,7 @@ for call in (solution.to_pandas, lambda: stribeck.fit, lambda: stribeck.check(so
 def test_the_extra_for_pages_is_enough_for_pages(tmp_path):
     pytest.importorskip("bokeh")
     others = tuple(package for package, extra in EXTRAS.items() if extra != "plot")
-    found = command(tmp_path, "explore", "lugre", "--law", "lugre", "--out", "page.html", blocked=others)
-    assert (found.returncode, found.stderr) == (0, "")
+    words = ("explore", "lugre", "--law", "lugre", "--out", "page.html")
+    ((status, _, err),) = commands(tmp_path, words, blocked=others)
+    assert status == 0
+    assert "pip install" not in err

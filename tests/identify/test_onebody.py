@@ -16,7 +16,7 @@ STEP = 2e-3
 
 
 def fitted(log, law="lugre", **options):
-    asked = FitOptions(**{"method": "dynamic", "starts": 3, **options})
+    asked = FitOptions(**{"method": "dynamic", "starts": 1, **options})
     asked.check(law)
     return fit_simulated(log, law, asked)
 
@@ -130,9 +130,10 @@ def test_bounds_and_priors_are_kept(full):
     assert fit["sigma_2"].value == pytest.approx(30.0, abs=5e-3)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("output", ["velocity", "position"])
 def test_the_motion_under_a_measured_force_is_met(pushed, output):
-    fit = fitted(pushed, output=output)
+    fit = fitted(pushed, output=output, starts=3)
     for name, truth in {**MACHINE, "mass": 2.0, "offset": 1.0}.items():
         assert fit[name].identifiable, name
         assert fit[name].value == pytest.approx(truth, rel=0.01), name

@@ -50,13 +50,12 @@ def test_what_to_measure_stands_with_what_is_missing(columns, usual):
     assert (e.value, e.interval, e.range) == tuple(getattr(usual["F_c"], n) for n in ("value", "interval", "range"))
 
 
-@pytest.mark.parametrize(
-    ("require", "line"),
-    [({"F_x": 0.1}, "F_x"), ({"F_c": 0.0}, "must be a half width"), ({"F_c": 0.6}, "must be a half width")],
-)
-def test_what_cannot_be_required_is_refused(columns, require, line):
-    with pytest.raises(InputError, match=line):
-        fitted(columns, require=require)
+def test_what_cannot_be_required_is_refused(columns, usual):
+    for share in (0.0, 0.6):
+        with pytest.raises(InputError, match="must be a half width"):
+            fitted(columns, require={"F_c": share})
+    with pytest.raises(InputError, match="F_x"):
+        with_requirements(usual, {"F_x": 0.1})
 
 
 def test_a_machine_is_judged_by_the_end_of_a_path(tmp_path):

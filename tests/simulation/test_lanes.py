@@ -151,6 +151,7 @@ def test_nothing_is_written_outside_the_rows():
 
 @needs_compiler
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal")
+@pytest.mark.share(2)
 @pytest.mark.parametrize("wait", [0.0, 0.4])
 def test_ctrl_c_ends_a_large_ensemble(wait):
     """At once, as KeyboardInterrupt, and no thread writes where nothing is any more."""

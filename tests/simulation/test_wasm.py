@@ -223,6 +223,7 @@ def test_threads_solve_beside_each_other(by_wasm):
     }
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     "target", ["pulley64", pytest.param(PLAIN, marks=pytest.mark.skipif(sys.platform != "linux", reason="Linux's"))]
 )

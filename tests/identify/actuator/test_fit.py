@@ -35,7 +35,7 @@ def machine(**more):
 
 def test_the_truth_lies_in_the_intervals(recordings):
     path = logs(recordings, ["run0.csv", {"file": "run1.csv", "hold_out": True}], WANTED)
-    found = fit_machine(machine(), path, starts=4)
+    found = fit_machine(machine(), path, starts=2)
     assert found.status == "done", found.reason
     for name, truth in ((F_C, 1.0), (MASS, 1.0)):
         p = found.estimates[name]
@@ -97,7 +97,7 @@ def test_one_load_cannot_tell_how_the_level_depends_on_it(tmp_path):
     truth = {"gain": 0.2, "pull": 2.0, "amplitude": 6.0}
     record(tmp_path / "run.csv", body(**truth))
     path = logs(tmp_path, ["run.csv"], {F_C: {"low": 0.1, "high": 10.0}, gain: {"low": 0.0, "high": 0.6}})
-    found = fit_machine(body(**truth, F_s=3.0), path, starts=3, baselines=False)
+    found = fit_machine(body(**truth, F_s=3.0), path, starts=1, baselines=False)
     assert "identified" not in {found.estimates[n].state for n in (F_C, gain)}
     assert found.correlated
     assert set(found.correlated[0]["names"]) == {F_C, gain}
@@ -107,7 +107,7 @@ def test_friction_alone_may_be_sought(recordings):
     """The machine without friction, which is compared, then has no number left."""
     data = body(F_c=0.8, F_s=1.3)
     data["bodies"]["a"]["initial"] = {"y": 0.0, "v": 0.0}
-    found = fit_machine(data, logs(recordings, ["run0.csv"], {F_C: WANTED[F_C]}), starts=2)
+    found = fit_machine(data, logs(recordings, ["run0.csv"], {F_C: WANTED[F_C]}), starts=1)
     assert found.estimates[F_C].low < 1.0 < found.estimates[F_C].high
     assert found.baselines["no friction"]["fitted"] > 5 * found.error(held_out=False)
 

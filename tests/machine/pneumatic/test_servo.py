@@ -118,6 +118,7 @@ def test_V_never_rises_where_the_argument_is_exact():
     assert V[-1] < 0.7 * V[0]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("factor", "middle", "late"), [(0.5, 1e-6, 1e-8), (1.5, 5e-6, 3e-7)])
 def test_adaptation_recovers(factor, middle, late):
     """On the sine every parameter is found, and the error goes on falling exponentially."""
@@ -182,6 +183,7 @@ def test_a_pneumatic_plant_needs_its_controller():
         Scenario(new)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("start", "cover"), [({"y": 0.99, "v": 3.5}, "y = 1 m"), ({"y": 0.01, "v": -3.5}, "y = 0 m")])
 def test_the_end_of_the_stroke(start, cover):
     initial = {"p_1": 4e5, "p_2": 4e5, **start}
