@@ -32,13 +32,31 @@ def compiler(tmp_path, monkeypatch):
 
 
 @needs_compiler
-def test_a_healthy_installation_passes(stribeck, monkeypatch):
+def test_a_healthy_installation_passes(stribeck, tmp_path, monkeypatch):
     monkeypatch.delenv("STRIBECK_BACKEND", raising=False)
+    monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path))
+    assert "0 systems" in stribeck("doctor").out  # before the self-test's
     status, found = told(stribeck)
     assert (status, found["backend"], found["self_test"]["passed"]) == (0, "c", True)
     assert found["self_test"]["deviation"] < 1e-6
     assert found["compiler"]["version"]
-    assert "self-test passed" in stribeck("doctor").out
+    said, cache, test = " ".join(stribeck("doctor").out.split()), found["cache"], found["self_test"]
+    for words in (
+        f"{found['compiler']['command']}: {found['compiler']['version']}", "backend C cache",
+        f", writable, {cache['systems']} systems, {cache['bytes'] / 1e6:.1f} MB", "self-test passed: ",
+        f"{test['deviation']:.1e} of the peaks from {test['against']}", f"numpy {found['packages']['numpy']}",
+    ):  # fmt: skip
+        assert words in said
+    assert cache["writable"]
+    assert cache["systems"]
+
+
+def test_a_cache_that_cannot_be_written_is_said(stribeck, tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "file"))
+    monkeypatch.setenv("STRIBECK_BACKEND", "wasm")
+    assert told(stribeck)[1]["cache"]["writable"] is False
+    assert "NOT writable: every process compiles anew, 0 systems, 0.0 MB" in " ".join(stribeck("doctor").out.split())
 
 
 def test_without_a_compiler_it_says_what_solves(stribeck, monkeypatch):

@@ -1,0 +1,23 @@
+"""How far a number's slider goes."""
+
+import pytest
+
+from stribeck.constants import Constant
+from stribeck.explore.numbers import number_of
+
+
+@pytest.mark.parametrize(
+    ("value", "bounds", "size", "ends"),
+    [
+        (3.0, {"above": 0}, 9.0, (0.3, 30.0, True)),
+        (3.0, {}, 9.0, (0.3, 30.0, True)),
+        (-3.0, {}, 9.0, (-6.0, 6.0, False)),
+        (0.0, {"at_least": 0}, 9.0, (0.0, 9.0, False)),
+        (0.0, {}, 9.0, (-9.0, 9.0, False)),
+        (0.0, {}, 0.0, (-1.0, 1.0, False)),
+    ],
+)
+def test_a_slider_goes_as_far_as_its_number_is_large(value, bounds, size, ends):
+    made = number_of("law", "F_c", value, Constant("N", "a force", **bounds), size, "law.F_c", reach=10.0)
+    assert (made.low, made.high, made.log) == pytest.approx(ends)
+    assert (made.path, made.value, made.unit) == ("law.F_c", value, "N")

@@ -1,0 +1,31 @@
+"""The lock of a folder: another waits for it or is told; a file system without locks is no obstacle."""
+
+import errno
+
+import pytest
+
+from stribeck import platforms
+from stribeck.platforms import Occupied, locked
+
+
+def test_who_does_not_wait_is_told_and_the_lock_is_given_back(tmp_path):
+    with locked(tmp_path):
+        with pytest.raises(Occupied), locked(tmp_path, wait=False):
+            pytest.fail("two had the lock")
+        with locked(tmp_path.parent, wait=False):
+            pass  # another folder has a lock of its own
+    with locked(tmp_path, wait=False), pytest.raises(Occupied), locked(tmp_path, wait=False):
+        pass
+    with locked(tmp_path):
+        pass
+
+
+def test_a_file_system_without_locks_is_no_obstacle(tmp_path, monkeypatch):
+    def none(handle, wait):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(platforms, "_lock", none)
+    entered = []
+    with locked(tmp_path):
+        entered.append(tmp_path)
+    assert entered
