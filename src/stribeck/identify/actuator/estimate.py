@@ -18,7 +18,7 @@ from stribeck.identify.actuator.guided import GuidedSearch
 from stribeck.identify.actuator.inputs import later, value_at
 from stribeck.identify.actuator.problem import Keep, MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.residuals import AS_WELL, first_noise, floor_of, leftovers
+from stribeck.identify.actuator.residuals import AS_WELL, first_noise, floor_of, leftovers, noise_of
 from stribeck.identify.actuator.solve import ROUGHLY, half_squares, moved_over, search, settled
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.core.judging import EXPLAINED
@@ -28,8 +28,7 @@ from stribeck.scenario import Scenario
 _WEIGHTINGS = 8  # at most: each reduces the noise, and a poor start needs several
 _SETTLED = 0.05  # relative change of the noise below which it is settled: a tenth of its own error is not visible
 _GIVEN = 1.5  # times a given noise: the least residual that takes its place
-# Initial error, as a share of the position's changes; growth of this error above which the motion counts as unstable.
-_OFF, _GROWN = 1e-6, 100.0
+_OFF = 1e-6  # of a position's changes: an error of the initial state that no sensor shows
 _STRETCH, _SHORTEST = 6, 0.2  # stretches per recording; s
 _MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above which stretches are fitted
 _ROUNDS, _TIED_ROUNDS = 12, 3  # of handing on the unmeasured states, and of weighting tied stretches
@@ -71,7 +70,10 @@ class BestPoint:
 
 
 def unstable(problem: MachineProblem, u: Array) -> bool:
-    """Whether a small error of the initial state grows fast, as in an upright pendulum."""
+    """Whether errors grow so fast, as in an upright pendulum, that one of the initial state that no sensor shows is seen later.
+
+    The solver's errors, and those of the inputs between samples, grow as it does, and move estimates beyond their intervals.
+    """
     for k, run in enumerate(problem.runs):
         body = next((t.column for t in run.targets if t.column.endswith(".y")), None)
         if body is None or body not in {state.name for state in run.scenario.system.states}:
@@ -79,7 +81,7 @@ def unstable(problem: MachineProblem, u: Array) -> bool:
         i = next(i for i, t in enumerate(run.targets) if t.column == body)
         off = _OFF * float(np.std(run.targets[i].x))
         x = problem.predicted(run, k, np.stack([u, u]), shift={body: np.array([0.0, off])})[i]
-        if not float(np.max(abs(x[1] - x[0]))) <= _GROWN * off:
+        if not float(np.max(abs(x[1] - x[0]))) <= noise_of(problem, body):
             return True
     return False
 

@@ -36,7 +36,7 @@ _EXACT = 1e-9  # of a column's changes: least noise of a smoothing spline, again
 _VISIBLE = 10.0  # times the noise: errors of first values, a third of the friction; 3 % of it then equal the noise
 _LOOSE = 1e-6  # rtol far from the optimum
 _STEP = 1e-3  # of a coordinate: step of the differences far from the optimum
-_ENOUGH = 6  # recordings for the comparison of starts
+_ENOUGH = 6  # recordings that tell minima apart
 _UNSEEN = 0.3  # of a column's noise: a change by coarser inputs that adds 5 % to it
 _FEWEST = 500  # samples of a coarse recording
 _EVEN = 1e-3  # of a step: a spline's knots need not be more even
@@ -170,7 +170,8 @@ class GuidedSearch:
 
     A stiff guide leaves the fewest minima. From the best start, the guide is loosened step by step. The next starts
     follow until an end leaves no more than noise, or two come to the same end. A start whose simulation takes many times
-    the steps of the first one is no candidate.
+    the steps of the first one is no candidate. A few recordings tell minima apart: the optimum over all of them is left to
+    the searches that follow.
     """
 
     scenario: Scenario
@@ -185,7 +186,8 @@ class GuidedSearch:
     def __post_init__(self) -> None:
         rtol = max(self.scenario.solve.rtol, _LOOSE)
         self.scenario = self.scenario.with_changes({"solve.rtol": rtol})
-        self.guides = Guides(self.scenario, _of_each_load(self.recordings))
+        self.recordings = _of_each_load(self.recordings)
+        self.guides = Guides(self.scenario, self.recordings)
         runs, self._starts = prepared(self.scenario, self.recordings, self.sought)
         self._begins = {run.log: run.start for run in runs}
 
@@ -276,7 +278,7 @@ class GuidedSearch:
         return problem
 
     def _problem(self, level: int) -> MachineProblem:
-        """The problem under a guide; without one, of all recordings."""
+        """The problem under a guide, or without one."""
         if level not in self._problems:
             problem = self._coarse_problem(level, self.factor)
             assert problem is not None
