@@ -178,7 +178,7 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
 def _preparation(fit: LogFit, cutoff: float | None) -> Preparation:
     """How another record is prepared for a model: as the fit's was."""
     chosen = cutoff if cutoff is not None else fit.reading.cutoff
-    return Preparation(chosen, fit.reading.simulated, fit.reading.published, predicted=True)
+    return Preparation(chosen, fit.reading.simulated, fit.reading.published)
 
 
 def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import odeint
 
 from stribeck import Scenario
-from stribeck.identify.actuator import Logs, advise, checks, fit_machine, read_logs
+from stribeck.identify.actuator import Logs, advise, fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.problem import MachineProblem
@@ -128,34 +128,6 @@ def test_the_same_recording_once_more_narrows_an_interval_by_the_root_of_two(tmp
         assert repeated == 1.4, text
         assert all(1.4 < x <= 10 for x in gains), text
     assert any("(its deviation would fall more than 10 times)" in text for text in advised.values())
-
-
-def test_the_shorter_of_two_recordings_is_told(tmp_path):
-    record(tmp_path / "a.csv", body())
-    record(tmp_path / "b.csv", body(), change=lambda x: {n: column[:60] for n, column in x.items()})
-    told = checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body()))
-    assert [n for n in told if "cut short" in n] == [
-        "b.csv: ends at 0.59 s, the others at about 1 s: was it cut short?"
-    ]
-
-
-def test_recordings_that_are_all_cut_short_are_told(tmp_path):
-    short = lambda x: {n: column[:60] for n, column in x.items()}  # noqa: E731
-    for name in ("a.csv", "b.csv"):
-        record(tmp_path / name, body(), change=short)
-    told = checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body()))
-    assert told == ["all recordings: end by 0.59 s, and the machine's t_end is 1 s: cut short?"]
-    assert not checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body(t_end=0.6)))
-
-
-def test_a_column_that_stood_still_is_told(tmp_path):
-    """A logger that went on with the encoder's last value; a coarse encoder that rests is none."""
-    stop = lambda x: {**x, "y": np.where(x["t"] > 0.7, x["y"][70], x["y"])}  # noqa: E731
-    record(tmp_path / "stood.csv", body(), change=stop)
-    record(tmp_path / "coarse.csv", body(), change=lambda x: {**x, "y": np.round(x["y"], 2)})
-    told = checks.before(read_logs(logs(tmp_path, ["stood.csv", "coarse.csv"], WANTED)), Scenario(body()))
-    (stood,) = [n for n in told if "repeats" in n]
-    assert stood.startswith("stood.csv: a.y: column 'y' repeats one value from 0.7 to 1 s, and changes")
 
 
 @pytest.mark.thorough

@@ -180,7 +180,7 @@ class Fitting:
     def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The result: the estimate with both uncertainties, states and errors."""
         self.work.section(0.8)
-        notes = [*checks.before(self.logs, self.scenario), *notes]
+        notes = [*checks.before(self.logs), *notes]
         values = best.values()
         missed = [] if best.stopped else best.missed()
         status, reason = ("stopped", STOPPED) if best.stopped else ("done", "")

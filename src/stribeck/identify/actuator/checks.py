@@ -1,4 +1,4 @@
-"""Detects errors in a recording: gaps, an early end, units, signs, clocks."""
+"""Detects errors in a recording: gaps, columns that end early, units, signs, clocks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from itertools import chain
 
 import numpy as np
 
-from stribeck.arrays import Array
 from stribeck.identify.actuator.bridges import GAP
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.guided import FOLLOWED
@@ -18,11 +17,8 @@ from stribeck.identify.actuator.residuals import leftovers
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import ROUGH_STEPS, search
 from stribeck.identify.core.judging import EXPLAINED
-from stribeck.scenario import Scenario
 
-_SHORT = 0.7  # of the typical length: a shorter recording may be truncated
 _TAIL = 0.02  # of a recording that a column may lack at its end: a filter's delay, or a slower sensor's last sample
-_REPEATS, _SELDOM = 10, 0.1  # least number of equal samples in a row; largest share of repeated samples elsewhere
 _FACTORS = {
     -1.0: "the other sign", np.pi / 180: "degrees", 180 / np.pi: "radians, not degrees", 1e-3: "thousandths",
     1e3: "thousands", np.pi / 30: "revolutions per minute", 2 * np.pi: "revolutions",
@@ -36,22 +32,9 @@ _STARTS, _COMPARED = 4, 6  # of a search with the recording as it is; with a cha
 _TRIED = 6  # recordings that are fitted individually
 
 
-def before(logs: Logs, scenario: Scenario) -> list[str]:
+def before(logs: Logs) -> list[str]:
     """Errors that the recordings show without a fit."""
-    notes: list[str] = []
-    lengths = [float(r.t[-1]) for r in logs.recordings]
-    for i, (r, length) in enumerate(zip(logs.recordings, lengths, strict=True)):
-        notes += [*r.notes, *_gaps(r), *_tails(r), *_rates(r)]
-        typical = float(np.median([*lengths[:i], *lengths[i + 1 :]] or lengths))
-        if len(lengths) > 1 and length < _SHORT * typical:
-            notes.append(f"{r.file}: ends at {length:.4g} s, the others at about {typical:.4g} s: was it cut short?")
-    if (longest := max(lengths)) < _SHORT * scenario.solve.t_end:
-        which = logs.recordings[0].file if len(lengths) == 1 else "all recordings"
-        ends = "ends at" if len(lengths) == 1 else "end by"
-        notes.append(
-            f"{which}: {ends} {longest:.4g} s, and the machine's t_end is {scenario.solve.t_end:g} s: cut short?"
-        )
-    return notes
+    return [note for r in logs.recordings for note in (*r.notes, *_gaps(r), *_tails(r), *_rates(r))]
 
 
 def _gaps(r: Recording) -> list[str]:
@@ -70,7 +53,7 @@ def _gaps(r: Recording) -> list[str]:
 
 
 def _tails(r: Recording) -> Iterator[str]:
-    """Columns with empty cells, columns that end before the others, and columns that stand still."""
+    """Columns with empty cells, columns that end before the others, and columns that never change."""
     for name, c in chain(r.outputs.items(), r.inputs.items()):
         good = np.isfinite(c.x) & np.isfinite(c.t)
         last, empty = float(c.t[good][-1]), int((~good).sum())
@@ -81,22 +64,6 @@ def _tails(r: Recording) -> Iterator[str]:
             yield f"{place} has {empty} empty cells, which are left out"
         if name in r.outputs and not np.ptp(c.x[good]) > 0:
             yield f"{place} never changes"
-        elif name in r.outputs and (stood := _stood(c.t[good], c.x[good])):
-            span = f"from {stood[0]:.4g} to {stood[1]:.4g} s"
-            yield f"{place} repeats one value {span}, and changes with each sample elsewhere: did its source stop?"
-
-
-def _stood(t: Array, x: Array) -> tuple[float, float] | None:
-    """The times between which a column is constant, if nearly each sample changes elsewhere."""
-    same = np.diff(x) == 0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]])))
-    begin, end = edges[::2], edges[1::2]
-    if not len(begin) or (longest := int((end - begin).max())) < _REPEATS:
-        return None
-    i = int(np.argmax(end - begin))
-    if np.sum(same) - longest > _SELDOM * (len(same) - longest):
-        return None
-    return float(t[begin[i]]), float(t[end[i]])
 
 
 def _rates(r: Recording) -> Iterator[str]:

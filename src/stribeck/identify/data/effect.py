@@ -19,7 +19,10 @@ _SHARE = 6  # of the longest run, the most that its start is
 _SLOWED, _REST = 0.1, 0.1  # of a period, in which less than this share of the fastest speed is rest
 _BAND = 2.5  # lowest cut-offs, in which the force is compared: above, its own noise hides what the filter does
 _BENDS = (0, 1 / 128, 1 / 64, 1 / 32, 1 / 16, *np.linspace(1 / 8, 1, 8))  # of the free curve: closest where it turns
-LITTLE, _LITTLE_OF_RATE = 2e-4, 3e-3  # of the largest speed and acceleration: noise that biases nothing
+OF_REGRESSION = (2e-4, 3e-3)  # of the largest speed and acceleration: noise that biases nothing
+OF_SIMULATION = (
+    1e-3,
+)  # of the largest speed: noise that a simulation averages out; the acceleration keeps its cut-off
 RAISED = 4.0  # times at most: more changes little
 _WORTH_RAISING = 1.7  # times at least: less changes little but where a record begins and ends
 LONGEST_LOOK = 1 << 18  # samples from which a spectrum or a noise is taken
@@ -60,8 +63,10 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     return tried[next(i for i in able if missed[i] <= _AS_GOOD * least)]
 
 
-def quiet(motion: Array, position: bool, floor: float, cutoff: float, step: float) -> float:
-    """The cut-off for static fits: up to four times as high, while the noise of the speed and of the acceleration is little.
+def quiet(
+    motion: Array, position: bool, floor: float, cutoff: float, step: float, shares: Sequence[float] = OF_REGRESSION
+) -> float:
+    """The cut-off, up to four times as high while the noise of the speed and of the acceleration is little.
 
     A filter at the edge of the spectrum still rounds off what lies below it: the speed near a reversal, where friction turns, is
     off by some tenths of a percent of the largest.
@@ -69,12 +74,13 @@ def quiet(motion: Array, position: bool, floor: float, cutoff: float, step: floa
     Args:
         motion: what was measured of a run, ``position``: and not a speed.
         floor: the power spectral density of its noise; ``cutoff``: Hz, so far; ``step``: between samples, s.
+        shares: of the largest speed, and of the largest acceleration unless it is filtered by itself, that noise may be.
     """
     smooth = low_pass(motion[:LONGEST_LOOK], cutoff, step)
     edge = min(round(1 / (cutoff * step)), len(smooth) // 4)  # where the filter makes acceleration of its own
     smooth = smooth[edge : len(smooth) - edge]
     highest = min(RAISED * cutoff, HIGHEST / step)
-    for order, share in zip((1, 2) if position else (0, 1), (LITTLE, _LITTLE_OF_RATE), strict=True):
+    for order, share in zip((1, 2) if position else (0, 1), shares, strict=False):
         largest = float(np.max(abs(np.diff(smooth, order)))) / step**order
         power = 2 * order + 1  # the noise's variance: floor (2 pi)^(2 order) f^power / power
         allowed = power * (share * largest) ** 2 / ((2 * np.pi) ** (2 * order) * max(floor, 1e-300))

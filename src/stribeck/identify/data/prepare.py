@@ -15,7 +15,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
-from stribeck.identify.data.effect import HIGHEST, LITTLE, LONGEST_LOOK, RAISED, by_effect, quiet
+from stribeck.identify.data.effect import HIGHEST, LONGEST_LOOK, OF_REGRESSION, OF_SIMULATION, by_effect, quiet
 from stribeck.identify.data.filters import SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
@@ -25,12 +25,9 @@ from stribeck.recorded import is_table, opened
 
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
-_NOISE_ALLOWED = 1e-3  # of the largest speed: noise that a simulation averages out
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
 _ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
 _STILL = 0.01  # of the fastest speed
-_TRIFLE = 0.01  # of a run: a shorter end is kept where a fit is to be the published one, to its last digit
-_MISSED = 1.5  # times the misfit elsewhere, at the end: the filter's
 _LOST = 0.01  # of the motion's variance: less may go
 _MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
 
@@ -44,14 +41,12 @@ class Preparation:
         simulated: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
             cut-off chosen from the data is raised.
         published: for plain least squares as published, which keeps the last rows of a run.
-        predicted: for a prediction, whose error is not to be the filter's: runs that end in motion lose their last rows.
         spline: slopes by splines where noise would let central differences do: of a motion that is sampled coarsely.
     """
 
     cutoff: float | None = None
     simulated: bool = False
     published: bool = False
-    predicted: bool = False
     spline: bool = False
 
 
@@ -105,15 +100,12 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
                 f"raised to {cutoff:.4g} Hz: below, ramps or reversals are rounded off, and the force is met less well"
             )
         motion = parts[0].columns[measured][parts[0].runs[0]]
-        higher = quiet(motion, by_position, seen[2], cutoff, step)
-        if not (how.simulated or how.published) and higher > cutoff:
-            cutoff, spline = higher, True  # of what has noise it makes more
-            notes.append(f"raised to {cutoff:.3g} Hz: the speed's noise stays below {LITTLE:g} of the largest speed")
-        if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
-            chosen, cutoff = cutoff, higher
+        shares = OF_SIMULATION if how.simulated else OF_REGRESSION
+        if (higher := quiet(motion, by_position, seen[2], cutoff, step, shares)) > cutoff and not how.published:
+            chosen, cutoff, spline = cutoff * how.simulated, higher, True  # of what has noise a spline makes more
+            what = "position and velocity only " if how.simulated else ""
             notes.append(
-                f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs abrupt "
-                "reversals"
+                f"{what}raised to {cutoff:.3g} Hz: the speed's noise stays below {shares[0]:g} of the largest speed"
             )
     else:
         notes += _given(cutoff, parts, measured, step)
@@ -130,9 +122,9 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if spline else "central differences")
     sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
-    if cutoff > 0:
+    if cutoff > 0 and not how.published:
         lowest = again or cutoff  # the acceleration's filter goes astray too
-        rows_kept, said = _without_ends(columns, lengths, round(_ENDS / (lowest * step)), how)
+        rows_kept, said = _without_ends(columns, lengths, round(_ENDS / (lowest * step)))
         notes += said
         parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(
@@ -205,48 +197,18 @@ def _too_short(parts: Sequence[Clean], lengths: Sequence[int], trim: int) -> lis
 
 
 def _without_ends(
-    columns: Mapping[str, Array], lengths: Sequence[int], end: int, how: Preparation
+    columns: Mapping[str, Array], lengths: Sequence[int], end: int
 ) -> tuple[slice | NDArray[np.bool_], list[str]]:
-    """The rows without the last ones of the runs that end in motion, where the filter goes astray; and what to say of it.
-
-    For simulations and predictions all of them; else where it shows: the acceleration there exceeds all others of the run, or
-    a plain regression of the rest misses the force there.
-    """
-    left, spoilt = 0, 0
-    v, a = abs(columns["velocity"]), abs(columns["acceleration"])
-    fastest = float(v.max())
-    keep = np.ones(len(v), bool)
+    """The rows without the last ones of the runs that end in motion, where the filter goes astray; and what to say of it."""
+    v = abs(columns["velocity"])
+    keep, fastest = np.ones(len(v), bool), float(v.max())
     for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
-        if n > 4 * end and end > 0 and v[stop - 1] > _STILL * fastest:
-            rest = float(a[stop - n : stop - end].max())
-            always = how.simulated or (how.predicted and not how.published)
-            astray = always or float(a[stop - end : stop].max()) > rest
-            if not astray and _missed(columns, stop - n, stop, end):
-                astray = not how.published or end > _TRIFLE * n
-                spoilt += (not astray) * end
-            left += astray * end
-            keep[stop - end : stop] = not astray
-    said = (
-        [f"the last {left} rows are left out: the filter goes astray where the record ends in motion"] if left else []
-    )
-    if spoilt:
-        said.append(
-            f"the filter goes astray in the last {spoilt} rows, where the record ends in motion; they are kept, as in the "
-            "published procedure, and left out where laws or terms are looked for"
-        )
+        if n > 4 * end and v[stop - 1] > _STILL * fastest:
+            keep[stop - end : stop] = False
     if keep.all():
-        return slice(None), said
-    return (slice(None, -end) if len(lengths) == 1 else keep), said  # a slice copies nothing
-
-
-def _missed(columns: Mapping[str, Array], start: int, stop: int, end: int) -> bool:
-    """Whether a plain regression of a run without its end misses the force in the last third of it by more than elsewhere."""
-    v = columns["velocity"][start:stop]
-    told = [columns["acceleration"][start:stop], v, np.sign(v), columns["position"][start:stop], np.ones(len(v))]
-    matrix, force = np.column_stack(told), columns["force"][start:stop]
-    found = np.linalg.lstsq(matrix[:-end], force[:-end], rcond=1e-10)[0]
-    missed = (force - matrix @ found) ** 2
-    return float(np.mean(missed[-(end // 3 + 1) :])) > _MISSED**2 * float(np.mean(missed[:-end]))
+        return slice(None), []
+    text = f"the last {np.sum(~keep)} rows are left out: the filter goes astray where the record ends in motion"
+    return (slice(None, -end) if len(lengths) == 1 else keep), [text]  # a slice copies nothing
 
 
 def _enough(rows: int, trim: int) -> int:
@@ -351,20 +313,6 @@ def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: flo
             break
         cutoff = min(cutoff * 1.5, highest)
     return float(cutoff)
-
-
-def raised(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
-    """The cut-off for simulations: up to four times as high, while the velocity's noise stays below a thousandth of the
-    largest speed."""
-    part = parts[0]
-    x = part.columns[measured][part.runs[0]][:LONGEST_LOOK]
-    smooth = low_pass(x, cutoff, step)
-    if measured == "velocity":
-        highest = (_NOISE_ALLOWED * float(np.max(abs(smooth)))) ** 2 / max(floor, 1e-300)
-    else:
-        fastest = float(np.max(abs(np.diff(smooth)))) / step
-        highest = np.cbrt(3 * (_NOISE_ALLOWED * fastest / (2 * np.pi)) ** 2 / max(floor, 1e-300))
-    return float(max(min(highest, RAISED * cutoff, HIGHEST / step), cutoff))
 
 
 def spectrum(x: Array, step: float) -> tuple[Array, Array]:

@@ -23,8 +23,6 @@ _RARE = 0.02  # of the rows: more are no fault of a sensor
 _GLITCH, _SCATTER = 20.0, 2.5  # times what is usual beside a cubic: a value that is off; what noise adds
 _TRACE = (1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6)  # of a value that is off by 1, in the distances from cubics
 _MOST_LOOKED_AT = 5000
-_AROUND = 3  # rows to each side that a spike stands out of
-_ANSWER = 4.0  # times the usual change of the speed
 _WRAPPED = 0.4  # of the position's range, from a row to the next: a turn is over
 _STUCK = 50  # samples of one and the same value, while the others move
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value
@@ -205,40 +203,22 @@ def _beside_cubic(x: Array) -> Array:
 
 
 def _without_spikes(columns: dict[str, Array], number: str, notes: list[str]) -> None:
-    """Put straight lines in place of single forces far beyond all others, which the motion does not answer: a plug, a bit.
-
-    A blow of a hammer moves the body, and stays.
-    """
+    """Put straight lines in place of single forces far beyond all others: a plug, a bit."""
     force = columns["force"]
     thin = force[:: max(len(force) // _BLOCK, 1)]
     middle = float(np.median(thin))
     usual = float(np.quantile(abs(thin - middle), 0.95))
-    far = np.flatnonzero(abs(force - middle) > _SPIKE * usual)
-    if usual == 0.0 or not 0 < len(far) < _RARE * len(force):
-        return
-    inside = far[(far > _AROUND) & (far < len(force) - _AROUND - 1)]
-    beside = np.concatenate([np.arange(-_AROUND, 0), np.arange(1, _AROUND + 1)])
-    alone = abs(force[inside] - np.median(force[inside[:, None] + beside], axis=1)) > _SPIKE * usual
-    moved = abs(_change(columns, inside))
-    every = np.arange(_AROUND + 1, len(force) - _AROUND - 1, max(len(force) // 100_000, 1))
-    spikes = inside[alone & (moved <= _ANSWER * float(np.quantile(abs(_change(columns, every)), 0.95)))]
-    if len(spikes):
+    far = np.concatenate([[True], abs(force - middle) > _SPIKE * usual, [True]])
+    spikes = np.flatnonzero(far[1:-1] & ~far[:-2] & ~far[2:])
+    if usual > 0.0 and 0 < len(spikes) < _RARE * len(force):
         largest = float(np.max(abs(force[spikes])))
         notes.append(
-            f"{number}: force: {len(spikes)} rows of up to {largest:.3g} beyond all others ({usual:.3g} about the middle), which "
-            f"the motion does not answer (first at {columns['time'][spikes[0]]:.6g} s): straight lines in their place"
+            f"{number}: force: {len(spikes)} single rows of up to {largest:.3g} beyond all others ({usual:.3g} about the middle; "
+            f"first at {columns['time'][spikes[0]]:.6g} s): straight lines in their place"
         )
         kept = np.delete(np.arange(len(force)), spikes)
         columns["force"] = force.copy()
         columns["force"][spikes] = np.interp(spikes, kept, force[kept])
-
-
-def _change(columns: dict[str, Array], rows: NDArray[np.intp]) -> Array:
-    """By how much the velocity is another after each of these rows than before."""
-    if "velocity" in columns:
-        return columns["velocity"][rows + 2] - columns["velocity"][rows - 2]
-    x = columns["position"]
-    return (x[rows + 3] - x[rows + 1]) - (x[rows - 1] - x[rows - 3])
 
 
 def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[str]) -> list[slice]:
