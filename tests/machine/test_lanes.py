@@ -1,12 +1,10 @@
-"""Machines in lanes agree with single runs; so does SciPy's solver where there is no compiler."""
+"""Machines in lanes agree with single runs."""
 
 import numpy as np
 import pytest
 
 from stribeck import InputError, Scenario, simulate
-from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations
-from tests import radau
 from tests.machine.machines import assert_balanced, law, machine, push
 
 PID = {"kind": "pid", "on": "a", "K_p": 80.0, "K_i": 60.0, "K_d": 9.0, "limit": 3.0,
@@ -75,16 +73,3 @@ def test_values_that_no_machine_may_have():
     ]  # fmt: skip
     with pytest.raises(InputError, match=r"links\.k\.gapp"):
         simulate(RIG, {"links.k.gapp": [1.0]})
-
-
-@pytest.mark.parametrize("name", SETS)
-def test_without_a_compiler(name):
-    short = Scenario(SETS[name][0]).replace({"solve.t_end": 0.2, "solve.rtol": 1e-7})
-    found, expected = Solution(short, radau.solve(short)), simulate(short)
-    assert found.status == "done"
-    assert_balanced(found, 1e-4)
-    for column in found.columns:
-        error = np.max(np.abs(found[column.name] - expected[column.name]))
-        assert error <= 1e-4 * max(expected.peaks[column.name], 1e-9), column.name
-    counts = [{e: {k: len(x) for k, x in kinds.items()} for e, kinds in s.events.items()} for s in (found, expected)]
-    assert counts[0] == counts[1]

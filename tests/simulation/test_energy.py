@@ -4,9 +4,6 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson
 
-from stribeck import Scenario
-from stribeck.simulation.solution import Solution
-from tests import radau
 from tests.simulation.rig import LAWS, pid, rig, solved, spring
 
 pytestmark = [pytest.mark.usefixtures("each_system_is_run_once")]
@@ -66,10 +63,3 @@ def test_energy_columns_do_not_change_the_motion():
         np.testing.assert_allclose(a[name], b[name], rtol=0, atol=1e-6 * a.peaks[name])
     with pytest.raises(KeyError):
         a["E_in"]
-
-
-def test_balance_by_another_solver():
-    scenario = Scenario(with_energy("lugre_majorant", "force"))
-    s = Solution(scenario, radau.solve(scenario))
-    stored = s["E_stored"] - s["E_stored"][0]
-    np.testing.assert_allclose(s["E_in"], stored + s["E_dissipated"], rtol=0, atol=1e-7 * s.peaks["E_in"])

@@ -1,4 +1,4 @@
-"""A system's equations as Python functions of numbers, for eigenvalues and for other solvers."""
+"""A system's equations as Python functions of numbers, for eigenvalues."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import derivative, symbol, wrap
+from stribeck.expressions.graph import derivative, symbol
 from stribeck.scenario import Scenario
 
 
@@ -27,11 +27,9 @@ class RateFunctions:
         self.states = [state.name for state in system.states]
         inputs = [f"{owner}.{name}" for owner, name in system.parameters]
         inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + ["t", *self.states]
-        rates, watches, moved = system.rates(), system.watches(), system.moved_energy()
+        rates = system.rates()
         jacobian = [derivative(rate, symbol(name)) for rate in rates for name in self.states]
         self._rates, self._jacobian = python_function(inputs, rates), python_function(inputs, jacobian)
-        self._watch = python_function(inputs, [watch.value for watch in watches])
-        self._moved = python_function(inputs, [wrap(0.0) if moved is None else moved])
         self._values = [np.float64(values[key]) for key in system.parameters]
         self.piece: Array = np.zeros(len(system.piece_fields))
         self.held = np.zeros(len(system.held))
@@ -47,11 +45,3 @@ class RateFunctions:
     def jacobian(self, t: float, x: Array) -> Array:
         """The derivatives of the rates by the states."""
         return np.array(self._jacobian(*self.arguments(t, x)), float).reshape(len(x), len(x))
-
-    def watch(self, t: float, x: Array) -> Array:
-        """The quantities whose zeros are events."""
-        return np.array(self._watch(*self.arguments(t, x)), float)
-
-    def moved(self, t: float, x: Array) -> float:
-        """The energy that changes where a signal jumps."""
-        return float(self._moved(*self.arguments(t, x))[0])

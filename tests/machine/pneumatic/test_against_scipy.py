@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from stribeck.simulation.solution import Solution
-from tests import radau
 from tests.machine.pneumatic import independent
-from tests.machine.pneumatic.servos import COLUMNS, last, servo, solved
+from tests.machine.pneumatic.servos import COLUMNS, last, solved
 from tests.shared import SHARED
 
 FILES = sorted((SHARED / "reference").glob("pneumatic_servo__*.csv"))
@@ -85,15 +83,6 @@ def test_a_sampled_controller_with_noise_counts_and_delay():
     for name, x in expected.items():
         assert np.max(np.abs(solution[name][::2] - x)) <= 1e-6 * np.max(np.abs(x)), name
     assert set(np.diff(solution["u"]).nonzero()[0] % 2) == {0}  # it acts between two instants, and holds between
-
-
-@pytest.mark.parametrize("sampled", [False, True])
-def test_without_a_compiler(sampled):
-    changes = {"drive__sample_time": 0.01} if sampled else {}
-    scenario = servo(solve__t_end=0.3, **changes)
-    slow, fast = Solution(scenario, radau.solve(scenario)), simulate(scenario)
-    for name in ("y", "v", "p_1", "z", "u", "V"):
-        assert np.max(np.abs(slow[name] - fast[name])) <= 2e-5 * fast.peaks[name], name
 
 
 # plant, observer, k_v of the observer: the largest error and whether V rises (theory.md, section 5)
