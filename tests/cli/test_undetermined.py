@@ -17,8 +17,8 @@ def fitted(tmp_path_factory):
     from stribeck.identify.options import FitOptions
     from stribeck.identify.written import toml
 
-    log = rig.held_at(0.05)
-    fit = fit_simulated(log, "lugre", FitOptions(mass=0.0, constants={"offset": 0.0}, starts=2))
+    log = rig.held_at(0.05, 1.0)
+    fit = fit_simulated(log, "lugre", FitOptions(mass=0.0, constants={"offset": 0.0}, starts=1))
     folder = tmp_path_factory.mktemp("fit")
     (folder / "parameters.toml").write_text(toml(fit, "stribeck fit"))
     assert not fit.estimates["sigma_0"].identifiable
@@ -88,7 +88,7 @@ def test_a_fit_that_ctrl_c_stops_is_written_and_marked(stribeck, fitted, tmp_pat
         yield tell
 
     monkeypatch.setattr("stribeck.cli.fit.progress", progress)
-    log = rig.held_at(0.05)
+    log = rig.held_at(0.05, 1.0)
     np.savez(tmp_path / "log.npz", t=log.time, y=log.position, F=log.force)
     columns = ("--time", "t", "--position", "y", "--force", "F", "--mass", 0)
     outcome = stribeck("fit", tmp_path / "log.npz", "--law", "lugre", *columns, "--out", tmp_path / "out")

@@ -1,6 +1,7 @@
 """Rows that lie beyond what a fit has seen."""
 
 import json
+from shutil import copytree
 
 import numpy as np
 import pytest
@@ -74,10 +75,15 @@ def rig(size: float) -> dict[str, np.ndarray]:
     return {"t": t, "y": y, "v": v, "F": force}
 
 
-def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(tmp_path):
-    fit = stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES, terms=["stiffness"], mass=0.0)
-    fit.save(tmp_path)
-    kept = Fit.load(tmp_path)
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fit")
+    stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES, terms=["stiffness"], mass=0.0).save(folder)
+    return folder
+
+
+def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(saved):
+    kept = Fit.load(saved)
     assert kept.seen["position"] == pytest.approx((-0.2, 0.2), rel=0.01)
     inside = kept.predict(read_log(rig(0.2), ColumnNames(NAMES)))
     assert inside.beyond.rows == 0
@@ -91,9 +97,8 @@ def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(tmp_path):
 
 
 @pytest.mark.parametrize("range_", [[1.0], [2.0, 1.0], [0.0, "x"], 3.0])
-def test_a_range_that_is_none_is_refused(tmp_path, range_):
-    fit = stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES)
-    fit.save(tmp_path)
+def test_a_range_that_is_none_is_refused(saved, tmp_path, range_):
+    copytree(saved, tmp_path, dirs_exist_ok=True)
     data = json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))
     data["seen"]["velocity"] = range_
     (tmp_path / "fit.json").write_text(json.dumps(data), encoding="utf-8")

@@ -80,6 +80,7 @@ LACKS = {
 }
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("what", LACKS)
 def test_ranges_hold_where_a_term_lacks(what):
     """White residuals hide the bump and the drag."""
@@ -110,7 +111,8 @@ def test_a_sensor_that_errs_is_not_taken_for_friction():
     assert not outside(found)
 
 
-@pytest.mark.parametrize("every", [4, 10])
+@pytest.mark.share(2)
+@pytest.mark.parametrize("every", [10, 4])
 def test_a_torque_that_was_sampled_too_coarsely_is_named(every):
     """A clock was blamed, or nothing, where the torque between samples 20 and 50 ms apart is no straight line."""
     runs = []

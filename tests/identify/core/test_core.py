@@ -25,8 +25,14 @@ def inside(e, truth, how="interval"):
     return low <= truth <= high
 
 
-def test_a_complete_law_is_identified_and_its_intervals_hold_the_truth():
-    found = judged(choice_of(record()))
+@pytest.fixture(scope="module")
+def plain():
+    """The choice on a record that lacks nothing."""
+    return choice_of(record())
+
+
+def test_a_complete_law_is_identified_and_its_intervals_hold_the_truth(plain):
+    found = judged(plain)
     for name, truth in TRUTH.items():
         assert inside(found[name], truth, "range"), name
     assert all(found[n].state is EstimateState.IDENTIFIED for n in ("mass", "F_c", "F_s", "sigma_2", "offset"))
@@ -40,14 +46,13 @@ def test_an_open_end_is_none_in_json():
     assert (told["state"], told["why"], "experiment" in told) == ("at least", "no slow rows", False)
 
 
-def test_the_range_is_never_narrower_than_the_interval():
-    for e in judged(choice_of(record(1))).values():
+def test_the_range_is_never_narrower_than_the_interval(plain):
+    for e in judged(plain).values():
         assert e.range[0] <= e.interval[0] <= e.value <= e.interval[1] <= e.range[1]
 
 
-def test_levels_at_seen_speeds_are_estimates():
-    choice = choice_of(record(2))
-    found, speeds = judged(choice), choice.library.at.speeds
+def test_levels_at_seen_speeds_are_estimates(plain):
+    found, speeds = judged(plain), plain.library.at.speeds
     for name, v in zip(("level slow", "level middle", "level half", "level fast"), speeds, strict=True):
         truth = TRUTH["F_c"] + (TRUTH["F_s"] - TRUTH["F_c"]) * np.exp(-((v / TRUTH["v_s"]) ** 2)) + TRUTH["sigma_2"] * v
         assert inside(found[name], truth, "range")

@@ -168,7 +168,7 @@ def unit(scenario: Scenario, c: MachineCoordinate) -> str:
     owner, name = scenario.places.get(path, ("", path.rpartition(".")[2]))
     if owner == "initial":
         body = scenario.system.elements.bodies[name.rpartition(".")[0]]
-        length = "rad" if body.rotary else "m"
+        length = "rad" if body.turns else "m"
         return length if name.endswith(".y") else f"{length}/s"
     tables = scenario.system.tables
     if owner in scenario.elements.laws or owner in tables:

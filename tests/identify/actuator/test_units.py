@@ -1,0 +1,37 @@
+"""The unit of a fitted number is that of what it is in the machine."""
+
+import pytest
+
+from stribeck import Scenario
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.judge import unit
+from tests.identify.actuator.recorded import body
+from tests.identify.actuator.test_lacks import arm
+
+LAW = "contacts.{}.law.parameters.{}"
+OF_BODY = {
+    "bodies.a.mass": "kg", "bodies.a.initial.y": "m", "bodies.a.initial.v": "m/s",
+    LAW.format("guide", "F_c"): "N", LAW.format("guide", "sigma_0"): "N/m", LAW.format("guide", "v_s"): "m/s",
+}  # fmt: skip
+OF_ARM = {
+    "bodies.arm.inertia": "kg m^2", "bodies.arm.initial.y": "rad", "bodies.arm.initial.v": "rad/s",
+    LAW.format("joint", "F_c"): "N m", LAW.format("joint", "sigma_2"): "N m s/rad",
+}  # fmt: skip
+OF_SENSOR = {"offset": ("m", "rad"), "gain": ("1", "1"), "delay": ("s", "s"), "clock": ("s/s", "s/s"), "?": ("", "")}
+
+
+def coordinate(name, output=None):
+    return MachineCoordinate(name, 0.1, 1.0, targets={name: 1.0}, output=output)
+
+
+@pytest.mark.parametrize(("data", "units"), [(body(), OF_BODY), (arm(), OF_ARM)], ids=["body", "arm"])
+def test_a_number_of_the_machine(data, units):
+    scenario = Scenario(data)
+    assert {name: unit(scenario, coordinate(name)) for name in units} == units
+    assert unit(scenario, coordinate("bodies.nobody.mass")) == ""
+
+
+@pytest.mark.parametrize("what", OF_SENSOR)
+def test_a_number_of_a_sensor(what):
+    found = [unit(Scenario(x), coordinate("s", (f"{n}.y", what))) for x, n in ((body(), "a"), (arm(), "arm"))]
+    assert found == list(OF_SENSOR[what])
