@@ -24,6 +24,7 @@ from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit, Trace
+from stribeck.identify.actuator.traces import BEGIN
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.filters import shifted
@@ -49,7 +50,6 @@ _SIGN = 0.01  # of the largest speed: width of the smooth sign for initial value
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
 _STROKE = 5.0  # break-away distances: gross sliding begins after two or three
 _BENT = 5.0  # break-away distances: largest deflection of the bristles at the start of a run
-_FIRST_ROWS = 24  # of a run, to which its initial deflection is fitted, as in a machine's recordings that are predicted
 _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
 BESIDE = ("offset", "stiffness", *_WEIGHT, "area", "delay")  # terms available in a fit of the motion
@@ -477,7 +477,7 @@ def initial_deflections(name: str, values: Values, log: Log) -> list[float]:
     largest = _BENT * constants.scales(constants.p).length
     found = []
     for rows in _runs(log):
-        first = log.rows(slice(rows.start, min(rows.start + _FIRST_ROWS, rows.stop)))
+        first = log.rows(slice(rows.start, min(rows.start + BEGIN, rows.stop)))
 
         def residual(share: float, first: Log = first) -> float:
             friction, beside = parts(name, values, first, [share * largest])

@@ -12,7 +12,7 @@ from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg
 
 _LOOPS, _SPEEDS, _RATES = 4, 8, 3  # tests of each kind
-_CYCLES = 3
+_CYCLES = 3  # of a loop: the first begins in another state than it ends
 _SLOWEST = 1e-3  # of the speed limit
 _PUSH = 0.9  # of the force limit
 SMALLEST, _LARGEST = 1e-12, 1e12  # in SI units: no rig is beyond, and squares and ratios are numbers

@@ -27,7 +27,7 @@ from stribeck.parameter_sets import read_toml
 from stribeck.scenario.trust import astray
 
 FILE, MACHINE = "fit.json", "machine.toml"
-_FORMAT = 6
+_FORMAT = 6  # counts the layouts of fit.json
 _LOG, _MACHINE = "log", "machine"
 # -- writing ---------------------------------------------------------------------------------------------------------
 

@@ -17,6 +17,7 @@ from stribeck.identify.actuator.residuals import leftovers
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import ROUGH_STEPS, search
 from stribeck.identify.core.judging import EXPLAINED
+from stribeck.identify.data.quality import ratio_of_ways
 
 _TAIL = 0.02  # of a recording that a column may lack at its end: a filter's delay, or a slower sensor's last sample
 _FACTORS = {
@@ -25,7 +26,6 @@ _FACTORS = {
 }  # fmt: skip
 _OF_INPUTS = (1e-3, 1e3, np.pi / 180)  # the other sign of an input equals that of an output
 _LIKE = 0.1  # of a unit factor: tolerance within which a measured factor is taken for it
-_ALIKE = 0.9  # correlation of two columns of one motion
 _CLOCK = 0.05  # s/s: the bound of a clock that drifts; a larger error is a unit of time
 _ROUGHLY = 1e-3  # relative reduction of the cost: the search only decides whether the machine describes a recording
 _STARTS, _COMPARED = 4, 6  # of a search with the recording as it is; with a changed column, whose numbers lie farther
@@ -89,9 +89,7 @@ def _ratio_of_rates(y: Channel, v: Channel) -> float | None:
     moved = np.diff(np.interp(t, y.t[good], y.x[good]))
     area = np.concatenate([[0.0], np.cumsum(np.diff(v.t[also]) * 0.5 * (v.x[also][1:] + v.x[also][:-1]))])
     integral = np.diff(np.interp(t, v.t[also], area))
-    if not (moved @ moved) > 0 or abs(np.corrcoef(moved, integral)[0, 1]) < _ALIKE:
-        return None
-    return float(moved @ integral / (moved @ moved))
+    return ratio_of_ways(moved, integral)
 
 
 Runs = list[RecordedRun]

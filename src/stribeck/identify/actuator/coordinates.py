@@ -21,7 +21,7 @@ _DECADES = 2.5  # positive bounds whose ratio exceeds it are searched in the log
 _ABOVE = 1e-6  # of F_c: the least distance of F_s above it, far above rounding
 _BELOW = 0.95  # of F_c/sigma_0: the largest z_ba, so that differences of either number stay below 1
 SPEED = "m/s"  # the unit of a law's constants that are places of its curve
-NEUTRAL = {"offset": 0.0, "gain": 1.0, "delay": 0.0, "clock": 0.0}
+NEUTRAL = {"offset": 0.0, "gain": 1.0, "delay": 0.0, "clock": 0.0}  # of a sensor without errors
 
 
 @dataclass(frozen=True)

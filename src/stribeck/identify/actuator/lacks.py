@@ -17,7 +17,7 @@ from stribeck.identify.actuator.drawn import change_by
 from stribeck.identify.actuator.inputs import STILL, RecordedInput, number_at
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel
-from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.runs import RecordedRun, rms
 from stribeck.identify.core.library import LARGEST
 from stribeck.scenario.changes import unused_prefix
 
@@ -107,9 +107,9 @@ def _friction(problem: MachineProblem, u: Array, motion: RunMotion) -> Iterator[
     terms: list[tuple[str, str, list[Array], AtSpeed | None]] = []
     added: list[MachineCoordinate] = []
     for contact in contacts:
-        friction = _rms(motion.each(f"{contact}.F"))
+        friction = rms(motion.each(f"{contact}.F"))
         for term, forces, at in _terms(problem, u, motion, contact) if _loads(problem.runs[0], contact) else ():
-            if friction > 0 and (size := _rms(forces)) > 0:
+            if friction > 0 and (size := rms(forces)) > 0:
                 name, size = f"{_ON}.{contact}.{term}", friction / size
                 terms.append((contact, term, forces, at))
                 added.append(MachineCoordinate(name, -size, size, 0.0, None, {name: 1.0}))
@@ -143,10 +143,6 @@ def _times(at: AtSpeed, size: float) -> AtSpeed:
 
 def _of_friction(contact: str, term: str) -> Callable[[float], str]:
     return lambda x: f"{term} of {100 * abs(x):.2g} % of the friction of {contact}"
-
-
-def _rms(rows: Sequence[Array]) -> float:
-    return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
 
 
 def _loads(run: RecordedRun, contact: str) -> dict[str, tuple[str, float]]:

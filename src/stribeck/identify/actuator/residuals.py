@@ -10,7 +10,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.drawn import carried
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.runs import roughness
+from stribeck.identify.actuator.runs import rms, roughness
 
 _FIRST = 0.05  # of a column's changes: initial value of the noise, between that of good and of poor models
 AS_WELL = 1.2  # ratio of rms residuals up to which two agree: white noise reaches 1 to some hundredths
@@ -60,11 +60,7 @@ def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float
     size: dict[str, list[Array]] = {}
     for _, target, _ in problem.pieces:
         size.setdefault(target.column, []).append(target.x - target.x.mean())
-    return {name: (_rms(parts), _rms(size[name])) for name, parts in left.items()}
-
-
-def _rms(parts: Sequence[Array]) -> float:
-    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+    return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
 
 
 def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
@@ -76,9 +72,9 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
         return []
     columns = by_column(problem, problem.residuals(u[None])[0])
     least = {n: max(floor_of(problem, n), roughness(parts)) for n, parts in columns.items()}  # without the motion
-    more = {n: left for n, parts in columns.items() if least[n] > 0 and not (left := _rms(parts)) <= AS_WELL * least[n]}
+    more = {n: left for n, parts in columns.items() if least[n] > 0 and not (left := rms(parts)) <= AS_WELL * least[n]}
     if more and np.isfinite(list(more.values())).all():  # nan: the simulation fails there
-        least = {n: float(np.hypot(least[n], _rms(x))) for n, x in by_column(problem, carried(problem, u)).items()}
+        least = {n: float(np.hypot(least[n], rms(x))) for n, x in by_column(problem, carried(problem, u)).items()}
     return [
         f"{n}: {left:.2g} is left, {left / least[n]:.3g} times the noise of what is measured"
         for n, left in more.items() if not left <= AS_WELL * least[n]

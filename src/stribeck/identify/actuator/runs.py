@@ -194,6 +194,11 @@ def roughness(parts: Sequence[Array], order: int = 3) -> float:
     return float(np.sqrt(np.mean(rough**2) / math.comb(2 * order, order)))
 
 
+def rms(parts: Sequence[Array]) -> float:
+    """The root mean square over the pieces of a column."""
+    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+
+
 def recorded_run(
     scenario: Scenario, recording: Recording, log: int, span: tuple[float, float] | None = None, fine: bool = False
 ) -> RecordedRun:

@@ -17,7 +17,7 @@ from stribeck.identify.actuator.solve import search
 from stribeck.identify.actuator.starts import prepared
 from stribeck.scenario import Scenario
 
-_BEGIN = 2 * FIRST_SAMPLES  # to which the initial state of a predicted recording is fitted
+BEGIN = 2 * FIRST_SAMPLES  # to which the initial state of a predicted recording is fitted
 
 
 def traces(
@@ -58,7 +58,7 @@ def _begun(problem: MachineProblem, u: Array, open_: set[str]) -> Array:
             path: scale * values[c.name] for i, c in concerned if i not in states for path, scale in c.targets.items()
         }
         sensors = [replace(c, low=values[c.name], high=values[c.name]) for _, c in concerned if c.output is not None]
-        first = run.until(float(np.sort(np.concatenate([x.t for x in run.targets]))[: _BEGIN * len(run.targets)][-1]))
+        first = run.until(float(np.sort(np.concatenate([x.t for x in run.targets]))[: BEGIN * len(run.targets)][-1]))
         size = {t.column: float(np.std(t.x)) or 1.0 for t in run.targets}
         part = MachineProblem(
             [replace(first, start={**run.start, **held})], [*(problem.sought[i] for i in states), *sensors], size

@@ -211,8 +211,8 @@ def anchor(
     if (between := ripple.range_of(log, record.q)) is None:
         return at
     residual, side = target - own @ x, np.sign(record.column(v))
-    of_level = tuple(ripple.peaks(y, residual * side, *between)[:1])
-    return replace(at, waves=tuple(ripple.peaks(y, residual, *between)[:2]), level_waves=of_level)
+    of_level = tuple(ripple.peaks(y, residual * side, *between, 1))
+    return replace(at, waves=tuple(ripple.peaks(y, residual, *between, 2)), level_waves=of_level)
 
 
 def _way(log: Log) -> float:

@@ -13,9 +13,9 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 
 SETTLED = 5.0  # periods of the cut-off at the start of a run, in which a filter is not settled
-_CHUNK = 1_000_000
+_CHUNK = 1_000_000  # samples at once: some 10 MB, whatever the record's length
 _STAGE = 13  # the most that one Chebyshev filter of order 8 is to reduce the rate by
-_FORGOTTEN = 1e-10
+_FORGOTTEN = 1e-10  # what is left of a filter's state where pieces meet: below the sensors' last bit
 _ENDS = 1.2  # periods of the cut-off
 _WHOLE = 1e-12  # of a sample: rounding
 _SIDE = 4  # samples to each side

@@ -23,7 +23,7 @@ from stribeck.identify.data.units import is_rotary
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.recorded import is_table, opened
 
-_LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+_LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)  # round numbers, no coarser than the spectrum tells its edge
 _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
 _ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion

@@ -12,17 +12,17 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 
 Mask = NDArray[np.bool_]
-FEWEST = 50
+FEWEST = 50  # rows of a run: fewer hold no reversal, and a filter takes as many to settle
 _EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced
 _GAP = 5.5  # steps without a sample that end a run
-_BLOCK = 1_000_000
+_BLOCK = 1_000_000  # rows at once: some 10 MB, whatever the record's length
 _ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
 _OFF = 1.5  # times each other: more is another unit
 _SPIKE = 10.0  # times the usual force: what no friction comes to
 _RARE = 0.02  # of the rows: more are no fault of a sensor
 _GLITCH, _SCATTER = 20.0, 2.5  # times what is usual beside a cubic: a value that is off; what noise adds
 _TRACE = (1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6)  # of a value that is off by 1, in the distances from cubics
-_MOST_LOOKED_AT = 5000
+_MOST_LOOKED_AT = 5000  # rows: each takes nine small regressions, all of them some seconds
 _WRAPPED = 0.4  # of the position's range, from a row to the next: a turn is over
 _STUCK = 50  # samples of one and the same value, while the others move
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value
@@ -127,7 +127,7 @@ def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
     measured, summed = np.concatenate(ways), np.concatenate(sums)
     if len(measured) < 2:
         return
-    found = [_ratio(measured, summed), _ratio(measured - measured.mean(), summed - summed.mean())]
+    found = [ratio_of_ways(measured, summed), ratio_of_ways(measured - measured.mean(), summed - summed.mean())]
     ratios = [x for x in found if x is not None]
     if ratios and not any(1 / _OFF < x < _OFF for x in ratios):
         raise InputError(
@@ -136,8 +136,8 @@ def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
         )
 
 
-def _ratio(measured: Array, summed: Array) -> float | None:
-    """How many times the one is the other, where the two are alike."""
+def ratio_of_ways(measured: Array, summed: Array) -> float | None:
+    """How many times the ways by the velocity are those by the position, where the two are alike."""
     size = float(np.linalg.norm(measured)) * float(np.linalg.norm(summed))
     alike = float(measured @ summed)
     if size == 0.0 or abs(alike) < _ALIKE * size:

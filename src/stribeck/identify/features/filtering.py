@@ -11,7 +11,7 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.log import Log
 
-_LOWER = float(np.sqrt(0.5))
+_LOWER = float(np.sqrt(0.5))  # of the cut-off: a filter's bias, which goes with its inverse square, is then doubled
 _MEDIAN = 0.6745  # of a normal number's size, by its deviation
 _DRAWS = 6  # of the motion's noise: these tell a deviation to 30 %
 

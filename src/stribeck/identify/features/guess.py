@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.laws.base import Law
 
-_REVERSALS_LOOKED_AT = 200
+_REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 % of their number
 _REST = 0.01  # of the largest speed
 RISE = 0.3  # of the friction level: less is noise or inertia
 _FEWEST_AT_REST = 8  # samples
@@ -60,7 +61,7 @@ def sizes_of(log: Log) -> Sizes:
     return Sizes(level, offset, fast, typical, _stiffness(log, force, level), travel, log.step)
 
 
-def reversals(v: Array) -> list[tuple[int, int]]:
+def _reversals(v: Array) -> list[tuple[int, int]]:
     """First and last row of the motion after each reversal or rest of a run, until the next."""
     turns = np.flatnonzero(np.diff(np.sign(v)) != 0).tolist()
     return list(zip(turns, [*turns[1:], len(v) - 1], strict=True)) if turns else []
@@ -94,16 +95,23 @@ def _at_rest(log: Log, force: Array, level: float) -> list[float]:
 
 def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
     """Force over way on the first half of the rise that follows a reversal, where it takes a few samples."""
-    found = []
+    every = rises(log, force, level, _REVERSALS_LOOKED_AT)
+    return [rise / way for samples, rise, way in every if way > 0 and samples]
+
+
+def rises(log: Log, force: Array, level: float, most: int) -> Iterator[tuple[int, float, float]]:
+    """After reversals behind which the force rises much: samples, force and way until half of the rise is made.
+
+    Args:
+        most: reversals of a run that are looked at.
+    """
     for rows in log.runs():
-        v, y, f = log.velocity[rows], log.position[rows], force[rows]
-        for first, last in reversals(v)[:_REVERSALS_LOOKED_AT]:
+        y, f = log.position[rows], force[rows]
+        for first, last in _reversals(log.velocity[rows])[:most]:
             rise = abs(f[first : last + 1] - f[first])
             if len(rise) > 4 and rise.max() > RISE * level:
                 half = int(np.argmax(rise >= rise.max() / 2))
-                way = abs(y[first + half] - y[first])
-                found += [rise[half] / way] if way > 0 and half else []
-    return found
+                yield half, float(rise[half]), float(abs(y[first + half] - y[first]))
 
 
 def ranges(law: type[Law], sizes: Sizes) -> dict[str, Guess]:

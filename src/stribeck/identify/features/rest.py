@@ -12,7 +12,7 @@ Mask = NDArray[np.bool_]
 _WINDOW, _SHORTEST = 0.02, 10  # s, rows: of a look
 _WINDOWS = 3  # in a row make a rest
 _SLOW = 0.02  # of the fastest speed: what noise may reach at rest
-_NOISES = 4.0
+_NOISES = 4.0  # standard deviations: of a look's tens of rows, noise alone reaches it in none
 
 
 def at_rest(log: Log) -> Mask:

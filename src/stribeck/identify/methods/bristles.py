@@ -10,7 +10,7 @@ import numpy as np
 from stribeck import laws
 from stribeck.errors import StribeckError, first_line
 from stribeck.identify.features.filtering import position_step
-from stribeck.identify.features.guess import RISE, reversals, sizes_of
+from stribeck.identify.features.guess import rises, sizes_of
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.models.memory import rows_together
 from stribeck.identify.onebody import Simulated, simulated
@@ -111,13 +111,6 @@ def _error_everywhere(fit: LogFit, log: Log) -> float:
 
 def shows_presliding(log: Log) -> bool:
     """Whether the force rises over a way that is resolved, behind several reversals: a contact that yields before it slides."""
-    level, quantum, count = sizes_of(thinned(log)).force, position_step(log), 0
-    for rows in log.runs():
-        v, y, force = log.velocity[rows], log.position[rows], log.force[rows]
-        for first, last in reversals(v)[:LOOKED_AT]:
-            rise = abs(force[first : last + 1] - force[first])
-            if len(rise) <= RESOLVED or rise.max() < RISE * level:
-                continue
-            half = int(np.argmax(rise >= rise.max() / 2))
-            count += half >= RESOLVED and abs(y[first + half] - y[first]) > STEPS * quantum
-    return count >= FEWEST
+    level, shortest = sizes_of(thinned(log)).force, STEPS * position_step(log)
+    every = rises(log, log.force, level, LOOKED_AT)
+    return sum(samples >= RESOLVED and way > shortest for samples, _, way in every) >= FEWEST

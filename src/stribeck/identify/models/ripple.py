@@ -10,9 +10,8 @@ from stribeck.identify.log import Log
 _FEWEST = 1.0  # waves on the way: of less than one nothing is told
 _BAND = 0.4  # of the rate of the rows that are compared: what passes their filter
 _CELLS = 8  # of a wave, into which the way is cut
-_MOST_CELLS = 1 << 17
+_MOST_CELLS = 1 << 17  # a transform of so many takes some milliseconds
 _FINER = 4  # than the width of a peak
-_PEAKS = 3
 
 
 def range_of(log: Log, q: int) -> tuple[float, float] | None:
@@ -25,8 +24,8 @@ def range_of(log: Log, q: int) -> tuple[float, float] | None:
     return (low, high) if high > 2 * low else None
 
 
-def peaks(position: Array, left: Array, low: float, high: float) -> list[float]:
-    """The waves of which a residual holds most, the largest first.
+def peaks(position: Array, left: Array, low: float, high: float, most: int) -> list[float]:
+    """The waves, at most so many, of which a residual holds most, the largest first.
 
     The residual is summed up in cells of the way, whose spectrum, by a fast Fourier transform, is that of the rows.
     """
@@ -38,7 +37,7 @@ def peaks(position: Array, left: Array, low: float, high: float) -> list[float]:
     waves = 2 * np.pi * np.arange(len(power)) * cells / (count * way)
     power = np.where((waves >= low) & (waves <= high), power, 0.0)
     found: list[float] = []
-    while len(found) < _PEAKS and power.any():
+    while len(found) < most and power.any():
         found.append(float(waves[int(np.argmax(power))]))
         power[abs(waves - found[-1]) < 4 * np.pi / way] = 0.0
     return found

@@ -16,7 +16,7 @@ from stribeck.identify.log import Log
 
 Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
-RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # of factors 2 and 5: stages of decimation stay few
 MOST_ROWS = 25_000  # of a fit: more tell nothing new behind the filter
 MOST_RAW = 100_000  # rows of a record: more tell nothing new
 _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
