@@ -87,6 +87,16 @@ def need(*tools):
             pytest.skip(f"{tool} is not installed")
 
 
+def output_of(folder, *sources, cc="gcc", flags=("-O2",), run=(), given=None, words=()):
+    """What a program of these C files prints, which are compiled without a warning; ``run``: what runs it."""
+    need(cc, *run[:1])
+    command = [cc, *STRICT, *flags, *map(str, sources), "-o", "program", "-lm"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    command = [*run, str(folder / "program"), *words]
+    return subprocess.run(command, input=given, capture_output=True, text=True, check=True).stdout
+
+
 class Program:
     """A compiled export, to be called many times at once."""
 

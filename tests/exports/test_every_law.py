@@ -1,14 +1,12 @@
 """Every law in every target that can be compiled, alone and in a machine: run, and as the simulation has it."""
 
-import subprocess
-
 import numpy as np
 import pytest
 
 import stribeck
 from stribeck import Scenario
 from stribeck.laws import builtin
-from tests.exports.harness import STRICT, law, need
+from tests.exports.harness import law, need, output_of
 from tests.machine.machines import machine, push
 
 pytestmark = pytest.mark.thorough
@@ -31,17 +29,11 @@ def close(found, exact):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_c(name, tmp_path):
-    need("gcc")
     stribeck.export(law(name), "c", tmp_path / "law", self_test=True)
-    words = ["gcc", *STRICT, "-O1", f"{name}.c", f"{name}_test.c", "-o", "run", "-lm"]
-    subprocess.run(words, cwd=tmp_path / "law", check=True)
-    done = subprocess.run([tmp_path / "law" / "run"], capture_output=True, text=True, check=True)
-    assert "all checks passed" in done.stdout
+    assert "all checks passed" in output_of(tmp_path / "law", f"{name}.c", f"{name}_test.c", flags=("-O1",))
     scenario = rig(name)
     stribeck.export(scenario, "c", tmp_path / "machine")
-    sources = [str(file) for file in (tmp_path / "machine").glob("*.c")]
-    subprocess.run(["gcc", "-std=c99", "-O1", *sources, "-o", str(tmp_path / "run"), "-lm"], check=True)
-    text = subprocess.run([tmp_path / "run"], capture_output=True, text=True, check=True).stdout.splitlines()
+    text = output_of(tmp_path / "machine", *(tmp_path / "machine").glob("*.c"), flags=("-O1",)).splitlines()
     rows = np.array([[float(x) for x in line.split(",")] for line in text[1:]]).T
     close(dict(zip(text[0].split(","), rows, strict=True)), stribeck.simulate(scenario))
 

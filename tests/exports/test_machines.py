@@ -11,7 +11,7 @@ from stribeck import Scenario, examples, simulate
 from stribeck.cli import _status
 from stribeck.exports.fmu import binaries
 from stribeck.simulation.native import sampled_share
-from tests.exports.harness import STRICT, need
+from tests.exports.harness import need, output_of
 from tests.exports.test_loads import RIG
 from tests.machine.machines import assert_balanced, law, machine
 from tests.machine.test_mistakes import edited
@@ -71,36 +71,21 @@ def close(found, exact, share=1e-6):
 
 @pytest.mark.parametrize("cc", ["gcc", "clang"])
 def test_c(cc, scenario, exact, tmp_path):
-    need(cc)
     files = stribeck.export(scenario, "c", tmp_path)
     assert sorted(f.name for f in files) == ["machine.c", "machine.h", "machine_run.c"]
-    words = [
-        cc,
-        *STRICT,
-        "-O1",
-        *(str(tmp_path / f) for f in ("machine.c", "machine_run.c")),
-        "-o",
-        str(tmp_path / "run"),
-    ]
-    done = subprocess.run([*words, "-lm"], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
-    close(table(out), exact)
-    assert_balanced(table(out))
+    found = table(output_of(tmp_path, "machine.c", "machine_run.c", cc=cc, flags=("-O1",)))
+    close(found, exact)
+    assert_balanced(found)
 
 
 def test_with_the_same_steps_c_is_the_simulation(tmp_path):
     """Each row of the program ends a step, and simulate reads its rows off the steps' polynomials: rows agree as the
     tolerance says. One advance to the end makes the simulation's own steps, and agrees but for rounding."""
-    need("gcc")
     run = simulate(RIG)
     stribeck.export(RIG, "c", tmp_path, part="machine")
-    words = ["gcc", "-O2", *map(str, tmp_path.glob("*.c")), "-o", str(tmp_path / "run"), "-lm"]
-    subprocess.run(words, check=True)
     end = repr(float(RIG.end))
     for times, share in (([end, end], 1e-9), ([], 1e-6)):
-        out = subprocess.run([str(tmp_path / "run"), *times], capture_output=True, text=True, check=True).stdout
-        found = table(out)
+        found = table(output_of(tmp_path, *tmp_path.glob("*.c"), words=times))
         for column in (c.name for c in run.columns):
             exact = np.asarray(run[column])
             assert abs(found[column][-1] - exact[-1]) <= share * max(np.abs(exact).max(), 1e-12), column
@@ -133,21 +118,10 @@ int main(void)
 
 def test_times_and_states_that_are_no_numbers(tmp_path):
     """A time that is nan was done, and so was every state that is none where no step was made, an energy in any case."""
-    need("gcc")
     one = machine({"a": {"mass": 1.0}}, t_end=0.1, contacts={"s": {"from": "a", "law": law("lugre")}})
     stribeck.export(Scenario(one), "c", tmp_path)
     (tmp_path / "odd.c").write_text(_ODD)
-    words = [
-        "gcc",
-        *STRICT,
-        "-O0",
-        *(str(tmp_path / f) for f in ("machine.c", "odd.c")),
-        "-o",
-        str(tmp_path / "odd"),
-        "-lm",
-    ]
-    subprocess.run(words, check=True)
-    assert subprocess.run([str(tmp_path / "odd")], capture_output=True, text=True, check=True).stdout == "0\n"
+    assert output_of(tmp_path, "machine.c", "odd.c", flags=("-O0",)) == "0\n"
 
 
 def table(text):
@@ -202,14 +176,9 @@ def servo():
 
 @pytest.mark.parametrize("sampled", [False, True])
 def test_c_of_a_pressure_cascade(sampled, servo, tmp_path):
-    need("gcc")
     scenario = servo if sampled else Scenario(as_machine(edited(SERVO, {"solve.t_end": 0.3})))
     stribeck.export(scenario, "c", tmp_path)
-    words = ["gcc", *STRICT, "-O1", *map(str, tmp_path.glob("*.c")), "-o", str(tmp_path / "run"), "-lm"]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
-    close(table(out), simulate(scenario))
+    close(table(output_of(tmp_path, *tmp_path.glob("*.c"), flags=("-O1",))), simulate(scenario))
     if sampled:  # the share of a tolerance that a step may take, as in Python
         (name,) = (path.stem.removesuffix("_run") for path in tmp_path.glob("*_run.c"))
         rtol = [1e-4, 1e-6, 1e-7, 1e-8, 1e-10]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from functools import cache
 
 import pytest
 
@@ -28,11 +29,18 @@ WRONG = [
 ]
 
 
+@cache
+def checked(name):
+    """A law and the verdicts on it."""
+    law = LAWS[name].law()
+    return law, stribeck.check(law)
+
+
 @pytest.mark.share(7)
 @pytest.mark.parametrize(("name", "prop", "change"), WRONG)
 def test_a_counterexample_is_confirmed_and_a_wrong_one_is_not(name, prop, change):
-    law = LAWS[name].law()
-    verdict = stribeck.check(law)[prop]
+    law, found = checked(name)
+    verdict = found[prop]
     assert verdict.holds is False
     assert confirmed(statement(law), prop, verdict.evidence) is True
     evidence = deepcopy(verdict.evidence)
@@ -46,9 +54,7 @@ def test_a_counterexample_is_confirmed_and_a_wrong_one_is_not(name, prop, change
     "name", ["DahlHalf", "BoucWenHalf", "LorentzianPower", "SechStribeck", "BoucWenSoft", "OwnConstants"]
 )
 def test_powers_rising_exponentials_and_own_constants_are_decided_and_confirmed(name):
-    case = LAWS[name]
-    law = case.law()
-    found = stribeck.check(law)
+    case, (_, found) = LAWS[name], checked(name)
     open_ = {n for n, v in found.properties.items() if v.holds is None}
     assert open_ <= ({"unique"} if name.endswith("Half") else set())
     assert all(found[n].holds in (None, true) for n, true in case.truth.items())

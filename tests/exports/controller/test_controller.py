@@ -2,8 +2,6 @@
 
 import json
 import re
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ from stribeck.cli import _status
 from stribeck.errors import StribeckNote
 from stribeck.exports.controller.block import block_of
 from tests.exports.controller.stages import CASES, stage
-from tests.exports.harness import STRICT, need
+from tests.exports.harness import need, output_of
 
 DRIVER = r"""
 #include <stdio.h>
@@ -51,19 +49,15 @@ def test_processor_in_the_loop(case, target, tmp_path):
     """Fed with what the simulated encoder read, the exported C puts out what the simulated controller did, to the bit: put
     in its place it would therefore move the machine to the bit the same."""
     (cc, *static), run = target
-    for tool in (cc, *run):
-        if shutil.which(tool) is None:
-            pytest.skip(f"{tool} is not installed")
+    need(cc, *run)
     scenario = stage(case)
     with pytest.warns(StribeckNote, match="act 0.0005 s after the sample"):
         stribeck.export(scenario, "c", tmp_path, part="controller")
     (tmp_path / "driver.c").write_text(DRIVER)
-    program, sources = str(tmp_path / "loop"), [str(tmp_path / f) for f in ("stage_axis.c", "driver.c")]
-    subprocess.run([cc, *static, *STRICT, "-O2", *sources, "-o", program, "-lm"], check=True)
     simulated = stribeck.simulate(scenario)
     given = "\n".join(float(y).hex() for y in readings(simulated))
-    done = subprocess.run([*run, program], input=given, capture_output=True, text=True, check=True)
-    found = np.array([float.fromhex(line) for line in done.stdout.split()])
+    printed = output_of(tmp_path, "stage_axis.c", "driver.c", cc=cc, flags=(*static, "-O2"), run=run, given=given)
+    found = np.array([float.fromhex(line) for line in printed.split()])
     acting = np.asarray(simulated["axis.u"])[1:]  # an output begins to act half a period after its sample
     assert len(found) == 401
     assert len(set(acting.tolist())) > 200
@@ -91,12 +85,8 @@ def test_self_test(case, part, tmp_path):
     files = stribeck.export(stage(case), "c", tmp_path, part=part, self_test=True)
     name = files[0].stem
     for define in ("-DDOUBLE", f"-D{name.upper()}_FLOAT"):
-        words = ["gcc", *STRICT, "-O1", define, *(str(f) for f in files if f.suffix == ".c")]
-        subprocess.run([*words, "-o", str(tmp_path / "check"), "-lm"], check=True)
-        assert (
-            "all checks passed"
-            in subprocess.run([tmp_path / "check"], capture_output=True, text=True, check=True).stdout
-        )
+        sources = [f for f in files if f.suffix == ".c"]
+        assert "all checks passed" in output_of(tmp_path, *sources, flags=("-O1", define))
     text = "".join(f.read_text() for f in files)
     assert "malloc" not in text
     assert re.search(r"One sample takes at most \d", text)
