@@ -158,25 +158,40 @@ def test_a_file_that_raises_what_is_no_exception(tmp_path, text):
         find(f"{tmp_path}/mine.py:Mine")
 
 
-@pytest.mark.share(4)
+COMMANDS = (
+    "library mine.py:Mine", "check mine.py:Mine --set c=1", "export mine.py:Mine --set c=1 --target table --out o.csv",
+)  # fmt: skip
+
+
+def refused(folder, words, capsys):
+    """The one line that a command says of the file of a law, beside which it writes nothing."""
+    assert _status(words.split()) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert sorted(p.name for p in folder.iterdir()) == ["mine.py"]
+    (line,) = err.splitlines()
+    return line
+
+
 @pytest.mark.parametrize(
     "raised", ["raise SystemExit(0)", "raise type('Own', (BaseException,), {})('no')", "import nowhere_to_be_found"]
 )
-@pytest.mark.parametrize(
-    "words",
-    ["library {0}:Mine", "check {0}:Mine --set c=1", "export {0}:Mine --set c=1 --out o.csv"],
-)
-def test_an_equation_that_raises_what_is_no_exception(tmp_path, raised, words):
+@pytest.mark.parametrize("words", COMMANDS)
+def test_an_equation_that_raises_what_is_no_exception(tmp_path, monkeypatch, capsys, raised, words):
     """So did one of these."""
+    monkeypatch.chdir(tmp_path)
     path = written(tmp_path)
     text = path.read_text().replace("return 3.0", f"{raised}\n        return 3.0")
     path.write_text(text.replace("at_least=0", "at_least=0, example=1.0"))
-    words = words.format(path).split() + (["--target", "table"] if "export" in words else [])
-    done = subprocess.run([sys.executable, "-m", "stribeck", *words], capture_output=True, text=True, cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (2, ""), done.stderr
-    assert done.stderr.count("\n") == 1
-    assert "mine.py" in done.stderr
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.py"]
+    assert "mine.py" in refused(tmp_path, words, capsys)
+
+
+def test_nor_does_it_end_the_process_as_if_all_were_done(tmp_path):
+    path = written(tmp_path)
+    path.write_text(path.read_text().replace("return 3.0", "raise SystemExit(0)\n        return 3.0"))
+    command = [sys.executable, "-m", "stribeck", "check", f"{path}:Mine", "--set", "c=1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
 
 
 def test_a_signal_while_a_file_is_read_is_not_its_fault(tmp_path):
@@ -185,19 +200,13 @@ def test_a_signal_while_a_file_is_read_is_not_its_fault(tmp_path):
         find(f"{tmp_path}/mine.py:Mine")
 
 
-@pytest.mark.parametrize(
-    "words", ["library {}:Mine", "check {}:Mine --set c=1", "export {}:Mine --set c=1 --target table --out {}.csv"]
-)
-def test_an_equation_that_gives_nan_is_refused(tmp_path, words):
+@pytest.mark.parametrize("words", COMMANDS)
+def test_an_equation_that_gives_nan_is_refused(tmp_path, monkeypatch, capsys, words):
     """It was shown as a law, and written as one."""
+    monkeypatch.chdir(tmp_path)
     path = written(tmp_path)
     path.write_text(path.read_text().replace("return 3.0", "return float('nan')"))
-    done = subprocess.run(
-        [sys.executable, "-m", "stribeck", *words.format(path, path).split()], capture_output=True, text=True
-    )
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "its equations give nan as F at v = " in done.stderr
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.py"]
+    assert "its equations give nan as F at v = " in refused(tmp_path, words, capsys)
 
 
 def one_sided(folder, force):
