@@ -124,7 +124,7 @@ class Simulated:
     def judged(self) -> LogFit:
         """The fit with intervals, ranges and states."""
         with threadpool_limits(1):
-            found = self.fitting.told(self.best, [])
+            found = self.fitting.reported(self.best, [])
         self.fitting.work.section(1.0)
         return _finished(self.log, self.model, found, self.names)
 
@@ -314,20 +314,19 @@ def raw(log: Log, output: str) -> Array:
 
 def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought, ...], dict[str, str]]:
     """The parameters of the machine fit, and the name of each path."""
-    found, names = list[Sought](), dict[str, str]()
+    sought, names = list[Sought](), dict[str, str]()
     for n, guess in model.first.items():
-        low, high = guess.bounds if n in model.law.constants() else (guess.low, guess.high)
         path = model.path(n)
         if n == "mass" and model.output != "force":
             path = f"bodies.body.{'inertia' if log.rotary else 'mass'}"
         names[path] = n
-        told = options.sought.get(n)
-        if told is None:
-            found.append(Sought(path, low, high, guess.value))
+        given = options.sought.get(n)
+        if given is None:
+            sought.append(Sought(path, guess.low, guess.high, guess.value))
         else:
-            begin = min(max(guess.value, told.low), told.high)
-            found.append(
-                replace(told, path=path, start=begin if told.start is None and told.prior is None else told.start)
+            begin = min(max(guess.value, given.low), given.high)
+            sought.append(
+                replace(given, path=path, start=begin if given.start is None and given.prior is None else given.start)
             )
     if model.law.has_z:
         known = {**model.fixed, **{n: g.value for n, g in model.first.items()}}
@@ -336,8 +335,8 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought
         for i, rows in enumerate(_runs(log)):
             slid = float(law.steady_deflection(float(log.velocity[rows.start])))
             path = f"log.{i}.contacts.contact.initial.z"
-            found.append(Sought(path, -way, way, min(max(slid, -way), way), nuisance=True))
-    return tuple(found), names
+            sought.append(Sought(path, -way, way, min(max(slid, -way), way), nuisance=True))
+    return tuple(sought), names
 
 
 # -- the fit -------------------------------------------------------------------------------------------------------------

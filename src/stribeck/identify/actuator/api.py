@@ -152,7 +152,7 @@ class Fitting:
     def run(self, laws: Mapping[str, Sequence[str]], other: Logs | None, baselines: bool) -> MachineFit:
         """All steps, in order."""
         best, picked, notes = choice.among_laws(self, laws) if laws else (self.estimated(), None, [])
-        result = self.told(best, notes)
+        result = self.reported(best, notes)
         result.laws = picked
         self.work.section(0.95)
         if baselines and not self.held:
@@ -177,7 +177,7 @@ class Fitting:
         keep = self.kept.saver("fit")
         return estimate(self.scenario, self.fitted, self.sought, starts, self.seed, self.work, first, keep, rough)
 
-    def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
+    def reported(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The result: the estimate with both uncertainties, states and errors."""
         self.work.section(0.8)
         notes = [*checks.before(self.logs), *notes]

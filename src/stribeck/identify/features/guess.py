@@ -21,17 +21,11 @@ _TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
 
 @dataclass(frozen=True)
 class Guess:
-    """A rough value, the range for starts, and the bounds of the fit."""
+    """A rough value, and the bounds of the search."""
 
     value: float
     low: float
     high: float
-    reach: float = 10.0  # a v_s a thousand times too small makes simulations crawl
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """How far a fit may go: beyond the range by ten, upwards by the factor ``reach``."""
-        return self.low / 10, self.high * self.reach
 
 
 @dataclass(frozen=True)
@@ -115,18 +109,19 @@ def rises(log: Log, force: Array, level: float, most: int) -> Iterator[tuple[int
 
 
 def ranges(law: type[Law], sizes: Sizes) -> dict[str, Guess]:
-    """A range for each constant of the law that a fit may free."""
+    """A rough value and bounds for each constant of the law that a fit may free."""
     f, fast, k = sizes.force, sizes.fast, sizes.stiffness
     known = {
-        "sigma_0": Guess(k, k / 20, k * 20),
-        "sigma_1": Guess(k * sizes.step, k * sizes.step / 30, k * sizes.step * 30),  # else no sample shows it
-        "sigma_2": Guess(0.1 * f / fast, 1e-3 * f / fast, f / fast),
-        "F_c": Guess(0.8 * f, 0.3 * f, 1.2 * f, reach=5),
-        "F_s": Guess(1.2 * f, 0.5 * f, 2 * f, reach=5),
-        "v_s": Guess(3e-3 * fast, 3e-4 * fast, HALF * fast, reach=1.0),  # where greased guides and gears have it
+        "sigma_0": Guess(k, k / 200, k * 200),
+        "sigma_1": Guess(k * sizes.step, k * sizes.step / 300, k * sizes.step * 300),  # else no sample shows it
+        "sigma_2": Guess(0.1 * f / fast, 1e-4 * f / fast, 10 * f / fast),
+        "F_c": Guess(0.8 * f, 0.03 * f, 6 * f),
+        "F_s": Guess(1.2 * f, 0.05 * f, 10 * f),
+        # where greased guides and gears have it; a v_s a thousand times too small makes simulations crawl
+        "v_s": Guess(3e-3 * fast, 3e-5 * fast, HALF * fast),
     }
     for name, constant in law.constants().items():
         if name not in known:
             value = constant.example or constant.default or 1.0
-            known[name] = Guess(value, value / 100, value * 100)
+            known[name] = Guess(value, value / 1000, value * 1000)
     return known
