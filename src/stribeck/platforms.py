@@ -57,10 +57,6 @@ if sys.platform == "win32":
         """Raise PermissionError if another program has the file open, since it cannot be replaced then."""
         os.rename(path, path)  # noqa: PTH104 (Path.rename reports less)
 
-    def signal_self(number: int) -> None:
-        """Send a signal to this process; os.kill would end it at once."""
-        signal.raise_signal(number)
-
     def end_with_children(process: subprocess.Popen[str]) -> None:
         """End a process that was started in a group of its own, and what it has started."""
         with suppress(OSError):
@@ -86,10 +82,6 @@ else:
 
     def refuse_open(path: Path) -> None:
         """Does nothing: a file that another program has open can be replaced."""
-
-    def signal_self(number: int) -> None:
-        """Send a signal to this process from any thread; it interrupts waiting in the main thread."""
-        os.kill(os.getpid(), number)
 
     def end_with_children(process: subprocess.Popen[str]) -> None:
         """End a process that was started in a group of its own, and what it has started."""
