@@ -95,6 +95,8 @@ def test_a_fit_on_a_record_of_the_wrong_sign_shows_it(stribeck, fitted, tmp_path
     test = record(tmp_path / "test.csv")
     found = stribeck("predict", test, "--fit", fitted / "out", "--force-gain", "-1", "--json")
     assert json.loads(found.out)["relative_force_error"] > 1.9
+    told = stribeck("predict", test, "--fit", fitted / "out", "--force-gain", "-1").out
+    assert "A constant force predicts this record better" in " ".join(told.split())
 
 
 @pytest.mark.parametrize(

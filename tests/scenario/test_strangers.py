@@ -142,3 +142,16 @@ def test_every_command(words, place, capsys, monkeypatch):
     assert not (place / "out").exists()
     _status([*words, "--trust"])
     assert executed(place) == ["beside"]
+
+
+def test_an_observer_s_file_keeps_its_name_in_a_message(tmp_path):
+    """Of a file drive.py:X, `controllers.controller.py:X` was refused: a path of the machine's was looked for in it."""
+    text = examples.path("servo").read_text()
+    head, mark, rest = text.partition("[drive.observer]")
+    path = tmp_path / "servo.toml"
+    path.write_text(head + mark + rest.replace('"lugre_sobczyk"', '"drive.py:X"', 1))
+    with pytest.raises(InputError) as refused:
+        Scenario.load(path)
+    (line,) = [line for line in refused.value.problems if line.startswith("drive.observer.name")]
+    assert "drive.py" in line
+    assert "controller" not in line
