@@ -65,8 +65,8 @@ def test_bad_input_is_one_line(stribeck, words, line, tmp_path, monkeypatch):  #
 
 
 def test_a_missing_extra_is_one_line(tmp_path):
-    from tests.cli.test_extras import command
+    from tests.cli.test_extras import commands
 
-    found = command(tmp_path, "explore", "lugre", blocked=("bokeh",))
-    assert found.returncode == 2
-    assert found.stderr == "stribeck: an explorer needs bokeh: pip install 'stribeck[plot]'\n"
+    ((status, _, error),) = commands(tmp_path, ("explore", "lugre"), blocked=("bokeh",))
+    assert status == 2
+    assert error == "stribeck: an explorer needs bokeh: pip install 'stribeck[plot]'\n"

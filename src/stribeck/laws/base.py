@@ -95,6 +95,14 @@ _TAKEN = {  # what the equations and the files call so; a constant of that name 
 
 
 @cache
+def _constants(law: type[Law]) -> dict[str, Constant]:
+    names = dict.fromkeys(name for base in reversed(law.__mro__) for name in vars(base))
+    constants = {name: value for name in names if isinstance(value := getattr(law, name), Constant)}
+    last = sorted(constants, key=lambda name: _may_be_none(constants[name]))
+    return {**{name: PARAMETERS[name] for name in law.uses}, **{name: constants[name] for name in last}}
+
+
+@cache
 def _taken_names() -> dict[str, str]:
     """Names that a constant cannot have, and what they are: variables, and what every law is made of."""
     attributes = {n: "it is a part of every law" for n in dir(Law) if not isinstance(getattr(Law, n), Constant)}
@@ -210,10 +218,7 @@ class Law(metaclass=FromFile):
     @classmethod
     def constants(cls) -> dict[str, Constant]:
         """Every constant of the law by name: the machine's parameters first, then its own, what may be left out last."""
-        names = dict.fromkeys(name for base in reversed(cls.__mro__) for name in vars(base))
-        constants = {name: value for name in names if isinstance(value := getattr(cls, name), Constant)}
-        last = sorted(constants, key=lambda name: _may_be_none(constants[name]))
-        return {**{name: PARAMETERS[name] for name in cls.uses}, **{name: constants[name] for name in last}}
+        return dict(_constants(cls))
 
     @classmethod
     def own_constants(cls) -> dict[str, Constant]:

@@ -6,8 +6,9 @@ equation with constants of the run.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -126,10 +127,17 @@ def _cut_at_turns(signal: Signal, table: Pieces, t_end: float) -> Pieces:
 def _rates(signal: Signal, rows: Array, t: Array) -> Array:
     """The signal's rate at the times t within the pieces ``rows``, a row for each time."""
     kind = type(signal) if signal.smooth else None
-    numbers = dict(zip(fields(kind), rows.T, strict=True)) | {n: signal.values[n] for n in constants(kind)}
-    rate = reference(kind, SimpleNamespace(**{n: symbol(n) for n in numbers}), symbol("t")).rate
-    (rates,) = python_function([*numbers, "t"], [rate])(*numbers.values(), t)
+    numbers = [*rows.T, *(signal.values[n] for n in constants(kind))]
+    (rates,) = _rate(kind)(*numbers, t)  # type: ignore[arg-type]  # a class can be hashed, though its objects cannot
     return np.broadcast_to(rates, t.shape)
+
+
+@cache
+def _rate(kind: type[Signal] | None) -> Callable[..., tuple[Value, ...]]:
+    """The rate of a kind of signal, as a function of the numbers of a piece, the constants and t."""
+    names = [*fields(kind), *constants(kind)]
+    rate = reference(kind, SimpleNamespace(**{n: symbol(n) for n in names}), symbol("t")).rate
+    return python_function([*names, "t"], [rate])
 
 
 def _turns(signal: Signal, table: Pieces, t_end: float) -> Array:
