@@ -6,9 +6,11 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from html import escape
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stribeck.errors import needed, printable, unbroken
 from stribeck.files import write_text
@@ -16,6 +18,9 @@ from stribeck.mouth import plots
 from stribeck.mouth.cells import texts
 from stribeck.mouth.document import Chapter, Document, Figure, FigureSvg
 from stribeck.version import __version__
+
+if TYPE_CHECKING:
+    import jinja2
 
 
 def in_script(data: object) -> str:
@@ -97,6 +102,23 @@ def write_figure(figure: FigureSvg, folder: Path) -> Path:
     return path
 
 
+@cache
+def _template() -> tuple[jinja2.Template, str]:
+    """The template of a page, compiled once, and its script."""
+    with needed("a page"):
+        import jinja2
+
+    text, script = (
+        files("stribeck.mouth").joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "page.js")
+    )
+    environment = jinja2.Environment(
+        autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined, finalize=_visible
+    )
+    environment.filters["whole"] = _whole
+    environment.filters["sentence"] = lambda text: _whole(_sentence(text))
+    return environment.from_string(text), script
+
+
 def html(
     title: str,
     about: str,
@@ -111,18 +133,8 @@ def html(
         command: what a button copies.
         following: the command that comes next, and what for.
     """
-    with needed("a page"):
-        import jinja2
-
-    template, script = (
-        files("stribeck.mouth").joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "page.js")
-    )
-    environment = jinja2.Environment(
-        autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined, finalize=_visible
-    )
-    environment.filters["whole"] = _whole
-    environment.filters["sentence"] = lambda text: _whole(_sentence(text))
-    return environment.from_string(template).render(
+    template, script = _template()
+    return template.render(
         title=title,
         about=about,
         introduction=introduction,

@@ -44,7 +44,7 @@ def static_passive(varied: Varied, v_max: float | None = None) -> Verdict:
     If F is affine in the varying constants, signs of polynomials decide: of the remainder and of each constant's factor. If
     all are >= 0, the law is passive for every history of the constants. If nothing varies, a speed with F v < 0 refutes it."""
     law, names = varied.law, list(varied.ranges)  # a constant that is held may be held elsewhere than at its value
-    cls = type(f"_{law.name}", (type(law),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
+    cls = type("_WithBound", (type(law),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
     model = Model(cls({**law.machine, **law.values, **law.choices}, law.rotary))
     parts = _affine(model.power_force, [symbol(f"c_{n}") for n in names])
     if parts is None:

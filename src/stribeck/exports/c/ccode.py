@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
+from typing import TYPE_CHECKING
 
 from stribeck.errors import needed
 from stribeck.exports.request import ascii_only, wrapped
@@ -18,6 +19,9 @@ from stribeck.laws.steady import steady_force
 from stribeck.laws.values import Constants
 from stribeck.machine.elements import bodies
 from stribeck.machine.pneumatic.observer import correction
+
+if TYPE_CHECKING:
+    import jinja2
 
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
 DIALECT = Dialect(
@@ -192,6 +196,12 @@ def _number(x: object) -> str:
 
 def render(template: str, **values: object) -> str:
     """A template of this package, filled in."""
+    return _templates().get_template(template).render(repr=_number, **values)
+
+
+@cache
+def _templates() -> jinja2.Environment:
+    """The templates of this package, each compiled once: that takes most of an export's time."""
     with needed("an export", "fmu"):
         import jinja2
 
@@ -201,4 +211,4 @@ def render(template: str, **values: object) -> str:
         comment_start_string="{##", autoescape=False,
     )  # fmt: skip
     environment.filters |= {"plain": ascii_only, "wrapped": wrapped}
-    return environment.get_template(template).render(repr=_number, **values)
+    return environment
