@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command has it: more threads only spin on small matrices
 settings.register_profile("any machine", deadline=None)  # a busy one is no fault of a test
 settings.load_profile("any machine")
 
