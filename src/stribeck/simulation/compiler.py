@@ -32,9 +32,8 @@ _BESIDE = ("-fschedule-insns", "-fsched-pressure")
 # of libm's exp, whose wrapper uses older instructions, then waits for them.
 _NARROW = ("-mmove-max=128", "-mstore-max=128")
 _TIME_LIMIT = 120  # s: a compilation takes 0.3 s to some seconds
-_SILENT = (
-    5  # s: an empty file takes 0.02 s, and a hundred times as long on a loaded machine; then WebAssembly takes over
-)
+# s: an empty file takes 0.02 s, and a hundred times as long on a loaded machine; then WebAssembly takes over.
+_SILENT = 5
 _FIRST_OF_ZIG = 600  # s: it builds its C library once for each user
 
 
