@@ -8,7 +8,7 @@ from stribeck.simulation.wasm import System, run_struct
 
 
 def shape(system: System) -> dict[str, object]:
-    """What the runtime must be told of the system before it solves (runtime/any.c), and where memory is free."""
+    """What the runtime needs to know of the system before it solves (runtime/any.c), and where memory is free."""
     return {"numbers": system.shape, "end": system.end}
 
 

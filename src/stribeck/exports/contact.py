@@ -15,7 +15,7 @@ from stribeck.expressions.graph import symbols
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Claims, Law
-from stribeck.laws.values import Constants, told
+from stribeck.laws.values import Constants, observer_of
 from stribeck.machine.assembly import Assembly
 from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.table import Carrier
@@ -120,7 +120,7 @@ def _with_inputs(base: type[Law], part: Contact) -> tuple[type[Law], Places]:
 
 def _with_terms(constants: Constants, p: SimpleNamespace, inputs: Iterable[str]) -> Constants:
     """The same, with what loads and factors change as named terms of the inputs: F_c(load_gear)."""
-    on_term = told(p)
+    on_term = observer_of(p)
     if on_term is None:
         return constants
     read = {str(getattr(p, name).value): getattr(p, name) for name in inputs}

@@ -1,5 +1,5 @@
-"""Rows of a record that lie beyond the speeds, positions, loads and pressures that a fit has seen: a model is only told there by
-its form."""
+"""Rows of a record that lie beyond the speeds, positions, loads and pressures that a fit has seen: there its
+form extrapolates."""
 
 from __future__ import annotations
 

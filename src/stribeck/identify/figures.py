@@ -41,7 +41,7 @@ def _scale(log: Log | None, name: str, *values: Array) -> Scale:
 def data(log: Log) -> Figure:
     """The columns against time."""
     names = ["position", "velocity", "force", *(n for n in ("pressure", "load") if getattr(log, n) is not None)]
-    made, axes = plots.figure([[name] for name in names], 1.5 * len(names) + 0.4)
+    figure, axes = plots.figure([[name] for name in names], 1.5 * len(names) + 0.4)
     time, label = _in_a_row(log.time)
     for name in names:
         shown = _scale(log, name, getattr(log, name))
@@ -50,12 +50,12 @@ def data(log: Log) -> Figure:
             axes[name].plot(x, y, color=plots.COLOURS[_MEASURED], linewidth=0.8)
         axes[name].set_ylabel(shown.label)
     axes[names[-1]].set_xlabel(label)
-    return made
+    return figure
 
 
 def spectrum(log: Log, frequency: Array, power: Array, floor: float) -> Figure:
     """The spectrum of the measured motion that the cut-off is from."""
-    made, axes = plots.figure([["spectrum"]], 2.6)
+    figure, axes = plots.figure([["spectrum"]], 2.6)
     axis = axes["spectrum"]
     axis.loglog(frequency, power, color=plots.COLOURS[_MEASURED], label="measured motion")
     axis.axhline(floor, color=plots.GREY, linestyle=plots.DASHES[2], label="noise floor")
@@ -63,8 +63,8 @@ def spectrum(log: Log, frequency: Array, power: Array, floor: float) -> Figure:
         axis.axvline(log.bandwidth, color=plots.COLOURS[1], linestyle=plots.DASHES[1], label="cut-off")
     axis.set_xlabel("frequency (Hz)")
     axis.set_ylabel("power spectral density (SI/Hz)")
-    plots.legend(made, axis)
-    return made
+    plots.legend(figure, axis)
+    return figure
 
 
 def _in_a_row(time: Array) -> tuple[Array, str]:
@@ -85,7 +85,7 @@ def curve(fit: LogFit, p: FrictionRows) -> Figure:
     of_v, of_f = _scale(fit.log, "velocity", p.velocity), _scale(fit.log, "friction", p.measured)
     of_rest = _scale(fit.log, "residual", p.measured - p.fitted)
     speeds = of_v.of(p.velocity[rows])
-    made, axes = plots.figure([["curve"], ["curve"], ["residual"]], 5.4)
+    figure, axes = plots.figure([["curve"], ["curve"], ["residual"]], 5.4)
     axis = axes["curve"]
     axis.plot(speeds, of_f.of(p.measured[rows]), ".", color=plots.COLOURS[6], markersize=2, label="measured")
     if fit.method == "static":
@@ -102,8 +102,8 @@ def curve(fit: LogFit, p: FrictionRows) -> Figure:
     axes["residual"].set_ylabel(of_rest.label)
     axes["residual"].set_xlabel(of_v.label)
     axis.set_ylabel(of_f.label)
-    plots.legend(made, axis)
-    return made
+    plots.legend(figure, axis)
+    return figure
 
 
 def traces(shown: Sequence[Trace], words: tuple[str, str]) -> Figure:
@@ -113,7 +113,7 @@ def traces(shown: Sequence[Trace], words: tuple[str, str]) -> Figure:
         words: what the two lines are called.
     """
     layout = [row for x in shown for row in ([x.column, f"{x.column} part"], [f"{x.column} left"] * 2)]
-    made, axes = plots.figure(layout, 1.9 * len(layout) + 0.4)
+    figure, axes = plots.figure(layout, 1.9 * len(layout) + 0.4)
     for x in shown:
         time, label = _in_a_row(x.t)
         of_x = scale([Quantity(x.column, x.unit, "", values) for values in (x.measured, x.predicted)])
@@ -127,8 +127,8 @@ def traces(shown: Sequence[Trace], words: tuple[str, str]) -> Figure:
         axis.plot(*plots.in_time(time, left), color=plots.COLOURS[_MEASURED], linewidth=0.7)
         axis.set_ylabel(of_left.label)
         axis.set_xlabel(label)
-    plots.legend(made, axes[shown[0].column])
-    return made
+    plots.legend(figure, axes[shown[0].column])
+    return figure
 
 
 def _worst(x: Trace) -> slice:

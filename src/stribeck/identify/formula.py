@@ -21,16 +21,16 @@ _MEANING = {
 def model_lines(fit: LogFit) -> list[str]:
     """The force that is fitted, the law's equations, and what the letters are."""
     law = laws.find(fit.law_name)
-    own = [n for n, t in TERMS.items() if n in fit.values and t.column is not None]
-    beside = [_product(n) for n in own if not TERMS[n].level and not (n == "mass" and fit.values[n] == 0)]
+    term_names = [n for n, t in TERMS.items() if n in fit.values and t.column is not None]
+    beside = [_product(n) for n in term_names if not TERMS[n].level and not (n == "mass" and fit.values[n] == 0)]
     lines = [" + ".join(["force = F", *beside, *(fit.forms or ())])]
-    growth = [_product(n) for n in own if TERMS[n].level]
+    growth = [_product(n) for n in term_names if TERMS[n].level]
     lines += [f"{level} grows by {' + '.join(growth)}" for level in ("F_c", "F_s") if growth and level in fit.values]
     if fit.values.get("delay"):
         lines.append("the motion is that of delay later, as it is measured late")
     given = {n: x for n, x in fit.values.items() if n in fit.given and n in law.constants()}
     lines += [each.text for each in equations(law, form_of(law, given))]
-    letters = {"v", *(["z"] if law.has_z else []), *(TERMS[n].factor for n in own)}
+    letters = {"v", *(["z"] if law.has_z else []), *(TERMS[n].factor for n in term_names)}
     letters |= {"y"} if any(letter.endswith("y)") for letter in letters) else set()
     turns = fit.log is not None and fit.log.rotary
     named = [

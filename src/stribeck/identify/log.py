@@ -28,7 +28,7 @@ class Log:
         unfiltered: the measured position, or the velocity where that was measured, before any filter.
         sources: where each column is from: "measured", "from position, cut-off 20 Hz", ...
         quality: what was found in the raw data and what was done about it, a line each.
-        noise: standard deviation of a measured column's noise, where it could be told.
+        noise: standard deviation of a measured column's noise, where it could be estimated.
         bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
         acceleration_bandwidth: that of the acceleration, where it is filtered once more, Hz.
         files: the name of the file that each run is from.

@@ -124,9 +124,9 @@ class Simulated:
     def judged(self) -> LogFit:
         """The fit with intervals, ranges and states."""
         with threadpool_limits(1):
-            found = self.fitting.reported(self.best, [])
+            machine_fit = self.fitting.reported(self.best, [])
         self.fitting.work.section(1.0)
-        return _finished(self.log, self.model, found, self.names)
+        return _finished(self.log, self.model, machine_fit, self.names)
 
 
 def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> LogFit:
@@ -342,26 +342,28 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought
 # -- the fit -------------------------------------------------------------------------------------------------------------
 
 
-def _finished(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> LogFit:
+def _finished(log: Log, model: OneBody, machine_fit: MachineFit, names: Mapping[str, str]) -> LogFit:
     """The machine's fit as a fit of the log."""
-    values = {n: found.parameters[path].value for path, n in names.items()}
+    values = {n: machine_fit.parameters[path].value for path, n in names.items()}
     constants = model.law.constants()
     used = {**model.fixed, **model.held, **values}
-    estimates = _without_sliding(_estimates(log, model, found, names), log, used)
-    friction, beside = parts(model.name, used, log, _deflections(found.nuisance, log))
+    estimates = _without_sliding(_estimates(log, model, machine_fit, names), log, used)
+    friction, beside = parts(model.name, used, log, _deflections(machine_fit.nuisance, log))
     left = log.force - friction - beside
     missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)
     words = _words(model, names)
-    notes = [_in_names(text, words) for text in (*([found.reason] if found.reason else []), *found.notes)]
+    notes = [
+        _in_names(text, words) for text in (*([machine_fit.reason] if machine_fit.reason else []), *machine_fit.notes)
+    ]
     return LogFit(
         law_name=model.name, method="dynamic", estimates={n: estimates[n] for n in constants if n in estimates} | estimates,
-        levels={n.removeprefix("contact "): e for n, e in found.levels.items()},
-        speeds={n.removeprefix("contact "): v for n, v in found.speeds.items()},
-        values=used, given=(*model.fixed, *model.held), relation=_relation(found, names),
+        levels={n.removeprefix("contact "): e for n, e in machine_fit.levels.items()},
+        speeds={n.removeprefix("contact "): v for n, v in machine_fit.speeds.items()},
+        values=used, given=(*model.fixed, *model.held), relation=_relation(machine_fit, names),
         relative_force_error=float(np.linalg.norm(left)) / max(float(np.linalg.norm(log.force)), 1e-300), missed=missed,
         friction=FrictionRows(log.time, log.velocity, log.force - beside, friction), data_hash=log.hash,
-        output=_output(model.output, [result.traces[0] for result in found.logs]), seen=seen(log, np.ones(len(log), bool)),
-        notes=tuple(notes), status="stopped" if found.status == "stopped" else "done", log=log,
+        output=_output(model.output, [result.traces[0] for result in machine_fit.logs]), seen=seen(log, np.ones(len(log), bool)),
+        notes=tuple(notes), status="stopped" if machine_fit.status == "stopped" else "done", log=log,
     )  # fmt: skip
 
 
@@ -378,14 +380,14 @@ def _deflections(values: Mapping[str, float], log: Log) -> list[float | None]:
     return [values.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
 
 
-def _estimates(log: Log, model: OneBody, found: MachineFit, names: Mapping[str, str]) -> dict[str, Estimate]:
+def _estimates(log: Log, model: OneBody, machine_fit: MachineFit, names: Mapping[str, str]) -> dict[str, Estimate]:
     """The machine fit's estimates by name, each with the experiment that would determine the parameter."""
     constants, sizes, out = model.law.constants(), sizes_of(log), dict[str, Estimate]()
-    values = {n: found.parameters[path].value for path, n in names.items()}
-    open_ = [n for path, n in names.items() if not found.parameters[path].identifiable]
+    values = {n: machine_fit.parameters[path].value for path, n in names.items()}
+    open_ = [n for path, n in names.items() if not machine_fit.parameters[path].identifiable]
     words = _words(model, names)
     for path, n in names.items():
-        e, unit = found.parameters[path], constants[n].unit if n in constants else TERMS[n].unit
+        e, unit = machine_fit.parameters[path], constants[n].unit if n in constants else TERMS[n].unit
         experiment = "" if e.usable else experiment_for(n, values, sizes, open_, rotary=log.rotary)
         out[n] = replace(
             e, value=float(e.value), unit=rotary_unit(unit) if log.rotary else unit, why=_in_names(e.why, words),
@@ -413,12 +415,12 @@ def _doubted(recordings: Sequence[Recording], log: Log, model: OneBody) -> Itera
     """
     filtered = model.output == "force" or log.sources.get("unfiltered") != model.output
     as_well = other_motions(log) if filtered else {}
-    for i, (own, rows) in enumerate(zip(recordings, _runs(log), strict=True)):
+    for i, (recording, rows) in enumerate(zip(recordings, _runs(log), strict=True)):
         same = {cause: [_recording(x, rows, model, i) for x in logs] for cause, logs in as_well.items()}
         if model.output != "force":
-            straight = {path: replace(each, smooth=False) for path, each in own.inputs.items()}
-            same["drive between samples"] = [replace(own, inputs=straight)]
-        yield replace(own, as_well=same)
+            straight = {path: replace(each, smooth=False) for path, each in recording.inputs.items()}
+            same["drive between samples"] = [replace(recording, inputs=straight)]
+        yield replace(recording, as_well=same)
 
 
 def _words(model: OneBody, names: Mapping[str, str]) -> dict[str, str]:
@@ -435,11 +437,11 @@ def _in_names(text: str, words: Mapping[str, str]) -> str:
     return text
 
 
-def _relation(found: MachineFit, names: Mapping[str, str]) -> tuple[list[str], Array] | None:
+def _relation(machine_fit: MachineFit, names: Mapping[str, str]) -> tuple[list[str], Array] | None:
     """The correlation of the parameters' estimates."""
-    if found.relation is None:
+    if machine_fit.relation is None:
         return None
-    paths, matrix = found.relation
+    paths, matrix = machine_fit.relation
     which = [paths.index(path) for path in names]
     return list(names.values()), matrix[np.ix_(which, which)]
 
@@ -474,7 +476,7 @@ def initial_deflections(name: str, values: Values, log: Log) -> list[float]:
         return []
     constants = law({n: x for n, x in values.items() if n in law.constants()})
     largest = _BENT * constants.scales(constants.p).length
-    found = []
+    deflections = []
     for rows in _runs(log):
         first = log.rows(slice(rows.start, min(rows.start + BEGIN, rows.stop)))
 
@@ -482,8 +484,8 @@ def initial_deflections(name: str, values: Values, log: Log) -> list[float]:
             friction, beside = parts(name, values, first, [share * largest])
             return float(np.linalg.norm(first.force - friction - beside))
 
-        found.append(largest * float(minimize_scalar(residual, bounds=(-1.0, 1.0), method="bounded").x))
-    return found
+        deflections.append(largest * float(minimize_scalar(residual, bounds=(-1.0, 1.0), method="bounded").x))
+    return deflections
 
 
 def beside_friction(values: Values, log: Log) -> Array:
@@ -501,22 +503,22 @@ def later(log: Log, x: Array, by: float) -> Array:
     """A column of the record at times later by ``by`` seconds; beyond the ends of a run it is constant."""
     if not by:
         return x
-    found = np.empty(len(log))
+    moved = np.empty(len(log))
     for rows in log.runs():
-        found[rows] = shifted(x[rows], by / log.step)
-    return found
+        moved[rows] = shifted(x[rows], by / log.step)
+    return moved
 
 
 def _along(name: str, values: Values, log: Log, bent: Sequence[float | None]) -> Array:
     """The law simulated along the measured velocity."""
-    found, runs = np.zeros(len(log)), _runs(log)
+    friction, runs = np.zeros(len(log)), _runs(log)
     for i, rows in enumerate(runs):
         z = bent[i] if i < len(bent) else None
         solution = simulate(scenario_along(name, values, log.rows(rows), z))
         if solution.status != "done":
             raise StribeckError(f"law '{name}': its simulation along this record fails: {solution.reason}")
-        found[rows] = solution["F"]
-    return found
+        friction[rows] = solution["F"]
+    return friction
 
 
 def scenario_along(name: str, values: Values, log: Log, z: float | None = None) -> Scenario:

@@ -101,22 +101,22 @@ def _loops(limits: Limits) -> list[Test]:
         sizes = limits.deflection * np.geomspace(0.5, 8, _LOOPS)
         identifies = "sigma_0; sigma_1 where the loop is fast"
     slow, fast = 0.5, 20.0
-    found = []
+    tests = []
     for size in sizes.tolist():
         for rate in (slow, fast):
             speed = np.pi * rate * size  # y = size/2 (1 - cos(2 pi rate t))
             if speed <= limits.speed:
-                found.append(Test("presliding loop", identifies, "motion", size, float(speed), None, 1 / rate, _CYCLES))
-    return found
+                tests.append(Test("presliding loop", identifies, "motion", size, float(speed), None, 1 / rate, _CYCLES))
+    return tests
 
 
 def _strokes(limits: Limits) -> list[Test]:
-    found = []
+    tests = []
     for speed in (limits.speed * np.geomspace(_SLOWEST, 1, _SPEEDS)).tolist():
         half = min(0.9 * limits.stroke / (0.7 * speed), 0.5)  # s; the ramps take three tenths of the way
         identifies = "F_c and sigma_2" if speed > 0.1 * limits.speed else "F_s and v_s"
-        found.append(Test("constant speed", identifies, "motion", 0.7 * speed * half, speed, None, 2 * half, 2))
-    return found
+        tests.append(Test("constant speed", identifies, "motion", 0.7 * speed * half, speed, None, 2 * half, 2))
+    return tests
 
 
 def _ramps(limits: Limits) -> list[Test]:

@@ -141,11 +141,11 @@ class Fit(Told, ABC):
             KeyError: as :meth:`__getitem__`.
         """
         every = self.parameters
-        found = [n for n in every if n == name] or [n for n in every if n.endswith(f".{name}")]
-        if len(found) != 1:
-            why = "several paths end so" if found else "no such parameter"
-            raise KeyError(f"{name!r}: {why} (it has {', '.join(found or every)})")
-        return found[0]
+        paths = [n for n in every if n == name] or [n for n in every if n.endswith(f".{name}")]
+        if len(paths) != 1:
+            why = "several paths end so" if paths else "no such parameter"
+            raise KeyError(f"{name!r}: {why} (it has {', '.join(paths or every)})")
+        return paths[0]
 
     def __repr__(self) -> str:
         known = ", ".join(f"{n} = {e.value:.4g}" for n, e in self.parameters.items() if e.identifiable)

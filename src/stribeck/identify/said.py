@@ -251,19 +251,19 @@ def _of_machine(fit: MachineFit) -> list[str]:
 
 def _moved(transfer: Transfer) -> list[str]:
     """The error of predicting the other recordings, and the parameters that differ there."""
-    found = []
+    lines = []
     for log in transfer["logs"]:
         errors = log["errors"]
         assert isinstance(errors, dict)
-        found += [f"{log['file']} (other): {n} predicted to {percent(x['relative'])}." for n, x in errors.items()]
+        lines += [f"{log['file']} (other): {n} predicted to {percent(x['relative'])}." for n, x in errors.items()]
     for m in transfer["moved"]:
         here, there = (f"{_open(x['low'])} ... {_open(x['high'])}" for x in (m["from"], m["to"]))
-        found.append(f"{m['name']} moved beyond both intervals: {here}, there {there}.")
+        lines.append(f"{m['name']} moved beyond both intervals: {here}, there {there}.")
     if not transfer["moved"]:
-        found.append("Nothing moved beyond both intervals in the other recordings.")
+        lines.append("Nothing moved beyond both intervals in the other recordings.")
     if transfer["not_told"]:
-        found.append(f"Not known of {', '.join(transfer['not_told'])} in the other recordings.")
-    return found
+        lines.append(f"Not known of {', '.join(transfer['not_told'])} in the other recordings.")
+    return lines
 
 
 def _open(x: object) -> str:
@@ -280,18 +280,18 @@ def _errors(fit: MachineFit) -> Chapter:
 
 
 def _other_friction(fit: MachineFit) -> list[Chapter]:
-    found = []
+    chapters = []
     if fit.baselines:
         rows: list[list[Cell]] = [
             [n, Share(b.get("held_out")), Share(b.get("fitted")), b.get("why", "")] for n, b in fit.baselines.items()
         ]
         table = Table(["friction", "held out", "fitted", ""], rows)
-        found.append(Chapter("baselines", "Beside simpler friction", [], [table], on=PAGE))
+        chapters.append(Chapter("baselines", "Beside simpler friction", [], [table], on=PAGE))
     if fit.laws:
         rows = [[n, Share(x), fit.laws["numbers"][n]] for n, x in fit.laws["errors"].items()]
         text = [f"Picked: {fit.laws['picked']}."]
-        found.append(Chapter("laws", "Which law", text, [Table(["law", "held out", "numbers"], rows)], on=PAGE))
-    return found
+        chapters.append(Chapter("laws", "Which law", text, [Table(["law", "held out", "numbers"], rows)], on=PAGE))
+    return chapters
 
 
 # -- predictions -----------------------------------------------------------------------------------------------------------

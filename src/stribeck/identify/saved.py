@@ -39,11 +39,11 @@ def text_of(fit: Fit, folder: Path) -> str:
         "estimates": {n: e.to_dict() for n, e in fit.parameters.items()}, "notes": list(fit.notes),
     }  # fmt: skip
     if isinstance(fit, LogFit):
-        own = _of_log(fit, folder)
+        details = _of_log(fit, folder)
     else:
         assert isinstance(fit, MachineFit)
-        own = _of_machine(fit, folder)
-    return json.dumps(finite({**common, **own}), indent=1, allow_nan=False)
+        details = _of_machine(fit, folder)
+    return json.dumps(finite({**common, **details}), indent=1, allow_nan=False)
 
 
 def _of_log(fit: LogFit, folder: Path) -> dict[str, object]:

@@ -54,7 +54,7 @@ def experiment(
     seed: int = 0,
     every: int = 1,
 ) -> Experiment:
-    """A log of a rig that moves the body as told and measures its position and the force that it takes.
+    """A log of a rig that moves the body as prescribed and measures its position and the force that it takes.
 
     Args:
         law: the friction, with its true constants.

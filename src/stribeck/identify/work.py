@@ -67,12 +67,12 @@ class Work:
         """``what`` of each on all cores, or many at once where a cluster solves the lanes; None for those that were not
         reached when Ctrl-C ended the work."""
         items = list(of)
-        found: list[T | None] = [None] * len(items)
+        results: list[T | None] = [None] * len(items)
 
         def one(i: int) -> None:
             try:
                 self.check()
-                found[i] = what(items[i])
+                results[i] = what(items[i])
             except Stopped:
                 return
 
@@ -84,4 +84,4 @@ class Work:
             self.stop()
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
-        return found
+        return results

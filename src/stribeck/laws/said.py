@@ -1,4 +1,4 @@
-"""How laws, and what is in the library, are told."""
+"""The documents that show laws and the library."""
 
 from __future__ import annotations
 

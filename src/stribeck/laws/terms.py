@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, atan, exp, pi, sqrt, where
-from stribeck.laws.values import told
+from stribeck.laws.values import observer_of
 
 K_V = Constant("s/m", "steepness of the smooth sign", above=0, rotary_unit="s/rad", example=1e7)
 V_D = Constant(
@@ -26,7 +26,7 @@ def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
         @wraps(function)
         def named(p: SimpleNamespace, *args: Value) -> Value:
             value = function(p, *args)
-            on_term = told(p)
+            on_term = observer_of(p)
             return value if on_term is None else on_term(function.__name__, latex, args, value)
 
         return named

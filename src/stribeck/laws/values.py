@@ -25,8 +25,8 @@ class Constants(SimpleNamespace):
 
     Args:
         values: the constants.
-        on_term: told of each named term of the equations (its name, its LaTeX, its arguments and value); what it returns
-            stands in the term's place. A build of code collects names so, and rendering keeps definitions apart.
+        on_term: called with each named term of the equations (its name, its LaTeX, its arguments and value); its result
+            replaces the term. A build of code collects names so, and rendering keeps definitions apart.
     """
 
     __slots__ = ("_on_term",)
@@ -58,6 +58,6 @@ class Constants(SimpleNamespace):
         return Constants({**vars(self), **values}, self._on_term)
 
 
-def told(p: SimpleNamespace) -> OnTerm | None:
-    """Who is to be told of the terms of equations that take the constants ``p``."""
+def observer_of(p: SimpleNamespace) -> OnTerm | None:
+    """What is called with the terms of equations that take the constants ``p``."""
     return p._on_term if isinstance(p, Constants) else None

@@ -1,1 +1,1 @@
-"""How results are told to people: a document of chapters, which the terminal prints and a page renders."""
+"""How results are presented: a document of chapters, which the terminal prints and a page renders."""

@@ -110,10 +110,10 @@ def _excited(scenario: Scenario, states: Array) -> Iterator[tuple[float, Array, 
             f, f_t = f - f_before, f_t - f_t_before
         if not np.all(np.isfinite(matrix)):
             continue
-        found, right = np.linalg.eig(matrix)
+        eigenvalues, right = np.linalg.eig(matrix)
         same, left = np.linalg.eig(matrix.T)
-        for k in np.flatnonzero(found.imag > 0):
-            row = left[:, np.argmin(abs(same - found[k]))]
+        for k in np.flatnonzero(eigenvalues.imag > 0):
+            row = left[:, np.argmin(abs(same - eigenvalues[k]))]
             # the motion begins apart from the one that follows the signals slowly: by J^-1 f + J^-2 df/dt
-            size = row @ (f / found[k] + f_t / found[k] ** 2) / (row @ right[:, k])
-            yield float(t), 2 * abs(size * right[:, k]), complex(found[k])
+            size = row @ (f / eigenvalues[k] + f_t / eigenvalues[k] ** 2) / (row @ right[:, k])
+            yield float(t), 2 * abs(size * right[:, k]), complex(eigenvalues[k])

@@ -134,9 +134,9 @@ def hypotheses(whole: MachineProblem) -> list[str]:
 def _left(problem: MachineProblem, starts: int, values: Mapping[str, float]) -> tuple[float, dict[str, float]]:
     """The largest relative residual of a column after a search from these values and other starts, and its values."""
     shared = {c.name: values[c.name] for c in problem.sought if c.log is None and c.name in values}
-    found = search(problem, problem.point(shared), starts, steps=ROUGH_STEPS, small=_ROUGHLY)
-    left = max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values())
-    return left, problem.values(found.u)
+    solution = search(problem, problem.point(shared), starts, steps=ROUGH_STEPS, small=_ROUGHLY)
+    left = max((left / size if size else np.inf) for left, size in leftovers(problem, solution.u).values())
+    return left, problem.values(solution.u)
 
 
 def _changed(problem: MachineProblem) -> Iterator[tuple[str, MachineProblem]]:

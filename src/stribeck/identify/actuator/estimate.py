@@ -112,8 +112,8 @@ def estimate(
         return whole
     if not whole.stopped:
         _weigh(problem, whole.u)
-        found = search(problem, whole.u, small=ROUGHLY)
-        whole.u, whole.stopped = found.u, found.stopped
+        solution = search(problem, whole.u, small=ROUGHLY)
+        whole.u, whole.stopped = solution.u, solution.stopped
     if whole.stopped or remembers(scenario, recordings):
         return _weighted(whole)
     grows = not asked and any(x.free for x in scenario.system.bodies) and unstable(problem, whole.u)
@@ -130,10 +130,10 @@ def _in_stretches(
     whole: BestPoint, problem: MachineProblem, begin: dict[str, float], grows: bool, window: float
 ) -> BestPoint:
     """The fit in stretches, if it leaves much less than that of whole recordings."""
-    found = search(problem, problem.point(begin))
-    if found.stopped:
+    solution = search(problem, problem.point(begin))
+    if solution.stopped:
         return replace(whole, stopped=True)
-    u = moved_over(problem, found.u)
+    u = moved_over(problem, solution.u)
     left, right = leftovers(whole.problem, whole.u), leftovers(problem, u)
     least = 1 / AS_WELL if grows else _MUCH  # whole recordings may be the only information on unmeasured states
     if all(not left[c][0] > least * right[c][0] for c in left):
@@ -143,7 +143,7 @@ def _in_stretches(
         f"{why}: recordings are fitted in {len(problem.runs)} stretches of about {window:.2g} s, each with a start of its own; "
         "errors are those within stretches"
     )
-    return BestPoint(problem, u, found.agreeing, False, [*whole.notes, note], True)
+    return BestPoint(problem, u, solution.agreeing, False, [*whole.notes, note], True)
 
 
 def _joined(parts: BestPoint) -> BestPoint:
@@ -161,8 +161,8 @@ def _joined(parts: BestPoint) -> BestPoint:
     tied = BestPoint(replace(problem, tied=True), u, parts.agreeing, problem.work.stopped, [*parts.notes], True)
     for _ in range(0 if tied.stopped else _TIED_ROUNDS):  # while the residual is large, the ties are loose
         _weigh(tied.problem, tied.u)
-        found = search(tied.problem, tied.u, steps=_STEPS)
-        tied.u, tied.stopped = found.u, found.stopped
+        solution = search(tied.problem, tied.u, steps=_STEPS)
+        tied.u, tied.stopped = solution.u, solution.stopped
         if tied.stopped:
             break
     tied = _weighted(tied)
@@ -193,9 +193,9 @@ def _handed_on(problem: MachineProblem, u: Array) -> tuple[MachineProblem, Array
             shift = {n: old.shift.get(n, 0.0) + share * (x - old.shift.get(n, 0.0)) for n, x in new.shift.items()}
             runs.append(replace(old, shift=shift))
         moved = replace(problem, runs=runs)
-        found = search(moved, u, steps=_STEPS)
-        if found.stopped or found.cost <= _WORSE * before + 0.5 * problem.size * _LITTLE:
-            return moved, found.u
+        solution = search(moved, u, steps=_STEPS)
+        if solution.stopped or solution.cost <= _WORSE * before + 0.5 * problem.size * _LITTLE:
+            return moved, solution.u
     return None
 
 

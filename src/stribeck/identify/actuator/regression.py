@@ -107,28 +107,28 @@ class MachineLibrary(ModelLibrary):
         c = next((c for c in self.sought if c.name == name), None)
         return (c.high - c.low, True) if c is not None and c.low <= 0.0 <= c.high else (None, False)
 
-    def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
+    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Clip estimates to their bounds, and withhold those whose interval is outside.
 
         Without slow rows, F_s and v_s become one-sided bounds.
         """
         for c in self.sought:
-            found[c.name] = found[c.name].within(c.low, c.high)
+            estimates[c.name] = estimates[c.name].within(c.low, c.high)
         for contact, slowest in self.slow.items():
             law = f"contacts.{contact}.law.parameters."
-            F_s, v_s = found.get(f"{law}F_s"), found.get(f"{law}v_s")
+            F_s, v_s = estimates.get(f"{law}F_s"), estimates.get(f"{law}v_s")
             if F_s is None or v_s is None or v_s.identifiable:
                 continue
             if slowest <= REACHED * v_s.value:  # no speed tells where the curve ends
-                found[f"{law}F_s"] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE)
+                estimates[f"{law}F_s"] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE)
                 continue
-            lows = [found[n] for n in (f"{contact} {LEVELS[0]}", f"{law}F_c") if n in found]
+            lows = [estimates[n] for n in (f"{contact} {LEVELS[0]}", f"{law}F_c") if n in estimates]
             interval, wide = ((max(getattr(e, n)[0] for e in lows), np.inf) for n in ("interval", "range"))
             at_least = replace(F_s, interval=interval, range=wide, state=EstimateState.AT_LEAST)
-            found[f"{law}F_s"] = replace(at_least, value=max(e.value for e in lows))
+            estimates[f"{law}F_s"] = replace(at_least, value=max(e.value for e in lows))
             low, high = ((0.0, x[1]) for x in (v_s.interval, v_s.range or v_s.interval))
-            found[f"{law}v_s"] = replace(v_s, interval=low, range=high, state=EstimateState.AT_MOST)
-        return found
+            estimates[f"{law}v_s"] = replace(v_s, interval=low, range=high, state=EstimateState.AT_MOST)
+        return estimates
 
 
 def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:

@@ -69,7 +69,7 @@ class Selection(Generic[Of]):
         Returns:
             Its library, index and coefficients, and the ratio of its squared residual to the reported model's.
         """
-        found, reported, alone = [], 1.0, self.alone if alone is None else alone
+        scored, reported, alone = [], 1.0, self.alone if alone is None else alone
         for n, lib in enumerate(self.libraries):
             if within is not None and n != within:
                 continue
@@ -77,9 +77,9 @@ class Selection(Generic[Of]):
             gone = lib.kinds @ np.array([alone or g in withheld for g in lib.groups], dtype=int) > 0
             score = np.where(gone, np.inf, lib.scores(sse, self.rows))
             i = int(np.argmin(score))
-            found.append((float(score[i]), n, i, x[i], float(sse[i])))
+            scored.append((float(score[i]), n, i, x[i], float(sse[i])))
             reported = float(sse[self.index]) if n == self.law else reported
-        _, n, i, x_best, left = min(found, key=lambda e: e[0])
+        _, n, i, x_best, left = min(scored, key=lambda e: e[0])
         return n, i, x_best, left / max(reported, 1e-300)
 
 

@@ -71,23 +71,26 @@ class Anchor:
 def forms(log: Log, at: Anchor) -> dict[Key, Column]:
     """Every form's columns along a log, each computed when it is called."""
     v, sign, load = log.velocity, at.curve.sign(log.velocity, at.shape), at.found.get("mass", 0.0) * log.acceleration
-    friction, made = at.friction(v), _of_speed(v, sign, at)
-    made |= {("delay", ""): lambda: _rate(log, load + friction), ("friction lags", ""): lambda: _rate(log, friction)}
+    friction, columns = at.friction(v), _of_speed(v, sign, at)
+    columns |= {("delay", ""): lambda: _rate(log, load + friction), ("friction lags", ""): lambda: _rate(log, friction)}
     if at.turns:
-        made |= {(f"play {w}", ""): partial(_turned, log, w * at.way) for w in WIDTHS}
-        made |= {(f"lag {n}", ""): partial(_lagging, log, sign, n * at.step) for n in LAGS}
-    made |= {("load", ""): lambda: sign * abs(load), (LOADED, ""): lambda: sign * abs(load + carried(log, at))}
-    made |= _of_place(log, sign, at)
+        columns |= {(f"play {w}", ""): partial(_turned, log, w * at.way) for w in WIDTHS}
+        columns |= {(f"lag {n}", ""): partial(_lagging, log, sign, n * at.step) for n in LAGS}
+    columns |= {("load", ""): lambda: sign * abs(load), (LOADED, ""): lambda: sign * abs(load + carried(log, at))}
+    columns |= _of_place(log, sign, at)
     for name in ("load", "pressure"):
         if (x := getattr(log, name)) is not None:
-            made[f"level by {name} column", ""] = partial(np.multiply, sign, x)
+            columns[f"level by {name} column", ""] = partial(np.multiply, sign, x)
     t = 2 * (log.time - log.time[0]) / max(float(np.ptp(log.time)), 1e-300) - 1
     for k in range(1, WAVES + 1):
         after = "" if k == 1 else f" {k}"
-        made |= {(f"drift{after}", ""): partial(_wave, t, k), (f"level by time{after}", ""): partial(_wave, t, k, sign)}
+        columns |= {
+            (f"drift{after}", ""): partial(_wave, t, k),
+            (f"level by time{after}", ""): partial(_wave, t, k, sign),
+        }
     if log.bandwidth and log.step:
-        made["filter", ""] = lambda: _smoother_force(log, at) - load - friction
-    return made
+        columns["filter", ""] = lambda: _smoother_force(log, at) - load - friction
+    return columns
 
 
 def _wave(t: Array, k: int, height: Array | float = 1.0) -> Array:
@@ -103,15 +106,15 @@ def _smoother_force(log: Log, at: Anchor) -> Array:
 
 def _of_speed(v: Array, sign: Array, at: Anchor) -> dict[Key, Column]:
     """Other dependences of friction on speed."""
-    share, made = abs(v) / at.fast, dict[Key, Column]()
+    share, columns = abs(v) / at.fast, dict[Key, Column]()
     for w in WIDTHS:
-        made[f"bend {w}", ""] = partial(_bend, sign, share, w)
-        made[f"bend {w} square", ""] = partial(_bend, sign, share, w, 2)
-        made[f"uneven bend {w}", ""] = partial(_bend, abs(sign), share, w)
+        columns[f"bend {w}", ""] = partial(_bend, sign, share, w)
+        columns[f"bend {w} square", ""] = partial(_bend, sign, share, w, 2)
+        columns[f"uneven bend {w}", ""] = partial(_bend, abs(sign), share, w)
     if "v_s" in at.shape:
-        made["pointed", ""] = lambda: sign * _pointed(abs(v) / at.shape["v_s"])
-    made |= {(f"growth {p}", ""): partial(_growth, sign, share, p) for p in POWERS}
-    return made | {("uneven slope", ""): lambda: abs(v)}
+        columns["pointed", ""] = lambda: sign * _pointed(abs(v) / at.shape["v_s"])
+    columns |= {(f"growth {p}", ""): partial(_growth, sign, share, p) for p in POWERS}
+    return columns | {("uneven slope", ""): lambda: abs(v)}
 
 
 def _bend(height: Array, share: Array, width: float, power: int = 1) -> Array:
@@ -129,15 +132,15 @@ def _pointed(share: Array) -> Array:
 
 def _of_place(log: Log, sign: Array, at: Anchor) -> dict[Key, Column]:
     """Weight, spring, cogging, and a friction level that depends on position."""
-    y, made = log.position, dict[Key, Column]()
+    y, columns = log.position, dict[Key, Column]()
     if at.placed:
-        made = {("weight", "sin"): lambda: np.sin(y), ("weight", "cos"): lambda: np.cos(y)}
-        made |= {("spring", ""): lambda: y, ("level by position", ""): lambda: sign * y}
+        columns = {("weight", "sin"): lambda: np.sin(y), ("weight", "cos"): lambda: np.cos(y)}
+        columns |= {("spring", ""): lambda: y, ("level by position", ""): lambda: sign * y}
     for name, waves, height in (("ripple", at.waves, 1.0), ("level ripple", at.level_waves, sign)):
         for k, w in enumerate(waves):
             for wave in (np.sin, np.cos):
-                made[f"{name} {k}", wave.__name__] = partial(_ripple, wave, w, y, height)
-    return made
+                columns[f"{name} {k}", wave.__name__] = partial(_ripple, wave, w, y, height)
+    return columns
 
 
 def _ripple(wave: Callable[[Array], Array], w: float, y: Array, height: Array | float) -> Array:

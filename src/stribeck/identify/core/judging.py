@@ -56,18 +56,18 @@ def judged(
     interval = np.sqrt(part["C"] ** 2 + part["A"] ** 2 + part["M"] ** 2)
     wide = np.sqrt(interval**2 + part["B"] ** 2 + part["H"] ** 2)
     trusted &= missed(choice) <= EXPLAINED
-    found = {}
+    estimates = {}
     for q, (name, x_now) in enumerate(value.items()):
-        own = [ends(x_now, half[q], bool(by_ratio[q])) for half in (interval, wide)]
-        state = state_of(own[0], own[1], *lib.level_of(name, value))
+        both_ends = [ends(x_now, half[q], bool(by_ratio[q])) for half in (interval, wide)]
+        state = state_of(both_ends[0], both_ends[1], *lib.level_of(name, value))
         hangs = state is EstimateState.MODEL_DEPENDENT
         if state is EstimateState.IDENTIFIED and not trusted:
             state = EstimateState.MODEL_DEPENDENT
         cause = (withheld if part["B"][q] > part["H"][q] else hidden)[q] if hangs else ""
-        found[name] = Estimate(
-            x_now, own[0], own[1], state, depends_on=cause, parts={k: float(z[q]) for k, z in part.items()}
+        estimates[name] = Estimate(
+            x_now, both_ends[0], both_ends[1], state, depends_on=cause, parts={k: float(z[q]) for k, z in part.items()}
         )
-    return lib.concluded(found)
+    return lib.concluded(estimates)
 
 
 def missed(choice: Selection[Of]) -> float:
@@ -117,8 +117,8 @@ def _jackknife(lib: ModelLibrary, gram: Array, i: list[int], target: int, slope:
     """Standard errors of the estimates by the jackknife: each part is left out once."""
     total, count, natural = gram.sum(0), len(gram), np.array(lib.natural)[i]
     left = [total - g for g in gram]
-    found = np.array([slope @ (_inverse(g[np.ix_(i, i)], natural) @ g[i, target]) for g in left])
-    return np.asarray(np.sqrt((count - 1) / count * np.sum((found - found.mean(axis=0)) ** 2, axis=0)))
+    left_out = np.array([slope @ (_inverse(g[np.ix_(i, i)], natural) @ g[i, target]) for g in left])
+    return np.asarray(np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean(axis=0)) ** 2, axis=0)))
 
 
 def _redrawn(
@@ -158,18 +158,18 @@ def _cause(choice: Selection[Of], far: Array, which: list[set[str]]) -> list[str
 
     For a law alone, the form of its best extended model whose presence does.
     """
-    own, sign = choice.model[1], 1.0
+    chosen, sign = choice.model[1], 1.0
     if choice.alone:
         _, k, *_ = choice.choose(np.ones(len(choice.library.gram)), within=choice.law, alone=False)
-        own, sign = choice.library.models[k][1], -1.0
-    if not own:
+        chosen, sign = choice.library.models[k][1], -1.0
+    if not chosen:
         return [""] * far.shape[1]
     more = []
-    for g in own:
+    for g in chosen:
         gone = np.array([g in each for each in which])
         apart = far[gone].mean(axis=0) - far[~gone].mean(axis=0) if gone.any() and not gone.all() else far[0] * 0
         more.append(sign * apart)
-    return [own[int(i)] for i in np.argmax(np.array(more), axis=0)]
+    return [chosen[int(i)] for i in np.argmax(np.array(more), axis=0)]
 
 
 def _hidden(choice: Selection[Of], slope: Array) -> tuple[Array, list[str]]:
@@ -180,9 +180,9 @@ def _hidden(choice: Selection[Of], slope: Array) -> tuple[Array, list[str]]:
     inverse = _inverse(lib.gram.sum(0)[np.ix_(i, i)], np.array(lib.natural)[i])
     noise = np.sqrt(max(float(r @ r) / len(r), 1e-12 * lib.largest**2))
     shifts, names = list[Array](), list[str]()
-    for g, own in lib.groups.items():
+    for g, members in lib.groups.items():
         if g not in model[1]:
-            column = lib.columns[:, own[0]]
+            column = lib.columns[:, members[0]]
             stands = inverse @ (j.T @ column)
             seen = float(np.sqrt(np.mean((column - j @ stands) ** 2)))
             shifts.append(slope @ stands * min(SEEN * noise / max(seen, 1e-9), lib.largest_hidden(g)))

@@ -84,7 +84,7 @@ class ModelLibrary(ABC):
         """For a parameter that may be 0: its scale, and whether an interval within a factor of two is narrow too."""
 
     @abstractmethod
-    def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
+    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """The estimates as reported, with bounds applied and impossible values marked."""
 
     def allowed(self, form: str) -> Array:
@@ -104,8 +104,8 @@ class ModelLibrary(ABC):
     def index(self, model: Model) -> list[int]:
         """The columns of a model: the law's with slopes, those of every model, the forms'."""
         s, chosen = model
-        own = range(self.starts[s], self.starts[s] + self.k)
-        return [*own, *self.beside, *(i for g in chosen for i in self.groups[g])]
+        of_law = range(self.starts[s], self.starts[s] + self.k)
+        return [*of_law, *self.beside, *(i for g in chosen for i in self.groups[g])]
 
     def keep(self, models: list[Model]) -> None:
         """Keep these models only."""
@@ -212,17 +212,17 @@ class SteadyLibrary(ModelLibrary):
         """A share of the force's standard deviation, which a constant preload does not enlarge."""
         return LARGEST * self.deviation
 
-    def concluded(self, found: dict[str, Estimate]) -> dict[str, Estimate]:
+    def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Keep values to what the law allows, and report bounds if the recorded speeds determine no more.
 
         A mass below 0 is reported as it is, but never identified.
         """
-        for n, e in found.items():
+        for n, e in estimates.items():
             if e.value < (least := self.curve.least(n)):
-                found[n] = e = e.within(least, np.inf)
+                estimates[n] = e = e.within(least, np.inf)
             if e.state is EstimateState.IDENTIFIED and n in self.curve.positive and e.value < 0:
-                found[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
-        return self.curve.judged(found, found[LEVELS[0]], self.at.speeds[0])
+                estimates[n] = replace(e, state=EstimateState.MODEL_DEPENDENT)
+        return self.curve.judged(estimates, estimates[LEVELS[0]], self.at.speeds[0])
 
     def level_of(self, name: str, value: Mapping[str, float]) -> tuple[float | None, bool]:
         """The friction level in the parameter's unit. A factor of two is narrow except for a constant force."""
@@ -234,16 +234,16 @@ class SteadyLibrary(ModelLibrary):
 
     def add(self, shapes: Sequence[Mapping[str, float]], heights: Sequence[Mapping[str, float]]) -> None:
         """Add nodes; ``heights``: coefficients of the law's columns with which the slopes are computed."""
-        made, place = [], self.columns.shape[1]
+        blocks, place = [], self.columns.shape[1]
         for shape, height in zip(shapes, heights, strict=True):
-            own, known = self.law.with_slopes(shape, height), self.law.known(shape)
-            self.targets.append(0 if known is None else place + own.shape[1])
+            columns, known = self.law.with_slopes(shape, height), self.law.known(shape)
+            self.targets.append(0 if known is None else place + columns.shape[1])
             self.starts.append(place)
             level = max((x * x for x in height.values()), default=1.0)
             self.natural += [1.0] * len(self.curve.names) + [level] * len(self.step) + [1.0] * (known is not None)
-            made.append(own if known is None else np.column_stack([own, self.columns[:, 0] - known]))
-            place += made[-1].shape[1]
-        new = np.column_stack(made)
+            blocks.append(columns if known is None else np.column_stack([columns, self.columns[:, 0] - known]))
+            place += blocks[-1].shape[1]
+        new = np.column_stack(blocks)
         both, block, p = np.column_stack([self.columns, new]), self.record.block, self.columns.shape[1]
         side = np.array([both[block == b].T @ new[block == b] for b in range(block.max() + 1)])
         gram = np.empty((len(side), both.shape[1], both.shape[1]))
@@ -297,8 +297,8 @@ class SteadyLibrary(ModelLibrary):
         for (form, _), z in self.of_forms(model, x).items():
             if is_bend(form):
                 bends = bends + z * steady(form, u, self.at, rigid=True)
-        own = {n: c[n] for n in self.curve.names}
-        out = {n: c[n] for n in self.body} | self.curve.constants(own, self.shape(model, x), bends, u)
+        of_curve = {n: c[n] for n in self.curve.names}
+        out = {n: c[n] for n in self.body} | self.curve.constants(of_curve, self.shape(model, x), bends, u)
         return out | dict(
             zip(self.levels, self.level(model, x, np.array(list(self.levels.values()))).tolist(), strict=True)
         )

@@ -66,12 +66,12 @@ class Predictor:
         friction = curve.force(v, self.shape, self.law) + self.body.get("sigma_2", 0.0) * v
         beside = sum((c * columns[n] for n, c in self.body.items() if n != "sigma_2"), np.zeros(len(log)))
         carried = {k: c for k, c in self.forms.items() if not k[0].startswith(OF_RECORD)}
-        made = forms(log, self.at) if carried else {}
+        form_columns = forms(log, self.at) if carried else {}
         for key, c in carried.items():
-            if key in made and key[0].startswith(("weight", "spring", "ripple")):
-                beside = beside + c * made[key]()
-            elif key in made:
-                friction = friction + c * made[key]()
+            if key in form_columns and key[0].startswith(("weight", "spring", "ripple")):
+                beside = beside + c * form_columns[key]()
+            elif key in form_columns:
+                friction = friction + c * form_columns[key]()
         return np.where(rest, 0.0, friction), np.asarray(beside)
 
     def force(self, log: Log) -> Array:
@@ -127,8 +127,8 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
         if not len(inside) or not len(others):
             continue
         for alone, motion in candidates:
-            made = _candidate(choice, (fold_of_block != f).astype(float), motions[motion], others, alone, motion)
-            left[alone, motion] += float(np.sum((log.force - sum(made.along(motions[motion])))[inside] ** 2))
+            candidate = _candidate(choice, (fold_of_block != f).astype(float), motions[motion], others, alone, motion)
+            left[alone, motion] += float(np.sum((log.force - sum(candidate.along(motions[motion])))[inside] ** 2))
     best = min(left, key=lambda k: left[k])
     plain = min((k for k in left if k[1] == BY_FILTER), key=lambda k: left[k])
     if best[1] == BY_POLYNOMIAL and left[best] > BETTER**2 * left[plain]:
@@ -157,17 +157,23 @@ def _candidate(
     model, given = lib.models[i], lib.record.given
     keys = list(lib.of_forms(model, x))
     rows = rows[:: max(1, len(rows) // MOST_ROWS)]
-    made = forms(seen, lib.at) if keys else {}
+    columns = forms(seen, lib.at) if keys else {}
     body = body_columns(seen, [m for m in (*lib.body, *given) if m != "sigma_2"], curve.sigma_2)
-    rest = np.column_stack([*(body[m][rows] for m in lib.body), *(made[k]()[rows] for k in keys)])
+    rest = np.column_stack([*(body[m][rows] for m in lib.body), *(columns[k]()[rows] for k in keys)])
     force = seen.force - sum((c * body[m] for m, c in given.items()), np.zeros(len(seen)))
     law = LawColumns(curve, seen.velocity[rows], np.asarray)
     shape, y, _ = optimum(law, lib.shape(model, x), rest, force[rows])
     names = [*curve.names, *lib.body, *keys]
-    found = dict(zip(names, y.tolist(), strict=True))
-    of_body = {m: found[m] for m in lib.body} | {m: c for m, c in given.items() if m in body}
+    coefficients = dict(zip(names, y.tolist(), strict=True))
+    of_body = {m: coefficients[m] for m in lib.body} | {m: c for m, c in given.items() if m in body}
     return Predictor(
-        lib.at, shape, {m: found[m] for m in curve.names}, of_body, {k: found[k] for k in keys}, motion, float("nan")
+        lib.at,
+        shape,
+        {m: coefficients[m] for m in curve.names},
+        of_body,
+        {k: coefficients[k] for k in keys},
+        motion,
+        float("nan"),
     )
 
 

@@ -80,9 +80,9 @@ def optimum(
         step, before = np.clip(z[n : n + len(shape)], -1.0, 1.0), sse
         for part in SHORTER:
             other = {m: s * float(np.exp(part * e)) for (m, s), e in zip(shape.items(), step.tolist(), strict=True)}
-            y, found = solved(law.at(other), other)
-            if found < sse:
-                shape, x, sse = other, y, found
+            y, remaining = solved(law.at(other), other)
+            if remaining < sse:
+                shape, x, sse = other, y, remaining
                 break
         if sse > before * (1 - LITTLE):
             break
@@ -140,8 +140,8 @@ def _plain(record: Record, law: LawColumns, shape: Mapping[str, float], body: Ar
     curve, a, target = law.curve, np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
     x = np.linalg.lstsq(a, target, rcond=RANK)[0]
     r = target - a @ x
-    own = {n: np.asarray(x[i : i + 1], float) for i, n in enumerate(curve.names)}
-    fault = float(curve.fault(own, 0.0, float(np.max(abs(record.force))))[0]) if own else 1.0
+    coefficients = {n: np.asarray(x[i : i + 1], float) for i, n in enumerate(curve.names)}
+    fault = float(curve.fault(coefficients, 0.0, float(np.max(abs(record.force))))[0]) if coefficients else 1.0
     return np.asarray(x, float), float(r @ r) * fault
 
 
@@ -155,7 +155,7 @@ def _sound(curve: SteadyCurve, shape: Mapping[str, float], x: Array, ranges: Map
 
 def _with_forms(record: Record, law: LawColumns, at: Anchor, body: Array, step: list[float]) -> SteadyLibrary:
     """The library without nodes: force, body, and all forms that vary in the record and are not in the body."""
-    made: list[Array] = []
+    form_columns: list[Array] = []
     groups, size, name = dict[str, list[int]](), dict[int, float](), dict[int, Key]()
     whole = {key: record.column(column()) for key, column in forms(record.log, at).items()}
     held = {key[0] for key, c in whole.items() if _in_body(c, body)}
@@ -163,13 +163,13 @@ def _with_forms(record: Record, law: LawColumns, at: Anchor, body: Array, step: 
         largest = np.max(abs(column))
         if largest <= FAINT or key[0] in held or (key[0].startswith(("bend", "uneven bend")) and largest < SHOWN):
             continue
-        groups.setdefault(key[0], []).append(i := 1 + body.shape[1] + len(made))
+        groups.setdefault(key[0], []).append(i := 1 + body.shape[1] + len(form_columns))
         size[i], name[i] = float(np.sqrt(np.mean(column**2))), key
-        made.append(column / size[i])
-    columns = np.column_stack([record.force, body, *made])
+        form_columns.append(column / size[i])
+    columns = np.column_stack([record.force, body, *form_columns])
     block = record.block
     gram = np.array([columns[block == b].T @ columns[block == b] for b in range(block.max() + 1)])
-    natural = [1.0, *np.mean(body**2, axis=0).tolist(), *[1.0] * len(made)]
+    natural = [1.0, *np.mean(body**2, axis=0).tolist(), *[1.0] * len(form_columns)]
     return SteadyLibrary(
         record=record,
         law=law,
@@ -195,22 +195,22 @@ def anchor(
 ) -> Anchor:
     """The constants of the forms' columns from a fit of the law alone, and the ripples in its residual."""
     curve, log, v, n = law.curve, record.log, record.log.velocity, len(law.curve.names)
-    found = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
+    coefficients = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
     slow, high = np.quantile(abs(v[record.at]), SEEN)
     seen = (float(slow), float(np.sqrt(slow * high)), float(0.5 * high), float(high))
-    own, target = np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
+    columns, target = np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
     turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
-    offset = found.get("offset", 0.0)
+    offset = coefficients.get("offset", 0.0)
     y, carried = record.column(log.position), {"": offset}
     if placed and "offset" in record.body:  # the offset, and a weight by position
-        a = np.column_stack([own, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
+        a = np.column_stack([columns, *(record.column(c) for c in (np.sin(log.position), np.cos(log.position)))])
         z = np.linalg.lstsq(a, target, rcond=1e-7)[0]
         carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
-    at = Anchor(curve, shape, found, fast, _way(log), log.step, turns, placed, (*seen, *speeds), carried)
+    at = Anchor(curve, shape, coefficients, fast, _way(log), log.step, turns, placed, (*seen, *speeds), carried)
     if (between := ripple.range_of(log, record.q)) is None:
         return at
-    residual, side = target - own @ x, np.sign(record.column(v))
+    residual, side = target - columns @ x, np.sign(record.column(v))
     of_level = tuple(ripple.peaks(y, residual * side, *between, 1))
     return replace(at, waves=tuple(ripple.peaks(y, residual, *between, 2)), level_waves=of_level)
 
@@ -220,8 +220,8 @@ def _way(log: Log) -> float:
     moving = np.flatnonzero(np.sign(log.velocity))
     turn = moving[1:][np.diff(np.sign(log.velocity[moving])) != 0]
     ways = np.sort(abs(np.diff(log.position[turn]))) if len(turn) > 1 else np.array([np.ptp(log.position)])
-    made = np.cumsum(ways)
-    return float(ways[np.searchsorted(made, 0.5 * made[-1])])
+    gone = np.cumsum(ways)
+    return float(ways[np.searchsorted(gone, 0.5 * gone[-1])])
 
 
 Met = dict[tuple[int, frozenset[str]], tuple[float, tuple[str, ...]]]  # squared residual and forms, by node and set
@@ -232,10 +232,10 @@ def search(lib: ModelLibrary) -> None:
     total, met, allowed = lib.gram.sum(0), Met(), {g: lib.allowed(g) for g in lib.groups}
     beam: list[tuple[str, ...]] = [()]
     for depth in range(MOST + 1):
-        found: dict[frozenset[str], tuple[float, tuple[str, ...]]] = {}
+        tried: dict[frozenset[str], tuple[float, tuple[str, ...]]] = {}
         for chosen in beam:
-            _try_beside(lib, total, chosen, allowed if depth < MOST else {}, met, found)
-        beam = [c for _, c in sorted(found.values(), key=lambda e: e[0])[:BEAM]]
+            _try_beside(lib, total, chosen, allowed if depth < MOST else {}, met, tried)
+        beam = [c for _, c in sorted(tried.values(), key=lambda e: e[0])[:BEAM]]
     taken: list[Model] = []
     many = [0] * (MOST + 1)
     for (s, _), (_, chosen) in sorted(met.items(), key=lambda e: e[1][0]):
@@ -247,13 +247,13 @@ def search(lib: ModelLibrary) -> None:
 
 def _try_beside(
     lib: ModelLibrary, total: Array, chosen: tuple[str, ...], allowed: Mapping[str, Array], met: Met,
-    found: dict[frozenset[str], tuple[float, tuple[str, ...]]],
+    tried: dict[frozenset[str], tuple[float, tuple[str, ...]]],
 ) -> None:  # fmt: skip
     """The squared residual of one set of forms at all nodes, and of this set with each other form that is allowed added."""
     nodes, target = range(len(lib.starts)), np.array(lib.targets)
     a_i = np.array([lib.index((s, chosen)) for s in nodes])
     rest = {g: lib.groups[g] for g in allowed if g not in chosen}
-    b_i = np.array([i for own in rest.values() for i in own], dtype=int)
+    b_i = np.array([i for members in rest.values() for i in members], dtype=int)
     a = total[a_i[:, :, None], a_i[:, None, :]]
     d = np.sqrt(np.maximum(np.einsum("mii->mi", a), 1e-300))
     to_force = total[a_i, target[:, None]]
@@ -267,16 +267,16 @@ def _try_beside(
     for s in nodes:
         met[s, frozenset(chosen)] = (float(sse[s] * fault[s]), chosen)
     j = 0
-    for g, own in rest.items():
-        w = list(range(j, j + len(own)))
-        j += len(own)
+    for g, members in rest.items():
+        w = list(range(j, j + len(members)))
+        j += len(members)
         ok = np.all(left[:, w] / diag[w] > HARDLY, axis=1) & allowed[g]
         gain = _gain(total, left, share, b, y, b_i, w)
         after = np.where(ok, np.maximum(sse - gain, 1e-12) * np.where(fault > 50, fault, 1.0), np.inf)
         new, key = (*chosen, g), frozenset((*chosen, g))
         cost = float(np.log(after.min())) + COST * sum(len(lib.groups[h]) for h in new)
-        if np.isfinite(cost) and (key not in found or cost < found[key][0]):
-            found[key] = cost, new
+        if np.isfinite(cost) and (key not in tried or cost < tried[key][0]):
+            tried[key] = cost, new
         for s in np.argsort(after)[:3].tolist():
             if np.isfinite(after[s]):
                 met.setdefault((s, key), (float(after[s]), new))

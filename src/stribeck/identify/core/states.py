@@ -80,24 +80,24 @@ class Estimate:
 
     def to_dict(self) -> dict[str, object]:
         """Plain data of the file format, with both uncertainties and the state."""
-        told = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}
+        reasons = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}
         return {
             "value": self.value, "low": self.low, "high": self.high, "unit": self.unit, "identifiable": self.identifiable,
             "estimate": self.value, "interval": _open(self.interval), "range": self.range and _open(self.range),
-            "state": str(self.state), "depends_on": self.depends_on, **told,
+            "state": str(self.state), "depends_on": self.depends_on, **reasons,
         }  # fmt: skip
 
     @classmethod
-    def of_dict(cls, told: Kept) -> Estimate:
+    def of_dict(cls, data: Kept) -> Estimate:
         """The estimate from the data of :meth:`to_dict`.
 
         Raises:
             KeyError, TypeError, ValueError: the data are not an estimate.
         """
-        interval, wide = _ends(told["interval"]), told["range"]
-        unit, form, why, experiment = (str(told.get(key, "")) for key in ("unit", "depends_on", "why", "experiment"))
-        value = np.nan if told["estimate"] is None else float(told["estimate"])
-        state = EstimateState(told["state"])
+        interval, wide = _ends(data["interval"]), data["range"]
+        unit, form, why, experiment = (str(data.get(key, "")) for key in ("unit", "depends_on", "why", "experiment"))
+        value = np.nan if data["estimate"] is None else float(data["estimate"])
+        state = EstimateState(data["state"])
         return cls(value, interval, wide and _ends(wide), state, unit, form, why=why, experiment=experiment)
 
 
@@ -134,7 +134,7 @@ def state_of(
         beside = level is not None and high - low < OFFSET * abs(level)
         return beside or (by_ratio and (level is None or either))
 
-    found = EstimateState.NOT_IDENTIFIABLE
+    state = EstimateState.NOT_IDENTIFIABLE
     if narrow(*interval):
-        found = EstimateState.IDENTIFIED if narrow(*wide) else EstimateState.MODEL_DEPENDENT
-    return found
+        state = EstimateState.IDENTIFIED if narrow(*wide) else EstimateState.MODEL_DEPENDENT
+    return state

@@ -45,8 +45,8 @@ def steady_stretches(columns: dict[str, Array], name: str, notes: list[str]) -> 
     parts = [slice(a, b) for a, b in pairwise(cuts) if b - a >= FEWEST]
     if len(parts) < 2:
         return [columns]
-    told = ", ".join(f"{np.median(np.diff(time[p])):.4g} s from {time[p.start]:.4g} s" for p in parts[:4])
-    notes.append(f"{name}: two clocks: the step changes within the file ({told}); each part is taken on its own")
+    stated = ", ".join(f"{np.median(np.diff(time[p])):.4g} s from {time[p.start]:.4g} s" for p in parts[:4])
+    notes.append(f"{name}: two clocks: the step changes within the file ({stated}); each part is taken on its own")
     return [{role: x[p].copy() for role, x in columns.items()} for p in parts]
 
 
@@ -71,18 +71,18 @@ def released(columns: dict[str, Array], name: str, notes: list[str], whole: bool
             continue
         rows, every, known = clock
         at = np.concatenate([[0], changes]) if changes[0] > 0 else changes
-        own = np.interp(np.concatenate([[0.0], rows]) if changes[0] > 0 else rows, np.arange(len(time)), time)
-        columns[role] = np.interp(time, own, x[at])
-        told = "straight lines between its own samples were taken"
-        if role == "force" and one_run and known and not whole and len(own) > _ENOUGH * FEWEST:
+        own_time = np.interp(np.concatenate([[0.0], rows]) if changes[0] > 0 else rows, np.arange(len(time)), time)
+        columns[role] = np.interp(time, own_time, x[at])
+        remedy = "straight lines between its own samples were taken"
+        if role == "force" and one_run and known and not whole and len(own_time) > _ENOUGH * FEWEST:
             first = int(changes[0] > 0)  # what is held at first was sampled nobody knows when
-            of_force, told = (own[first:], x[at][first:]), "the log was taken at its own samples"
-        notes.append(f"{name}: two clocks: {role} changes once in {every} rows only; {told}")
+            of_force, remedy = (own_time[first:], x[at][first:]), "the log was taken at its own samples"
+        notes.append(f"{name}: two clocks: {role} changes once in {every} rows only; {remedy}")
     if of_force is None:
         return columns
-    own, force = of_force
-    there = {role: np.interp(own, columns["time"], x) for role, x in columns.items()}
-    return there | {"time": own, "force": force}
+    own_time, force = of_force
+    there = {role: np.interp(own_time, columns["time"], x) for role, x in columns.items()}
+    return there | {"time": own_time, "force": force}
 
 
 def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str, bool] | None:
@@ -130,19 +130,19 @@ def _resampled(part: Clean, step: float) -> Clean:
     runs, place = [], 0
     for rows in part.runs:
         time = part.columns["time"][rows]
-        own = time[0] + part.step * np.arange(int((time[-1] - time[0]) / part.step * (1 + 1e-12)) + 1)
-        grid = own[0] + step * np.arange(int((own[-1] - own[0]) / step * (1 + 1e-12)) + 1)
+        even = time[0] + part.step * np.arange(int((time[-1] - time[0]) / part.step * (1 + 1e-12)) + 1)
+        grid = even[0] + step * np.arange(int((even[-1] - even[0]) / step * (1 + 1e-12)) + 1)
         if len(grid) < FEWEST:
             continue
         for name, column in part.columns.items():
             if name == "time":
                 columns[name].append(grid)
                 continue
-            x = np.interp(own, time, column[rows])
+            x = np.interp(even, time, column[rows])
             if part.step < step / 1.1:
                 x = low_pass(x, 0.4 / step, part.step)
             smooth = name in ("position", "velocity") and part.step > step
-            columns[name].append(np.asarray(CubicSpline(own, x)(grid)) if smooth else np.interp(grid, own, x))
+            columns[name].append(np.asarray(CubicSpline(even, x)(grid)) if smooth else np.interp(grid, even, x))
         runs.append(slice(place, place + len(grid)))
         place += len(grid)
     joined = {name: np.concatenate(x) if x else np.empty(0) for name, x in columns.items()}

@@ -90,10 +90,10 @@ def quiet(
 
 def _some(runs: Sequence[Run]) -> list[Run]:
     """Runs evenly out of all, of few enough rows together."""
-    every, found = max(sum(len(f) for _, f in runs) // _MOST, 1), []
+    every, selection = max(sum(len(f) for _, f in runs) // _MOST, 1), []
     for motion, force in runs[::every]:
-        found.append((motion[:_MOST], force[:_MOST]))
-    return found
+        selection.append((motion[:_MOST], force[:_MOST]))
+    return selection
 
 
 def _end(motion: Array, position: bool, cutoff: float, step: float) -> int:
@@ -125,5 +125,5 @@ def _missed(
         force.append(passed[-1])
     columns, target = np.concatenate(matrix), np.concatenate(force)
     size = np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-300)
-    found = np.linalg.lstsq(columns / size, target, rcond=1e-9)[0]
-    return float(np.linalg.norm(target - columns / size @ found))
+    coefficients = np.linalg.lstsq(columns / size, target, rcond=1e-9)[0]
+    return float(np.linalg.norm(target - columns / size @ coefficients))

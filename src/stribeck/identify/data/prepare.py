@@ -66,11 +66,11 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         rotary.append(any(is_rotary(named.units.get(column, "")) for column in motion))
         notes: list[str] = []
         for part in steady_stretches(read_named(source, named), name, notes):
-            own = released(part, name, notes, how.simulated)
-            if len(own["time"]) < len(part["time"]):  # no published log: far fewer rows move than were recorded
+            own_samples = released(part, name, notes, how.simulated)
+            if len(own_samples["time"]) < len(part["time"]):  # no published log: far fewer rows move than were recorded
                 how = replace(how, published=False, spline=True)
-            found = clean(own, name)
-            cleaned.append(replace(found, notes=[*notes, *found.notes]))
+            cleaned_part = clean(own_samples, name)
+            cleaned.append(replace(cleaned_part, notes=[*notes, *cleaned_part.notes]))
             owners.append(name)
             notes = []
     hashes = tuple(sha256_of(Path(each)) for each in sources if not is_table(each))
@@ -124,8 +124,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if cutoff > 0 and not how.published:
         lowest = again or cutoff  # the acceleration's filter goes astray too
-        rows_kept, said = _without_ends(columns, lengths, round(_ENDS / (lowest * step)))
-        notes += said
+        rows_kept, end_notes = _without_ends(columns, lengths, round(_ENDS / (lowest * step)))
+        notes += end_notes
         parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
@@ -238,40 +238,40 @@ def _run(
     part: Clean, rows: slice, grid: Array, step: float, cutoff: float, measured: str, spline: bool
 ) -> dict[str, Array]:
     time = part.columns["time"][rows]
-    found = {"time": grid}
+    signals = {"time": grid}
     for name, column in part.columns.items():
         if name != "time":
-            found[name] = column[rows] if part.even else np.interp(grid, time, column[rows])
-    found["unfiltered"] = found[measured]
+            signals[name] = column[rows] if part.even else np.interp(grid, time, column[rows])
+    signals["unfiltered"] = signals[measured]
     for name in ("position", "velocity", "acceleration"):
-        if name in found and cutoff > 0:
-            found[name] = low_pass(found[name], cutoff, step)
-    if "velocity" not in found:
-        found["velocity"] = slope(found["position"], step, spline)
-    if "position" not in found:
-        found["position"] = np.concatenate(
-            [[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)]
+        if name in signals and cutoff > 0:
+            signals[name] = low_pass(signals[name], cutoff, step)
+    if "velocity" not in signals:
+        signals["velocity"] = slope(signals["position"], step, spline)
+    if "position" not in signals:
+        signals["position"] = np.concatenate(
+            [[0.0], np.cumsum((signals["velocity"][1:] + signals["velocity"][:-1]) * step / 2)]
         )
-    if "acceleration" not in found:
-        found["acceleration"] = slope(found["velocity"], step, spline)
-    return found
+    if "acceleration" not in signals:
+        signals["acceleration"] = slope(signals["velocity"], step, spline)
+    return signals
 
 
 def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean], slopes: str) -> dict[str, str]:
     filtered = f", low-pass {cutoff:g} Hz, zero phase" if cutoff > 0 else ""
     resampled = "" if all(part.even for part in parts) else ", resampled"
-    found = {name: f"measured{resampled}{filtered if name in _MOTION[1:] else ''}" for name in roles}
-    found.setdefault("position", INTEGRAL)
-    found.setdefault("velocity", f"{slopes} of the position")
-    found.setdefault("acceleration", f"{slopes} of the velocity")
-    return found
+    sources = {name: f"measured{resampled}{filtered if name in _MOTION[1:] else ''}" for name in roles}
+    sources.setdefault("position", INTEGRAL)
+    sources.setdefault("velocity", f"{slopes} of the position")
+    sources.setdefault("acceleration", f"{slopes} of the velocity")
+    return sources
 
 
 def _longest(parts: Sequence[Clean], measured: str, step: float) -> Array:
     """The measured motion in the longest run, on even steps; of files that were resampled to others' step the noise tells
     nothing."""
-    own = [p for p in parts if not p.resampled] or parts
-    part, rows = max(((p, r) for p in own for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
+    original = [p for p in parts if not p.resampled] or parts
+    part, rows = max(((p, r) for p in original for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
     rows = slice(rows.start, min(rows.stop, rows.start + LONGEST_LOOK))
     x = part.columns[measured][rows]
     return x if part.even else np.interp(_grid(part, rows, step), part.columns["time"][rows], x)

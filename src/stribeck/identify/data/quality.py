@@ -58,9 +58,9 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     _enough(columns, number)
     columns = _without_empty(columns, number, notes)
     _possible(columns, number)
-    time, own = columns["time"], columns.pop("run", None)
+    time, run_numbers = columns["time"], columns.pop("run", None)
     steps = np.diff(time)
-    new_run = np.zeros(len(steps), bool) if own is None else np.diff(own) != 0
+    new_run = np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
     if (back := np.flatnonzero((steps < 0) & ~new_run)).size:
         row = int(back[0]) + 1
         raise InputError(
@@ -73,10 +73,10 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     if count := int(repeated.sum()):
         notes.append(f"{number}: {count} rows repeat the time of the row before; the first of each was kept")
         columns = {name: x[~repeated] for name, x in columns.items()}
-        own = None if own is None else own[~repeated]
+        run_numbers = None if run_numbers is None else run_numbers[~repeated]
         time = columns["time"]
         steps = np.diff(time)
-        new_run = np.zeros(len(steps), bool) if own is None else np.diff(own) != 0
+        new_run = np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
     _enough(columns, number)
     some = steps[:: max(len(steps) // 1_000_000, 1)]
     step = float(np.median(some[some > 0]))
@@ -127,8 +127,8 @@ def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
     measured, summed = np.concatenate(ways), np.concatenate(sums)
     if len(measured) < 2:
         return
-    found = [ratio_of_ways(measured, summed), ratio_of_ways(measured - measured.mean(), summed - summed.mean())]
-    ratios = [x for x in found if x is not None]
+    both_ratios = [ratio_of_ways(measured, summed), ratio_of_ways(measured - measured.mean(), summed - summed.mean())]
+    ratios = [x for x in both_ratios if x is not None]
     if ratios and not any(1 / _OFF < x < _OFF for x in ratios):
         raise InputError(
             f"{arg('velocity')}: {number}: is {ratios[-1]:.3g} times the slope of the position; a sign or a unit is wrong "
@@ -166,19 +166,19 @@ def _without_glitches(columns: dict[str, Array], runs: list[slice], number: str,
 def _glitches(x: Array) -> Array:
     """By how much single values, or two close to each other, stand out of a run; 0 for the others, and for all where they are
     many."""
-    found, off = np.zeros(len(x)), _beside_cubic(x)
+    glitches, off = np.zeros(len(x)), _beside_cubic(x)
     usual = max(1.4826 * float(np.median(abs(off))), float(np.quantile(abs(off), 0.95)) / 1.96)
     far = abs(off) > _GLITCH * usual
     if not 0 < np.count_nonzero(far) < 3 * _RARE * len(x):
-        return found
+        return glitches
     far[1:] &= abs(off[1:]) >= abs(off[:-1])
     far[:-1] &= abs(off[:-1]) > abs(off[1:])
     for row in np.flatnonzero(far)[:_MOST_LOOKED_AT].tolist():
         sets = [(row,), *((row, row + by) for by in (-4, -3, -2, -1, 1, 2, 3, 4))]
-        if (told := next(filter(None, (_explained(off, each, usual) for each in sets)), None)) is not None:
-            for place, size in told.items():
-                found[place + 2] = size
-    return found
+        if (explained := next(filter(None, (_explained(off, each, usual) for each in sets)), None)) is not None:
+            for place, size in explained.items():
+                glitches[place + 2] = size
+    return glitches
 
 
 def _explained(off: Array, places: tuple[int, ...], usual: float) -> dict[int, float] | None:

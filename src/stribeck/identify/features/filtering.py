@@ -47,8 +47,12 @@ def noise(log: Log) -> float:
 
 def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
     """The noise of a column's pieces, by the median of their differences of this order, which few that are large do not move."""
-    found = np.concatenate([np.diff(x, order) for x in parts])
-    return float(np.median(abs(found))) / _MEDIAN / math.sqrt(math.comb(2 * order, order)) if len(found) else 0.0
+    differences = np.concatenate([np.diff(x, order) for x in parts])
+    return (
+        float(np.median(abs(differences))) / _MEDIAN / math.sqrt(math.comb(2 * order, order))
+        if len(differences)
+        else 0.0
+    )
 
 
 def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
@@ -59,12 +63,12 @@ def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
     for rows in log.runs():
         if rows.stop - rows.start <= round(1 / (log.bandwidth * log.step)):
             continue  # shorter than the filter
-        own = low_pass(deviation * rng.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
-        of_velocity = spline_derivative(own, log.step) if by_position else own
+        noise = low_pass(deviation * rng.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
+        of_velocity = spline_derivative(noise, log.step) if by_position else noise
         of_acceleration = spline_derivative(of_velocity, log.step)
         if log.acceleration_bandwidth is not None:
             of_acceleration = low_pass(of_acceleration, log.acceleration_bandwidth, log.step)
-        position[rows] += own if by_position else 0.0
+        position[rows] += noise if by_position else 0.0
         velocity[rows] += of_velocity
         acceleration[rows] += of_acceleration
     return log.with_columns(position=position, velocity=velocity, acceleration=acceleration)
@@ -87,12 +91,12 @@ def _smoother(log: Log) -> Array:
 def _smoothed(log: Log, x: Array, differences: bool, bandwidth: float | None) -> Array:
     """A column of this bandwidth with a lower cut-off; differences with their error, of the second order, once more."""
     assert bandwidth is not None
-    found = x.copy()
+    smoothed = x.copy()
     edge = round(1 / (bandwidth * log.step))
     for rows in log.runs():
         inside = slice(rows.start + edge, rows.stop - edge)
         if inside.stop - inside.start > edge:
-            found[inside] = low_pass(x[rows], _LOWER * bandwidth, log.step)[edge:-edge]
+            smoothed[inside] = low_pass(x[rows], _LOWER * bandwidth, log.step)[edge:-edge]
             if differences:
-                found[inside][1:-1] += np.diff(found[inside], 2) / 6
-    return found
+                smoothed[inside][1:-1] += np.diff(smoothed[inside], 2) / 6
+    return smoothed

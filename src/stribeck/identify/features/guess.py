@@ -63,16 +63,16 @@ def _reversals(v: Array) -> list[tuple[int, int]]:
 
 def _stiffness(log: Log, force: Array, level: float) -> float:
     """The stiffness that a contact shows where it holds: over stretches of rest and after reversals, the upper quartile."""
-    found = [*_at_rest(log, force, level), *_after_reversals(log, force, level)]
-    if not found:
+    slopes = [*_at_rest(log, force, level), *_after_reversals(log, force, level)]
+    if not slopes:
         return level / max(_TYPICAL_BREAK_AWAY * float(np.ptp(log.position)), 1e-12)
-    return float(np.quantile(found, 0.75))  # of many reversals some slide at once
+    return float(np.quantile(slopes, 0.75))  # of many reversals some slide at once
 
 
 def _at_rest(log: Log, force: Array, level: float) -> list[float]:
     """Force over way by least squares in each stretch of rest in which the force changes much."""
     fast = float(np.max(abs(log.velocity)))
-    found = []
+    slopes = []
     for rows in log.runs():
         v, y, f = log.velocity[rows], log.position[rows], force[rows]
         edges = np.flatnonzero(np.diff(np.concatenate([[0], abs(v) < _REST * fast, [0]])))
@@ -83,8 +83,8 @@ def _at_rest(log: Log, force: Array, level: float) -> list[float]:
                 continue
             way, push = y[inside] - y[inside].mean(), f[inside] - f[inside].mean()
             if (both := float(way @ push)) > 0:
-                found.append(float(push @ push) / both)
-    return found
+                slopes.append(float(push @ push) / both)
+    return slopes
 
 
 def _after_reversals(log: Log, force: Array, level: float) -> list[float]:

@@ -49,8 +49,8 @@ def _at_an_edge(rest: Mask, v: Array, limit: float, window: int) -> None:
     is found behind, what the filter makes of the edge."""
     moves = abs(v[:window]) > limit
     rest[: int(np.argmax(moves)) if moves.any() else 0] = True
-    found = np.flatnonzero(rest[: window + 1])
-    rest[: int(found[-1]) if len(found) else 0] = True
+    resting = np.flatnonzero(rest[: window + 1])
+    rest[: int(resting[-1]) if len(resting) else 0] = True
 
 
 def _with_neighbours(mean: Array) -> Array:
@@ -86,7 +86,7 @@ def _noise(log: Log) -> float:
         return white
     floor, edge = log.spectrum[2], log.bandwidth
     if "differences" in log.sources.get("velocity", ""):
-        told = np.sqrt(floor * (2 * np.pi) ** 2 * edge**3 / 3)
+        colored = np.sqrt(floor * (2 * np.pi) ** 2 * edge**3 / 3)
     else:
-        told = np.sqrt(floor * edge)
-    return float(max(white, told))
+        colored = np.sqrt(floor * edge)
+    return float(max(white, colored))

@@ -42,12 +42,12 @@ def better(
     Raises:
         StribeckError: there is no static fit, and none of the laws could be simulated.
     """
-    found, failed = list[tuple[str, Simulated]](), dict[str, str]()
+    fits, failed = list[tuple[str, Simulated]](), dict[str, str]()
     known = {constant for name in names for constant in laws.find(name).constants()}
     left = np.inf if static is None else _error_everywhere(static, log)
     for i, name in enumerate(names):
         try:
-            found.append(
+            fits.append(
                 (name, _simulated(log, name, options.of_law(name, known), left, _part(progress, i, len(names))))
             )
         except StribeckError as error:  # no simulation that works
@@ -55,22 +55,24 @@ def better(
                 raise
             failed[name] = first_line(error)
             continue
-        if found[-1][1].stopped:
+        if fits[-1][1].stopped:
             break
     notes = tuple(f"{n} was not fitted: {why}." for n, why in failed.items())
-    if not found:
+    if not fits:
         if static is None:
             raise StribeckError("; ".join(f"{name}: {why}" for name, why in failed.items()))
         return replace(static, notes=(*static.notes, *notes))
-    name, best = min(found, key=lambda each: _bic(each[1]))
+    name, best = min(fits, key=lambda each: _bic(each[1]))
     chosen = best.judged() if static is None or best.error < HALF * left else static
     if static is not None and chosen is not static:
         notes = (f"The best static law ({static.law_name}) leaves {100 * left:.0f} % of the force in all rows.", *notes)
-    told = [*(_candidate(n, fit, n == name) for n, fit in found), *(static.candidates if static else ())]
-    candidates = tuple(Candidate(**{**c, "chosen": c["chosen"] and c["law"] == chosen.law_name}) for c in told)
+    candidate_rows = [*(_candidate(n, fit, n == name) for n, fit in fits), *(static.candidates if static else ())]
+    candidates = tuple(
+        Candidate(**{**c, "chosen": c["chosen"] and c["law"] == chosen.law_name}) for c in candidate_rows
+    )
     return replace(
         chosen, candidates=candidates if len(candidates) > 1 else (), notes=(*notes, *chosen.notes),
-        status="stopped" if found[-1][1].stopped else chosen.status,
+        status="stopped" if fits[-1][1].stopped else chosen.status,
     )  # fmt: skip
 
 

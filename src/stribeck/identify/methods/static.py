@@ -62,11 +62,11 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions) -> LogFit:
     body, unused = _terms(log, options)
     with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
         choice = _chosen(rows, names, body, options)
-        found = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, options))
+        estimates = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, options))
         wide = rows_of(log, to_choose=True)  # another record is met at all frequencies
         same = wide.q == rows.q or options.published
-        made = predictor(choice if same else _chosen(wide, names, body, options), rows.source)
-    return replace(_finished(rows, choice, found, unused, options, made.error), predictor=made)
+        predicting = predictor(choice if same else _chosen(wide, names, body, options), rows.source)
+    return replace(_finished(rows, choice, estimates, unused, options, predicting.error), predictor=predicting)
 
 
 def _filtered_lower(
@@ -88,11 +88,11 @@ def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], options: FitO
 
 def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -> tuple[Record, SteadyCurve]:
     """A law's columns, and the rows that it is compared on."""
-    own = laws.find(name).constants()
+    constants = laws.find(name).constants()
     curve = curve_of(
-        name, {n: x for n, x in options.numbers.items() if n in own}, [n for n in options.free if n in own]
+        name, {n: x for n, x in options.numbers.items() if n in constants}, [n for n in options.free if n in constants]
     )
-    curve.bounds = {n: x for n, x in options.bounds.items() if n in own or n in TERMS}
+    curve.bounds = {n: x for n, x in options.bounds.items() if n in constants or n in TERMS}
     if wrong := [n for n in curve.bounds if n not in curve.shapes]:
         text = "is found by linear least squares, which has one optimum: no bounds, but a value"
         raise InputError([f"{arg('unknown')}: {n}: {text} ({arg('constants')})" for n in wrong])
@@ -105,18 +105,18 @@ def _terms(log: Log, options: FitOptions) -> tuple[list[str], list[str]]:
     A rotary joint carries weight. A column that was measured is in the model if its own levels can find its coefficient.
     """
     given = [n for n in options.numbers if n in TERMS]
-    found = list(dict.fromkeys(["offset", *options.terms]))
-    if options.weight and log.rotary and not {*WEIGHT} & {*found, *given}:
-        found += WEIGHT
+    terms = list(dict.fromkeys(["offset", *options.terms]))
+    if options.weight and log.rotary and not {*WEIGHT} & {*terms, *given}:
+        terms += WEIGHT
     unused = []
     for column, term in MEASURED.items():
-        if getattr(log, column) is None or any(TERMS[n].needs == column for n in (*found, *given)):
+        if getattr(log, column) is None or any(TERMS[n].needs == column for n in (*terms, *given)):
             continue
         if _finds(log, column):
-            found.append(term)
+            terms.append(term)
         else:
             unused.append(column)
-    return [n for n in found if n not in given], unused
+    return [n for n in terms if n not in given], unused
 
 
 def _finds(log: Log, column: str) -> bool:
@@ -170,7 +170,7 @@ def check_motion(log: Log) -> None:
 def _finished(
     rows: Rows,
     choice: Selection[SteadyLibrary],
-    found: Mapping[str, Estimate],
+    judged_estimates: Mapping[str, Estimate],
     unused: Sequence[str],
     options: FitOptions,
     error: float,
@@ -178,7 +178,7 @@ def _finished(
     """The fit with what a report shows."""
     lib, log, curve = choice.library, rows.log, choice.library.curve
     known = laws.find(curve.law).constants()
-    estimates = _told(choice, found, log)
+    estimates = _with_units(choice, judged_estimates, log)
     fixed = {n: x for n, x in (dict(options.numbers) | _sharp_sign(curve, log)).items() if n in known or n in TERMS}
     body = {n: e.value for n, e in estimates.items() if n in TERMS}
     forms = _rms_of_forms(choice)
@@ -188,7 +188,7 @@ def _finished(
     return LogFit(
         law_name=curve.law, method="static", estimates={n: e for n, e in estimates.items() if n not in lib.levels},
         levels={n: estimates[n] for n in lib.levels}, speeds=lib.levels,
-        values=fixed | _used(choice, found, float(np.max(abs(log.force)))) | body, given=tuple(fixed),
+        values=fixed | _used(choice, judged_estimates, float(np.max(abs(log.force)))) | body, given=tuple(fixed),
         relative_force_error=float(np.linalg.norm(r)) / max(_size(lib.record.column(lib.record.log.force)), 1e-300),
         cross_validated_error=error, friction_error=friction_error, missed=missed(choice), data_hash=rows.source.hash,
         friction=friction, notes=tuple(_notes(choice, estimates, unused, forms, log)), candidates=tuple(_candidates(choice)),
@@ -197,14 +197,17 @@ def _finished(
     )  # fmt: skip
 
 
-def _told(choice: Selection[SteadyLibrary], found: Mapping[str, Estimate], log: Log) -> dict[str, Estimate]:
+def _with_units(choice: Selection[SteadyLibrary], estimates: Mapping[str, Estimate], log: Log) -> dict[str, Estimate]:
     """Estimates with units, and with the experiment that would determine those that are open."""
-    own, sizes = laws.find(choice.library.curve.law).constants(), sizes_of(thinned(log))
-    values = {**choice.library.curve.given, **{n: e.value for n, e in found.items()}}
-    order = [n for n in own if n in found] + [n for n in found if n not in own]
+    constants, sizes = laws.find(choice.library.curve.law).constants(), sizes_of(thinned(log))
+    values = {**choice.library.curve.given, **{n: e.value for n, e in estimates.items()}}
+    order = [n for n in constants if n in estimates] + [n for n in estimates if n not in constants]
     out = {}
     for name in order:
-        e, unit = found[name], own[name].unit if name in own else TERMS[name].unit if name in TERMS else "N"
+        e, unit = (
+            estimates[name],
+            constants[name].unit if name in constants else TERMS[name].unit if name in TERMS else "N",
+        )
         e = replace(e, unit=rotary_unit(unit) if log.rotary else unit)
         if not e.usable or e.state is EstimateState.AT_LEAST:
             e = replace(e, why=e.why or _why(e.state), experiment=_experiment(name, values, sizes, log.rotary))
@@ -226,10 +229,10 @@ def _experiment(name: str, values: Mapping[str, float], sizes: Sizes, turns: boo
     return "" if name.startswith("level") else experiment_for(name, values, sizes, rotary=turns)
 
 
-def _used(choice: Selection[SteadyLibrary], found: Mapping[str, Estimate], largest: float) -> dict[str, float]:
+def _used(choice: Selection[SteadyLibrary], estimates: Mapping[str, Estimate], largest: float) -> dict[str, float]:
     """The law's constants as a simulation can take them: levels above 0, and none below the Coulomb level."""
-    own = laws.find(choice.library.curve.law).constants()
-    out = {n: found[n].value for n in own if n in found}
+    constants = laws.find(choice.library.curve.law).constants()
+    out = {n: estimates[n].value for n in constants if n in estimates}
     for name, least in (("F_c", _LEAST * largest), ("sigma_2", 0.0)):
         if name in out:
             out[name] = max(out[name], least)
@@ -240,8 +243,8 @@ def _used(choice: Selection[SteadyLibrary], found: Mapping[str, Estimate], large
 
 def _sharp_sign(curve: SteadyCurve, log: Log) -> dict[str, float]:
     """The steepness of a sign that was taken as exact: the curve that was fitted, and no other."""
-    own = laws.find(curve.law).constants()
-    if "k_v" not in own or own["k_v"].default is None or "k_v" in (*curve.shapes, *curve.given):
+    constants = laws.find(curve.law).constants()
+    if "k_v" not in constants or constants["k_v"].default is None or "k_v" in (*curve.shapes, *curve.given):
         return {}
     return {"k_v": max(_SHARP, _SHARPEST / float(np.max(abs(log.velocity))))}
 
@@ -251,9 +254,9 @@ def _rms_of_forms(choice: Selection[SteadyLibrary]) -> dict[str, float]:
     lib, model, x, out = choice.library, choice.model, choice.coefficients, dict[str, float]()
     place = lib.first_form
     for g in model[1]:
-        own = lib.groups[g]
-        out[g] = float(np.sqrt(np.mean((lib.columns[:, own] @ x[place : place + len(own)]) ** 2)))
-        place += len(own)
+        members = lib.groups[g]
+        out[g] = float(np.sqrt(np.mean((lib.columns[:, members] @ x[place : place + len(members)]) ** 2)))
+        place += len(members)
     return out
 
 
@@ -285,7 +288,7 @@ def _size(x: Array) -> float:
 
 def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
     """The best model of each law, and the plainest model, on the rows that were compared."""
-    every, found = np.ones(len(choice.library.gram)), list[Candidate]()
+    every, candidates = np.ones(len(choice.library.gram)), list[Candidate]()
     for n, lib in enumerate(choice.libraries):
         kinds = (
             {False: lib.curve.law, True: "least squares"}
@@ -298,11 +301,11 @@ def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
             size = _size(lib.record.column(lib.record.log.force))
             error = float(np.linalg.norm(r)) / max(size, 1e-300)
             is_fit = n == choice.law and alone == choice.alone
-            found.append({
+            candidates.append({
                 "name": name, "law": lib.curve.law, "forms": list(model[1]), "numbers": len(lib.index(model)),
                 "relative_force_error": error, "cross_validated_error": None, "chosen": is_fit,
             })  # fmt: skip
-    return found
+    return candidates
 
 
 def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
@@ -327,7 +330,7 @@ def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
 
 def _notes(
     choice: Selection[SteadyLibrary],
-    found: Mapping[str, Estimate],
+    estimates: Mapping[str, Estimate],
     unused: Sequence[str],
     forms: Mapping[str, float],
     log: Log,
@@ -343,21 +346,23 @@ def _notes(
         out.append(
             f"The column {' and '.join(unused)} was not used, as it changes with the motion alone: give {terms_of} with --set."
         )
-    if "mass" in found and found["mass"].value < 0:
+    if "mass" in estimates and estimates["mass"].value < 0:
         out.append(
             "The mass comes out below 0: it stands in for a weight or spring, which a motion of one frequency cannot separate."
         )
-    hanging = {n: e.depends_on for n, e in found.items() if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on}
+    hanging = {
+        n: e.depends_on for n, e in estimates.items() if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on
+    }
     for cause in dict.fromkeys(hanging.values()):
         names = [n for n, c in hanging.items() if c == cause]
         out.append(f"{', '.join(names)}: the range is wide because of the form '{cause}'.")
-    for name, e in found.items():
+    for name, e in estimates.items():
         if e.state in (EstimateState.NOT_IDENTIFIABLE, EstimateState.AT_LEAST) and e.experiment:
             out.append(f"{name}: {e.experiment}.")
     if forms:
         unit = rotary_unit("N") if log.rotary else "N"
-        told = ", ".join(f"{name} ({size:.2g} {unit})" for name, size in forms.items())
-        out.append(f"Beside the law the force holds: {told}.")
+        form_sizes = ", ".join(f"{name} ({size:.2g} {unit})" for name, size in forms.items())
+        out.append(f"Beside the law the force holds: {form_sizes}.")
     if len(set(log.files)) < 2:
         out.append("The intervals are of this one file: another day or another motion may differ by more.")
     return out

@@ -96,21 +96,21 @@ class SteadyCurve(ABC):
         """Between which values the shapes are searched: what the record's speeds can show."""
         v = np.sort(abs(v[v != 0]))
         fast, slow = float(v[-1]), max(float(v[len(v) // 100]), 1e-3 * float(v[-1]))
-        constants, found = laws.find(self.law).constants(), {}
+        constants, search_ranges = laws.find(self.law).constants(), {}
         for n in self.shapes:
             unit, middle = constants[n].unit, float(constants[n].example or constants[n].default or 1.0)
             by_unit = {"m/s": (slow, HALF * fast), "s/m": (FLAT / fast, BENT / slow)}
-            found[n] = self.bounds.get(n) or by_unit.get(unit, (middle / ROUGH, middle * ROUGH))
-        return found
+            search_ranges[n] = self.bounds.get(n) or by_unit.get(unit, (middle / ROUGH, middle * ROUGH))
+        return search_ranges
 
     def fault(self, x: Mapping[str, Array], fast: float, largest: float) -> Array:
         """A factor on the squared residual of coefficients that cannot be."""
         out = np.ones(len(next(iter(x.values()))))
         size = np.full(len(out), largest)
         if self.names:
-            own = np.array([x[n] for n in self.names])
-            size = abs(own[0])
-            out = np.where((own[0] < 0) | (np.max(abs(own), axis=0) > HIGHEST * largest), IMPOSSIBLE, out)
+            heights = np.array([x[n] for n in self.names])
+            size = abs(heights[0])
+            out = np.where((heights[0] < 0) | (np.max(abs(heights), axis=0) > HIGHEST * largest), IMPOSSIBLE, out)
         for n in self.names[1:]:
             out = np.where(x[n] < 0, out * WRONG, out)
         if "sigma_2" in x:
@@ -125,9 +125,9 @@ class SteadyCurve(ABC):
         """Coefficients with which slopes are taken: none of them 0."""
         return {n: max(x, least * max(c[0], 1e-9)) for n, x in zip(self.names, c, strict=False)}
 
-    def judged(self, found: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
-        """Estimates as they are told; ``slow``: the level at the slowest speed seen."""
-        return found
+    def judged(self, estimates: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
+        """Estimates as they are reported; ``slow``: the level at the slowest speed seen."""
+        return estimates
 
 
 class StribeckCurve(SteadyCurve):
@@ -189,16 +189,16 @@ class StribeckCurve(SteadyCurve):
             out["F_s"] = max(float(level.max()), 0.0)
         return out | dict(shape)
 
-    def judged(self, found: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
+    def judged(self, estimates: dict[str, Estimate], slow: Estimate, slowest: float) -> dict[str, Estimate]:
         """No speed was seen that is slow beside v_s: F_s is at least the level there and F_c, v_s at most what it may be."""
-        if not {"F_s", "v_s"} <= found.keys() or slowest <= REACHED * found["v_s"].value:
-            return found
-        f, v = found["F_s"], found["v_s"]
-        low = [slow, found["F_c"]] if "F_c" in found else [slow]  # never below F_c
+        if not {"F_s", "v_s"} <= estimates.keys() or slowest <= REACHED * estimates["v_s"].value:
+            return estimates
+        f, v = estimates["F_s"], estimates["v_s"]
+        low = [slow, estimates["F_c"]] if "F_c" in estimates else [slow]  # never below F_c
         value, open_ = max(e.value for e in low), float("inf")
         interval = (max(e.interval[0] for e in low), open_)
         wide = (max((e.range or e.interval)[0] for e in low), open_)
-        return found | {
+        return estimates | {
             "F_s": replace(f, value=value, interval=interval, range=wide, state=EstimateState.AT_LEAST),
             "v_s": replace(
                 v, interval=(0.0, v.interval[1]), range=(0.0, (v.range or v.interval)[1]), state=EstimateState.AT_MOST
@@ -309,5 +309,5 @@ class SlidingCurve(SteadyCurve):
 def curve_of(law: str, given: Mapping[str, float], free: Sequence[str] = ()) -> SteadyCurve:
     """The columns of a static law."""
     kind: type[Law] = laws.find(law)
-    made = StribeckCurve if kind.name in ("coulomb_viscous", "stribeck", "stribeck_tanh") else SlidingCurve
-    return made(law, given, free)
+    curve_class = StribeckCurve if kind.name in ("coulomb_viscous", "stribeck", "stribeck_tanh") else SlidingCurve
+    return curve_class(law, given, free)

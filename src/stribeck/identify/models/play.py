@@ -16,7 +16,7 @@ def turned(log: Log, way: float) -> Array:
     Behind a reversal it changes in proportion to the way, and is turned round after ``way`` (the stop operator). Between two
     reversals of the position it is known in closed form, so that only these are gone through one by one.
     """
-    found = np.empty(len(log))
+    share = np.empty(len(log))
     for run in log.runs():
         y = log.position[run]
         turns = np.flatnonzero(np.diff(np.sign(np.diff(y)))) + 1
@@ -26,8 +26,8 @@ def turned(log: Log, way: float) -> Array:
         for before, now in pairwise(at):
             state.append(min(max(state[-1] + 2 * (now - before) / way, -1.0), 1.0))
         part = np.searchsorted(turns, np.arange(len(y)), side="right")
-        found[run] = np.clip(np.array(state)[part] + 2 * (y - y[first][part]) / way, -1.0, 1.0)
-    return found
+        share[run] = np.clip(np.array(state)[part] + 2 * (y - y[first][part]) / way, -1.0, 1.0)
+    return share
 
 
 def _at_start(v: float, a: float, way: float) -> float:

@@ -36,8 +36,8 @@ class LawColumns:
         """The columns at a node."""
         key = tuple(shape.values())
         if key not in self._made:
-            made = self.curve.columns(self._velocity, shape)
-            columns = [self._reduce(made[n]) for n in self.curve.names]
+            by_name = self.curve.columns(self._velocity, shape)
+            columns = [self._reduce(by_name[n]) for n in self.curve.names]
             self._made[key] = np.column_stack(columns or [self._reduce(self._velocity)[:, None][:, :0]])
         return self._made[key]
 
@@ -86,8 +86,8 @@ class Record:
 
 def body_columns(log: Log, names: Sequence[str], viscous: bool = True) -> dict[str, Array]:
     """What each coefficient of the body multiplies: inertia, viscous friction, and terms."""
-    own = {"sigma_2": log.velocity} if viscous else {}
-    usual = {"mass": log.acceleration} | own
+    viscous_column = {"sigma_2": log.velocity} if viscous else {}
+    usual = {"mass": log.acceleration} | viscous_column
     sign = np.sign(log.velocity)
     further = {n: column(n, log, {}) * (sign if TERMS[n].level else 1.0) for n in names if n not in usual}
     return usual | further
@@ -110,11 +110,11 @@ def record_of(
     if counted.sum() < LEFT * moving.sum():
         counted = moving
     held = {n: x for n, x in given.items() if n in TERMS or (n == "sigma_2" and viscous)}
-    made = body_columns(log, [*terms, *(n for n in held if n not in terms)], viscous)
-    force = log.force - sum((x * made[n] for n, x in held.items()), np.zeros(len(log)))
+    columns = body_columns(log, [*terms, *(n for n in held if n not in terms)], viscous)
+    force = log.force - sum((x * columns[n] for n, x in held.items()), np.zeros(len(log)))
     at = rows.kept[counted]
     block, file = _blocks(log, at)
-    body = {n: reduce(x)[counted] for n, x in made.items() if n not in held}
+    body = {n: reduce(x)[counted] for n, x in columns.items() if n not in held}
     return Record(log, at, reduce(force)[counted], body, dict(held), block, file, q, reduce, counted)
 
 

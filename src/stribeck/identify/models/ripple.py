@@ -7,7 +7,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.log import Log
 
-_FEWEST = 1.0  # waves on the way: of less than one nothing is told
+_FEWEST = 1.0  # waves on the way: less than one determines no wave
 _BAND = 0.4  # of the rate of the rows that are compared: what passes their filter
 _CELLS = 8  # of a wave, into which the way is cut
 _MOST_CELLS = 1 << 17  # a transform of so many takes some milliseconds
@@ -36,8 +36,8 @@ def peaks(position: Array, left: Array, low: float, high: float, most: int) -> l
     power = abs(np.fft.rfft(np.bincount(where, left - left.mean(), cells), count))
     waves = 2 * np.pi * np.arange(len(power)) * cells / (count * way)
     power = np.where((waves >= low) & (waves <= high), power, 0.0)
-    found: list[float] = []
-    while len(found) < most and power.any():
-        found.append(float(waves[int(np.argmax(power))]))
-        power[abs(waves - found[-1]) < 4 * np.pi / way] = 0.0
-    return found
+    wave_numbers: list[float] = []
+    while len(wave_numbers) < most and power.any():
+        wave_numbers.append(float(waves[int(np.argmax(power))]))
+        power[abs(waves - wave_numbers[-1]) < 4 * np.pi / way] = 0.0
+    return wave_numbers

@@ -143,8 +143,8 @@ def _mass_at(log: Log, q: int, rest: NDArray[np.bool_]) -> tuple[float, float]:
     matrix = np.column_stack([reduce(x) for x in columns])
     size = np.maximum(np.sqrt(np.mean(matrix**2, axis=0)), 1e-300)
     force = reduce(log.force)
-    found = np.linalg.lstsq(matrix / size, force, rcond=1e-10)[0] / size
-    return float(found[0]), float(abs(found[0]) * size[0] / max(np.sqrt(np.mean(force**2)), 1e-300))
+    coefficients = np.linalg.lstsq(matrix / size, force, rcond=1e-10)[0] / size
+    return float(coefficients[0]), float(abs(coefficients[0]) * size[0] / max(np.sqrt(np.mean(force**2)), 1e-300))
 
 
 def thinning(log: Log, q: int) -> Reduce:
@@ -159,9 +159,9 @@ def thinning(log: Log, q: int) -> Reduce:
     counts = [len(kept[n]) for n in lengths.tolist()]
     ends = np.concatenate([[0], np.cumsum(counts)])
     groups = []  # the rows of runs of one length, a run in each line, and where they go to
-    for length, own in kept.items():
+    for length, reduced in kept.items():
         same = np.flatnonzero(lengths == length)
-        groups.append((starts[same, None] + np.arange(length), ends[same, None] + np.arange(len(own))))
+        groups.append((starts[same, None] + np.arange(length), ends[same, None] + np.arange(len(reduced))))
 
     def reduce(x: Array) -> Array:
         if len(rows) == 1:

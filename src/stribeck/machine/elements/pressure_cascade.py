@@ -187,7 +187,7 @@ def _observer(
     has = cls.constants()
     inherited = {n: x for n, x in ({**plant.machine, **plant.values} if plant else {}).items() if n in PARAMETERS}
     values = {**{n: x for n, x in inherited.items() if x is not None}, **given, **constants}
-    if plant is None:  # what it would have given cannot be told missing
+    if plant is None:  # which of its numbers are missing is unknown
         values = {**{n: 1.0 for n in PARAMETERS if n in has and n not in values}, **values}
     inside = f"{reading.to_file(reading.place)}.observer.parameters"
     wrong = [(n, f"{show(constants[n])}: belongs in {inside}") for n in constants if n in PARAMETERS]

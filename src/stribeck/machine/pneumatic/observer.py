@@ -9,7 +9,7 @@ from typing import ClassVar
 from stribeck.constants import Column, Constant
 from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
-from stribeck.laws.values import Constants, told
+from stribeck.laws.values import Constants, observer_of
 
 Z_HAT = Column("z_hat", "m", "the observer's deflection")
 _LAYER = 0.05  # share of a bound within which the projection reduces the rate to 0
@@ -83,7 +83,7 @@ def adapt(
     """
     z, eta, scale = x["z_hat"], x["eta"], x["a_g"]
     scaled = {f"sigma_{i}": getattr(p, f"sigma_{i}") * x[f"a_{i}"] for i in range(3)}
-    known = Constants({**vars(p), **scaled}, told(p))
+    known = Constants({**vars(p), **scaled}, observer_of(p))
 
     def decay(z: Value) -> Value:  # -w z
         return law.dz_dt(p, v, z) - law.dz_dt(p, v, 0.0 * z)

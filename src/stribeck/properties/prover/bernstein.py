@@ -33,7 +33,7 @@ def _pi() -> tuple[Polynomial, Polynomial]:
 
 
 def _in_pi(powers: dict[int, Polynomial]) -> int | None:
-    """The sign of a polynomial in pi; None where it cannot be told."""
+    """The sign of a polynomial in pi; None where it is undecided."""
     if not any(powers):  # no pi
         c = powers.get(0, 0)
         return int(c > 0) - int(c < 0)
@@ -55,7 +55,7 @@ def signs(
         terms: the first power is that of pi.
         kinds: for each further variable UNIT, POSITIVE, or None where it does not occur.
         opened: for each further variable whether it is > 0 strictly.
-        spend: told how many sums of coefficients are formed.
+        spend: called with the number of sums of coefficients that are formed.
     """
     if not terms:
         return True, True, False
