@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stribeck
+from stribeck import examples
 from stribeck.cli import _status
 from stribeck.errors import StribeckNote
 from stribeck.exports import PARTS, TARGETS
@@ -248,3 +249,24 @@ def test_a_table_of_speeds_that_numbers_cannot_hold(tmp_path, v_s):
     with pytest.raises(stribeck.InputError, match="'table'"):
         stribeck.export(strange, "table", tmp_path / "t.csv")
     assert not (tmp_path / "t.csv").exists()
+
+
+@pytest.mark.parametrize("given", [str, Path, lambda path: dict(stribeck.load(path).data)])
+@pytest.mark.parametrize("keyword", [True, False])
+def test_a_machine_is_exported_from_its_file_or_its_tables_too(tmp_path, given, keyword):
+    """As `simulate`, `check` and `design` take it."""
+    path = examples.path("axis_hunts")
+    stribeck.export(stribeck.load(path), "c", tmp_path / "loaded")
+    law, scenario = (None, given(path)) if keyword else (given(path), None)
+    files = stribeck.export(law, "c", tmp_path / "given", scenario=scenario)
+    assert [p.name for p in files] == ["axis_hunts.h", "axis_hunts.c", "axis_hunts_run.c"]
+    assert all(p.read_bytes() == (tmp_path / "loaded" / p.name).read_bytes() for p in files)
+
+
+def test_two_scenarios_are_refused_and_so_is_what_is_none(tmp_path):
+    path = examples.path("axis_hunts")
+    with pytest.raises(stribeck.InputError, match="law: must be left out, or a law: scenario gives a scenario already"):
+        stribeck.export(stribeck.load(path), "c", tmp_path / "out", scenario=path)
+    with pytest.raises(stribeck.InputError, match="must be a Scenario, the path of its file or its tables, not"):
+        stribeck.export(7, "c", tmp_path / "out")
+    assert not list(tmp_path.iterdir())

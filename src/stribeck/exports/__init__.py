@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from stribeck import kinds
@@ -27,6 +28,7 @@ PARTS = {
     "machine": "a whole machine (schema = 2) with its controllers and its solver",
 }
 
+Given = Scenario | str | Path | Mapping[str, object]  # as Scenario.of takes it
 
 SAMPLED = ("controller", "compensator")
 
@@ -41,12 +43,12 @@ TARGETS = find_targets()
 
 
 def export(
-    law: Law | Scenario | None,
+    law: Law | Given | None,
     target: str,
     out: str | Path,
     *,
     part: str | None = None,
-    scenario: Scenario | None = None,
+    scenario: Given | None = None,
     step: float | None = None,
     self_test: bool = False,
     origin: str = "",
@@ -60,11 +62,12 @@ def export(
     The loss of accuracy at the time step ``step``, if given, is reported first as a :class:`stribeck.StribeckNote`.
 
     Args:
-        law: the law with its constants; None for the scenario's own, or a machine's scenario.
+        law: the law with its constants; None for the scenario's own; or in its place a scenario, its file or its tables.
         target: one of :data:`TARGETS`.
         out: folder of the files (``c``, ``mujoco``), or the file itself.
         part: one of :data:`PARTS`; not every target has every part. "machine" of a machine, else "law", unless given.
-        scenario: the machine, or the scenario that gives the body's mass, the controller and all else that is not the law's.
+        scenario: the machine, or the scenario that gives the body's mass, the controller and all else that is not the law's;
+            its file or its tables.
         step: time step of the tool, s.
         self_test: also write a program that tests the result (target ``c``).
         fmi: version of FMI, 2 or 3 (target ``fmu``).
@@ -81,8 +84,7 @@ def export(
             lost; nothing is written.
     """
     out = Path(out)
-    if isinstance(law, Scenario):
-        law, scenario = None, law
+    law, scenario = _law_and_scenario(law, scenario)
     if part is None:
         part = "machine" if law is None and scenario is not None and not scenario.elements.unnamed else "law"
     problems = _problems(target, part, self_test, step, fmi, controller, platforms)
@@ -102,6 +104,15 @@ def export(
         z = _deflection(exported, part, scenario, contact, chosen)
         what = Request(exported, part, scenario, step, origin, options, z)
     return _write(out, chosen, part, what)
+
+
+def _law_and_scenario(law: Law | Given | None, scenario: Given | None) -> tuple[Law | None, Scenario | None]:
+    """The law given, and the scenario, which may be given in its place."""
+    if law is not None and not isinstance(law, Law):
+        if scenario is not None:
+            raise InputError(f"{arg('law')}: must be left out, or a law: {arg('scenario')} gives a scenario already")
+        law, scenario = None, law
+    return law, None if scenario is None else Scenario.of(scenario)
 
 
 def _write(out: Path, target: Target, part: str, model: MachineModel | Block | Request) -> list[Path]:
