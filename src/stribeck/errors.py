@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TypeVar
+
+S = TypeVar("S")
+T = TypeVar("T")
 
 _LONGEST_LINE, _HEAD = 300, 180
 _BLANKS = re.compile(r"[ \t\r\n\f\v]+")  # not all that Unicode has: the others are shown as escapes
@@ -120,17 +125,28 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f" (did you mean '{match[0]}'?)" if match else ""
 
 
-def refuse_twice(names: Sequence[str], what: str) -> None:
-    """Refuse names of which one is given more than once: which value is meant nobody can know.
+def read_pairs(read: Callable[[S], tuple[str, T]], given: Iterable[S], what: str) -> dict[str, T]:
+    """The name and the value that ``read`` finds in each of what is given, as a mapping.
 
     Args:
         what: what gives them, in messages.
 
     Raises:
-        InputError: a line for each such name.
+        InputError: the lines of each that ``read`` refuses, and a line for each name that is given more than once: which
+            value is meant nobody can know.
     """
-    if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
-        raise InputError([f"{what} {name}: given {names.count(name)} times; must be given once" for name in twice])
+    problems: list[str] = []
+    pairs = []
+    for each in given:
+        try:
+            pairs.append(read(each))
+        except InputError as error:
+            problems += error.problems
+    counts = Counter(name for name, _ in pairs)
+    problems += [f"{what} {name}: given {n} times; must be given once" for name, n in counts.items() if n > 1]
+    if problems:
+        raise InputError(problems)
+    return dict(pairs)
 
 
 # The packages that the base installation does not have, and the extra that brings each; none brings tools that one has.

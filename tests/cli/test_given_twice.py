@@ -1,4 +1,5 @@
-"""What is given twice, of which only the last was taken; and paths that are empty, which were the current folder."""
+"""What is given twice, of which only the last was taken; bad texts of which only the first was told; and paths that are empty,
+which were the current folder."""
 
 import pytest
 
@@ -51,6 +52,8 @@ def place(tmp_path, monkeypatch, scenario):
         ("fit --plan stroke=1,speed=1,force=9 --simulate --set F_s=2 --set F_s=3 --out o", "--set F_s"),
         ("fit log.csv --law coulomb_viscous --set F_c=1 --set law.parameters.F_c=2", "--set F_c"),
         ("fit log.csv --unit y=mm --unit y=m", "--unit y"),
+        ("check machine.toml --force push=1 --force push=2", "--force push"),
+        ("run rig.toml --law lugre --law lugre", "--law lugre"),
         ("fit machine.toml --logs logs.toml --law guide=lugre --law guide=dahl", "--law guide"),
     ],
 )
@@ -60,6 +63,31 @@ def test_one_name_twice_is_refused(stribeck, place, words, text):
     assert (done.status, done.out) == (2, "")
     assert done.err == f"{text}: given 2 times; must be given once\n"
     assert sorted(path.name for path in place.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("words", "texts"),
+    [
+        (["run", "rig.toml", "--set", "a", "--set", "b", "--set", "c.d=1", "--set", "c.d=2"],
+         ["--set 'a'", "--set 'b'", "--set c.d: given 2 times"]),
+        (["check", "lugre", "--set", "a", "--set", "b"], ["--set 'a'", "--set 'b'"]),
+        (["run", "rig.toml", "--law", "lugre:", "--law", "", "--law", "dahl:=1"],
+         ["--law: 'lugre:': must be NAME or", "--law: '': must be NAME or", "--law: 'dahl:=1': must be NAME or"]),
+        (["run", "rig.toml", "--law", "lugr", "--law", "dah"], ["law.name: 'lugr': no such", "law.name: 'dah': no such"]),
+        (["check", "machine.toml", "--force", "a", "--force", "b=-1"], ["--force: 'a'", "--force: 'b=-1'"]),
+        (["design", "machine.toml", "--vary", "a", "--vary", "b"], ["--vary: 'a'", "--vary: 'b'"]),
+        (["fit", "log.csv", "--unit", "y", "--unit", "=m"], ["--unit: 'y'", "--unit: '=m'"]),
+        (["fit", "log.csv", "--law", "coulomb_viscous", "--set", "F_c=true", "--set", "b"], ["--set F_c", "--set 'b'"]),
+        (["fit", "--plan", "=5,speed=x"], ["--plan: '=5'", "--plan speed: 'x'"]),
+        (["fit", "machine.toml", "--logs", "logs.toml", "--law", "a", "--law", "b"], ["--law: 'a'", "--law: 'b'"]),
+        (["fit", "machine.toml", "--logs", "logs.toml", "--unknown", "={low=1}", "--unknown", "b"],
+         ["--unknown: '={low=1}'", "--unknown: 'b'"]),
+    ],
+)  # fmt: skip
+def test_each_bad_text_of_a_repeated_option_has_its_line(stribeck, place, words, texts):
+    done = stribeck(*words)
+    assert (done.status, done.out) == (2, "")
+    assert [line[: len(text)] for line, text in zip(done.err.splitlines(), texts, strict=True)] == texts
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
         (("stroke=-1,speed=0.1,force=1",), "--plan stroke: -1.0: must be a finite number > 0"),
         (("stroke=1,speed=nan,force=1",), "--plan speed: nan: must be a finite number > 0"),
         (("stroke=1,speed=x,force=1",), "--plan speed: 'x': must be a number"),
-        (("stroke=1,speed=1,speed=2,force=1",), "--plan speed: given twice"),
+        (("stroke=1,speed=1,speed=2,force=1",), "--plan speed: given 2 times; must be given once"),
         (("stroke=1,speed=1",), "--plan force: missing"),
         (("stroke=1,way=1",), "--plan: 'way=1': must be one of stroke, speed, force, deflection"),
         ((f"{LIMITS},deflection=1",), "--plan deflection: 1.0: must be at most a tenth of the stroke (0.05)"),

@@ -14,7 +14,7 @@ import typer
 from stribeck.cli.options import Json, Out, Trust, Undetermined, command, load_scenario, output_path
 from stribeck.cli.output import OutputFolder, check_file, command_line, tell
 from stribeck.cli.progress import progress
-from stribeck.errors import InputError, arg, note
+from stribeck.errors import InputError, arg, note, read_pairs
 
 if TYPE_CHECKING:
     from stribeck.laws.base import Law
@@ -303,17 +303,18 @@ def level_of(text: str | None) -> tuple[float, float] | None:
 
 def _forces(texts: list[str]) -> dict[str, float]:
     """NAME=MAX as numbers."""
-    bounds: dict[str, float] = {}
-    for text in texts:
-        name, sign, size = text.partition("=")
-        try:
-            value = float(size)
-        except ValueError:
-            value = nan
-        if not (name and sign and isfinite(value) and value >= 0):
-            raise InputError(f"--force: {text!r}: must be NAME=MAX, a link, load or motor and a finite number >= 0")
-        bounds[name] = value
-    return bounds
+    return read_pairs(_force, texts, "--force")
+
+
+def _force(text: str) -> tuple[str, float]:
+    name, sign, size = text.partition("=")
+    try:
+        value = float(size)
+    except ValueError:
+        value = nan
+    if not (name and sign and isfinite(value) and value >= 0):
+        raise InputError(f"--force: {text!r}: must be NAME=MAX, a link, load or motor and a finite number >= 0")
+    return name, value
 
 
 def _lacks_parameters(name: str, given: Mapping[str, object]) -> bool:

@@ -15,7 +15,7 @@ from stribeck.cli import record
 from stribeck.cli.options import ADVANCED, Json, Out, command
 from stribeck.cli.output import OutputFolder, command_line, tell
 from stribeck.cli.progress import progress
-from stribeck.errors import InputError, refuse_twice
+from stribeck.errors import InputError, read_pairs
 
 if TYPE_CHECKING:
     from stribeck.identify.result import Fit
@@ -243,50 +243,50 @@ def _of_machine(machine: Path, laws: list[str], assignments: list[str], given: r
 
 def sought(texts: Sequence[str]) -> dict[str, object]:
     """``PATH=LOW:HIGH``, or ``PATH=TABLE`` as in LOGS.toml, as a mapping."""
-    from stribeck.scenario import parse_assignment
+    return read_pairs(_sought, texts, "--unknown")
 
-    ranges: list[tuple[str, object]] = []
-    for text in texts:
-        path, _, given = text.partition("=")
-        ends = given.split(":")
-        try:
-            pair = [float(x) for x in ends]
-        except ValueError:
-            pair = []
-        table: object = parse_assignment(text)[1] if "{" in given else pair
-        if not path.strip() or not (isinstance(table, dict) or len(pair) == 2):
-            raise InputError(f"--unknown: {text!r}: must be PATH=LOW:HIGH, or PATH={{ low = X, high = X, start = X }}")
-        ranges.append((path.strip(), table))
-    refuse_twice([path for path, _ in ranges], "--unknown")
-    return dict(ranges)
+
+def _sought(text: str) -> tuple[str, object]:
+    from stribeck.parameter_sets.assignments import value_of
+
+    path, _, given = text.partition("=")
+    try:
+        pair = [float(x) for x in given.split(":")]
+    except ValueError:
+        pair = []
+    table: object = value_of(given) if "{" in given else pair
+    if not path.strip() or not (isinstance(table, dict) or len(pair) == 2):
+        raise InputError(f"--unknown: {text!r}: must be PATH=LOW:HIGH, or PATH={{ low = X, high = X, start = X }}")
+    return path.strip(), table
 
 
 def shares(texts: Sequence[str]) -> dict[str, float]:
     """``NAME=5%``, or ``NAME=0.05``, as a mapping."""
-    half_widths: list[tuple[str, float]] = []
-    for text in texts:
-        name, _, given = text.partition("=")
-        number, sign, rest = given.strip().partition("%")
-        try:
-            half_widths.append((name.strip(), float(number) / (100 if sign else 1)))
-        except ValueError:
-            rest = text
-        if rest or not name.strip():
-            raise InputError(f"--require: {text!r}: must be NAME=SHARE, such as F_c=5%")
-    refuse_twice([name for name, _ in half_widths], "--require")
-    return dict(half_widths)
+    return read_pairs(_share, texts, "--require")
+
+
+def _share(text: str) -> tuple[str, float]:
+    name, _, given = text.partition("=")
+    number, sign, rest = given.strip().partition("%")
+    try:
+        half_width = float(number) / (100 if sign else 1)
+    except ValueError:
+        rest = text
+    if rest or not name.strip():
+        raise InputError(f"--require: {text!r}: must be NAME=SHARE, such as F_c=5%")
+    return name.strip(), half_width
 
 
 def _by_contact(texts: Sequence[str]) -> dict[str, list[str]]:
     """``CONTACT=NAME,NAME`` as a mapping."""
-    laws = []
-    for text in texts:
-        contact, equals, names = text.partition("=")
-        if not equals or not contact or not names:
-            raise InputError(f"--law: {text!r}: must be CONTACT=NAME,NAME with --logs")
-        laws.append((contact.strip(), [name.strip() for name in names.split(",")]))
-    refuse_twice([contact for contact, _ in laws], "--law")
-    return dict(laws)
+    return read_pairs(_laws_of, texts, "--law")
+
+
+def _laws_of(text: str) -> tuple[str, list[str]]:
+    contact, equals, names = text.partition("=")
+    if not equals or not contact or not names:
+        raise InputError(f"--law: {text!r}: must be CONTACT=NAME,NAME with --logs")
+    return contact.strip(), [name.strip() for name in names.split(",")]
 
 
 # -- show ------------------------------------------------------------------------------------------------------------

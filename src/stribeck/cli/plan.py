@@ -9,12 +9,12 @@ import typer
 
 from stribeck.cli.options import given_options
 from stribeck.cli.output import OutputFolder, print_json, wrote
-from stribeck.errors import InputError
+from stribeck.errors import InputError, read_pairs
 from stribeck.files import together
 from stribeck.identify import plan_files
 from stribeck.identify.plan import Limits, programme
 from stribeck.identify.synthetic import LABEL
-from stribeck.scenario import parse_assignment, parse_assignments
+from stribeck.parameter_sets.assignments import parse_assignments, value_of
 
 _WITH_PLAN = ("plan", "simulate", "law", "set_", "seed", "out", "json")
 _SIMULATED = ("law", "set_", "seed")  # describe the synthetic rig alone
@@ -59,19 +59,17 @@ def _limits(text: str) -> Limits:
         InputError: a key is unknown, missing or given twice, or a value is no number.
     """
     known = [field.name for field in fields(Limits)]
-    limits: dict[str, float] = {}
-    problems = []
-    for part in text.split(","):
-        key, value = parse_assignment(part) if "=" in part else (part.strip(), None)
-        if key not in known or value is None:
-            problems.append(f"--plan: {part!r}: must be one of {', '.join(known)}, followed by = and a number")
-        elif key in limits:
-            problems.append(f"--plan {key}: given twice")
-        elif isinstance(value, bool) or not isinstance(value, int | float):
-            problems.append(f"--plan {key}: {value!r}: must be a number")
-        else:
-            limits[key] = float(value)
-    problems += [f"--plan {key}: missing" for key in ("stroke", "speed", "force") if key not in limits and not problems]
-    if problems:
-        raise InputError(problems)
+
+    def read(part: str) -> tuple[str, float]:
+        key, sign, given = part.partition("=")
+        key, value = key.strip(), value_of(given)
+        if key not in known or not sign:
+            raise InputError(f"--plan: {part!r}: must be one of {', '.join(known)}, followed by = and a number")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"--plan {key}: {value!r}: must be a number")
+        return key, float(value)
+
+    limits = read_pairs(read, text.split(","), "--plan")
+    if missing := [f"--plan {key}: missing" for key in ("stroke", "speed", "force") if key not in limits]:
+        raise InputError(missing)
     return Limits(**limits)

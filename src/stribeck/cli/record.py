@@ -10,7 +10,7 @@ import typer
 
 from stribeck.cli.options import ADVANCED
 from stribeck.constants import show as shown
-from stribeck.errors import InputError, refuse_twice
+from stribeck.errors import InputError, read_pairs
 
 if TYPE_CHECKING:
     from stribeck.identify.data.read import ColumnNames
@@ -66,19 +66,13 @@ class Columns:
         """
         from stribeck.identify.data.read import ColumnNames
 
-        units = []
-        for text in self.unit or []:
-            column, equals, unit = text.rpartition("=")
-            if not equals or not column or not unit:
-                raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
-            units.append((column.strip(), unit.strip()))
-        refuse_twice([column for column, _ in units], "--unit")
+        units = read_pairs(_unit, self.unit or [], "--unit")
         names = {
             role: name
             for role, name in vars(self).items()
             if role not in ("force_gain", "unit", "counts") and name is not None
         }
-        return ColumnNames(names, dict(units), self.force_gain)
+        return ColumnNames(names, units, self.force_gain)
 
     def given(self) -> Keywords:
         """The same as arguments of :func:`stribeck.fit`."""
@@ -113,15 +107,21 @@ class ColumnsAsFitted(Columns):
 
 def constants(assignments: list[str]) -> dict[str, float | str]:
     """``KEY=VALUE`` as a mapping."""
+    return read_pairs(_constant, assignments, "--set")
+
+
+def _constant(text: str) -> tuple[str, float | str]:
     from stribeck.scenario import parse_assignment
 
-    values: dict[str, float | str] = {}
-    given = [
-        (path.removeprefix("law.").removeprefix("parameters."), x) for path, x in map(parse_assignment, assignments)
-    ]
-    refuse_twice([name for name, _ in given], "--set")
-    for name, value in given:
-        if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise InputError(f"--set {name}: {shown(value)}: must be a number or a word")
-        values[name] = value if isinstance(value, str) else float(value)
-    return values
+    path, value = parse_assignment(text)
+    name = path.removeprefix("law.").removeprefix("parameters.")
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise InputError(f"--set {name}: {shown(value)}: must be a number or a word")
+    return name, value if isinstance(value, str) else float(value)
+
+
+def _unit(text: str) -> tuple[str, str]:
+    column, equals, unit = text.rpartition("=")
+    if not equals or not column or not unit:
+        raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
+    return column.strip(), unit.strip()

@@ -12,12 +12,13 @@ import typer
 from stribeck.cli.options import Json, Out, ScenarioOptions, command, output_path
 from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell, wrote
 from stribeck.cli.progress import progress
-from stribeck.errors import InputError, StribeckNote, refuse_twice
+from stribeck.errors import InputError, StribeckNote, read_pairs
 
 if TYPE_CHECKING:
     from stribeck.scenario import Scenario
 
-_LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
+_KEY = r"\s*[^\s.,=]+(?:\.[^\s.,=]+)*\s*"
+_LAW = re.compile(rf"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>{_KEY}=[^,]*(?:,{_KEY}=[^,]*)*))?")
 
 
 @command("run", "stribeck run my_rig.toml --law lugre --law lugre_majorant:k_v=1e7 --out first")
@@ -123,10 +124,7 @@ def _under_laws(scenario: Scenario, laws: list[str], contact: str | None) -> dic
     table = law_path(scenario, contact)
     with warnings.catch_warnings():  # a law without smoothing takes no k_v: no news where laws are compared
         warnings.filterwarnings("ignore", r"(.*\.)?law\.(parameters\.)?k_v: dropped", StribeckNote)
-        variants = {text: scenario.with_changes(_changes(text, table)) for text in laws}
-    if len(variants) < len(laws):
-        raise InputError(f"--law: {max(laws, key=laws.count)!r}: given twice; must differ from the others")
-    return variants
+        return read_pairs(lambda text: (text, scenario.with_changes(_changes(text, table))), laws, "--law")
 
 
 def _changes(text: str, table: str) -> dict[str, object]:
@@ -137,14 +135,9 @@ def _changes(text: str, table: str) -> dict[str, object]:
     match = _LAW.fullmatch(text)
     if match is None:
         raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
-    given = []
-    for part in (match["constants"] or "").split(","):
-        if part.strip() or match["constants"] == "":
-            if "=" not in part:
-                raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
-            given.append(parse_assignment(part))
-    refuse_twice([key for key, _ in given], f"--law: {text!r}:")
-    places = {f"{table}.parameters.{key}" if key in PARAMETERS else f"{table}.{key}": value for key, value in given}
+    parts = match["constants"].split(",") if match["constants"] else []
+    given = read_pairs(parse_assignment, parts, f"--law: {text!r}:")
+    places = {f"{table}.parameters.{n}" if n in PARAMETERS else f"{table}.{n}": value for n, value in given.items()}
     return {f"{table}.name": match["name"], **places}
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg, refuse_twice
+from stribeck.errors import InputError, arg, read_pairs
 from stribeck.loops import boundary, compensation
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
@@ -202,15 +202,9 @@ def _controller(loop: Loop, name: str | None) -> str:
 
 
 def _ranges(loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:
-    problems: list[str] = []
-    ranges = []
-    for text in vary:
-        try:
-            ranges.append(boundary.Turned.parse(text))
-            boundary.known_path(loop, ranges[-1].path)
-        except InputError as error:
-            problems += error.problems
-    if problems:
-        raise InputError(problems)
-    refuse_twice([each.path for each in ranges], arg("vary"))
-    return ranges
+    def read(text: str) -> tuple[str, boundary.Turned]:
+        turned = boundary.Turned.parse(text)
+        boundary.known_path(loop, turned.path)
+        return turned.path, turned
+
+    return list(read_pairs(read, vary, arg("vary")).values())

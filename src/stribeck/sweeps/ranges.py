@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg, refuse_twice
+from stribeck.errors import InputError, arg, read_pairs
 
 _MOST_LANES = 10**8  # a typing error in COUNT is reported before memory runs out
 
@@ -79,16 +79,15 @@ def lanes_of(ranges: Sequence[Range], samples: int | None = None, seed: int = 0)
     Raises:
         InputError: if there is no range, if two have the same path, or if there are too many lanes.
     """
-    paths = [r.path for r in ranges]
     if not ranges:
         raise InputError(f"{arg('vary')}: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log")
-    refuse_twice(paths, arg("vary"))
+    by_path = read_pairs(lambda r: (r.path, r), ranges, arg("vary"))
     count = math.prod(r.count for r in ranges) if samples is None else samples
     if not 1 <= count <= _MOST_LANES:
         what = "the grid has" if samples is None else arg("samples")
         raise InputError(f"{what} {count} lanes: must be from 1 to {_MOST_LANES}")
     if samples is not None:
         random = np.random.default_rng(seed)
-        return {r.path: r.drawn(random, samples) for r in ranges}
+        return {path: r.drawn(random, samples) for path, r in by_path.items()}
     grid = np.meshgrid(*(r.values for r in ranges), indexing="ij")
-    return {path: values.reshape(-1) for path, values in zip(paths, grid, strict=True)}
+    return {path: values.reshape(-1) for path, values in zip(by_path, grid, strict=True)}
