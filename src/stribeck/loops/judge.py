@@ -21,9 +21,7 @@ SHORTEST = 24
 # The same at last, eleven doublings: an integral that winds up against friction takes thousands of time constants to
 # break away, and a loop that sticks takes few steps.
 LONGEST = 49152
-_WAITS = (
-    50_000  # steps of a resting lane whose friction force grows too slowly to break away within LONGEST: MOST_STEPS/4
-)
+_WAITS = 50_000  # steps of a resting lane whose friction force grows too slowly to break away within LONGEST: a tenth of a second
 _ROWS = 1000  # of the judged half: 60 in each of 16 cycles, whose peaks are then exact to 0.14 %
 _ENOUGH_CYCLES = 8  # of a sustained oscillation: two in each judged quarter
 # Relative change of a sustained oscillation from the first judged quarter to the last: at most this, as one that decays so
@@ -57,6 +55,7 @@ _GROWS = 1.15  # growth from one third to the next, at the end of the longest ru
 
 WINDS = "the friction force still changes while the body sticks"
 SHAKEN = "the remaining motion is that of the dither"
+SLOWING = "the motion still slows down at the end of the longest run: the body may come to rest"
 IRREGULAR = "the amplitude still varies at the end of the longest run: the oscillation may stop by chance"
 
 Tell = Callable[[float], None]
@@ -219,7 +218,10 @@ class _LaneRecord:
             amplitude = float(np.ptp(y)) / 2
             first, second = abs(y[len(y) // 2] - y[0]), abs(y[-1] - y[len(y) // 2])
             steady = second > _STEADY * first and breaks is None and length > 4 * SHORTEST * self.tau
-            return Judgement("creeping", body, amplitude, np.nan), 0.0 if steady else self._next_length(breaks, length)
+            note = SLOWING if self.last and not steady else ""
+            return Judgement("creeping", body, amplitude, np.nan, note), (
+                0.0 if steady else self._next_length(breaks, length)
+            )
         return self._judge_oscillation(body, y, rest[body], length)
 
     def _judge_rest(self, rest: dict[str, float], breaks: float | None, length: float) -> tuple[Judgement, float]:
@@ -248,7 +250,8 @@ class _LaneRecord:
         if self._saturates():
             return Judgement("unstable", body, amplitude, period, "the oscillation is bounded by saturation"), wanted
         thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)]
-        if self.last and thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]:
+        grows = thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]
+        if self.last and grows and cycles > len(thirds):  # a single slip grows as well, and is no oscillation
             return Judgement("unstable", body, amplitude, period, "the oscillation grows"), wanted
         return Judgement("hunting", body, amplitude, period, IRREGULAR if self.last and not keeps else ""), wanted
 

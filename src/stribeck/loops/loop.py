@@ -21,7 +21,7 @@ from stribeck.scenario.counterpart import as_machine
 from stribeck.waveforms import KINDS, Signal, SumSignal
 from stribeck.waveforms.trajectories import Curve
 
-MOST_STEPS = 200_000  # per lane, then the run ends: about 1 s of computing alone, 0.1 s beside others
+MOST_STEPS = 600_000  # per lane, then the run ends: 200 s of a controller at 1 kHz, about 3 s of computing alone
 _FAST = 1e3  # in natural speeds: every contact is in gross sliding
 _POINTS = 48  # of the spline that draws a wave
 _ZERO = 1e-9  # of the fastest eigenvalue: a smaller real part counts as 0
