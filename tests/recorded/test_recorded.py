@@ -106,6 +106,45 @@ def test_names_stand_directly_above_the_rows_or_their_units(tmp_path, head, name
     assert found.columns({"position": names[1]})["position"].tolist() == [1, 2, 3]
 
 
+@pytest.mark.parametrize("arrow", [True, False])
+@pytest.mark.parametrize(
+    "head", ["t,v\n\n", "t,v\n\n\n\n", "t,v\ns,mm\n\n", "t,v\n\ns,mm\n", "Rig 7\n\nt,v\n  \n", "\nt,v\n"]
+)
+def test_blank_lines_do_not_part_the_names_from_the_rows(tmp_path, monkeypatch, arrow, head):
+    if not arrow:
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    (tmp_path / "a.csv").write_text(head + "0,1\n1,2\n\n2,3\n")
+    found = opened(tmp_path / "a.csv")
+    assert found.names == ["t", "v"]
+    assert found.stated == ({"t": "s", "v": "mm"} if "mm" in head else {})
+    assert found.columns({"position": "v"})["position"].tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize("arrow", [True, False])
+def test_a_row_of_missing_numbers_below_the_names_is_a_row(tmp_path, monkeypatch, arrow):
+    if not arrow:
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    (tmp_path / "a.csv").write_text("t,v\n,\n1,2\n2,3\n")
+    read = opened(tmp_path / "a.csv").columns({"position": "v"})["position"]
+    assert np.array_equal(read, [np.nan, 2, 3], equal_nan=True)
+
+
+@pytest.mark.parametrize("arrow", [True, False])
+@pytest.mark.parametrize("names", ["t,v\n", "t,v\ns,mm\n", "Rig,12\nt,v\n", "t,v\n\n"])
+@pytest.mark.parametrize(("row", "count"), [("0,1,", 3), ("0,1,5", 3), ("0,1,5,6", 4), ("0", 1), ("0,1,\n7,7,7", 3)])
+def test_a_first_row_of_another_width_is_named(tmp_path, monkeypatch, arrow, names, row, count):
+    """The names were lost, and the columns were said not to be there."""
+    if not arrow:
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    (tmp_path / "a.csv").write_text(f"{names}{row}\n1,2\n2,3\n3,4\n")
+    found = opened(tmp_path / "a.csv")
+    assert found.names == ["t", "v"]
+    at = names.count("\n") + 1
+    text = rf"(Row #{at}: Expected 2 columns, got {count}:|row {at} has {count} cells, not 2)"
+    with pytest.raises(InputError, match=text):
+        found.columns({"position": "v"})
+
+
 @pytest.mark.parametrize("cell", ["", "nan", "bad"])
 def test_a_cell_that_is_no_number_makes_its_row_no_line_of_names(tmp_path, cell):
     (tmp_path / "a.csv").write_text(f"0,1\n1,{cell}\n2,3\n")

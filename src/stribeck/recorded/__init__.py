@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from stribeck.recorded.layout import (
     commas_twice,
     decimals_shown,
     encoding_of,
+    is_blank,
     is_thousands,
     is_units,
     mark_of,
@@ -249,29 +251,31 @@ class CsvSource(Source):
             text = file.read(1 << 16)  # so much because the first decimal comma may come late
             while text.count("\n") < 3 and (more := file.read(len(text))):  # a head of very many names
                 text += more
-        if not text.strip():
+        every = text.splitlines()
+        places = [i for i, line in enumerate(every) if not is_blank(line)]
+        lines = [every[i] for i in places]
+        if not lines:
             raise InputError(f"{arg('data')}: '{path}': is empty")
         if "\0" in text:
             raise InputError(f"{arg('data')}: '{path}': is not text")
-        lines = text.splitlines()
-        self.skipped, self.head, self.separator = table_begins(lines)
-        first, second = lines[self.skipped], "\n".join(lines[self.skipped + 1 :])
+        begin, head, self.separator = table_begins(lines)
+        first, second = lines[begin], "\n".join(lines[begin + 1 :])
         cells = [cell.strip().strip('"') for cell in split_cells(first, self.separator)]
-        if self.head and not second.strip():
+        if head and not second:
             raise InputError(f"{arg('data')}: '{path}': has a head but no rows")
-        self.rows_from = self.skipped + int(self.head)
-        if (
-            self.head
-            and len(lines) > self.rows_from + 1
-            and is_units(lines[self.rows_from], self.separator, len(cells))
-        ):
-            words = split_cells(lines[self.rows_from], self.separator)
+        rows = begin + int(head)
+        if head and len(lines) > rows + 1 and is_units(lines[rows], self.separator, len(cells)):
+            words = split_cells(lines[rows], self.separator)
             self.stated = dict(zip(cells, words, strict=True))
+            rows += 1
+        self.rows_from = places[rows - 1] + 1 if head else places[rows]
+        while not every[self.rows_from].strip(" "):  # separators alone are a row, of missing numbers
             self.rows_from += 1
-        self.names = cells if self.head else [str(i + 1) for i in range(len(cells))]
-        if self.head and len(next(csv.reader(lines[self.rows_from :], delimiter=self.separator))) == len(cells) + 1:
+        self.names = cells if head else [str(i + 1) for i in range(len(cells))]
+        widths = Counter(map(len, csv.reader(lines[rows:], delimiter=self.separator)))
+        if head and max(widths, key=widths.__getitem__) == len(cells) + 1:  # of most rows: a few may have a fault
             self.names.append(str(len(cells) + 1))  # rows alone end in a separator
-        if not self.head and self.skipped and commas_twice(lines, self.skipped):
+        if not head and begin and commas_twice(lines, begin):
             text = "decimal commas between columns that commas part: must be points, or semicolons between columns"
             raise InputError(f"{arg('data')}: '{path}': {text}")
         self.constants, self.quoted = {}, '"' in text

@@ -65,33 +65,31 @@ def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
     """The first line of the table, whether that is its head, and the separator.
 
     Instruments write titles, dates and settings first. The table begins with the first lines of numbers that have equally
-    many cells, or with the head above them.
+    many cells, or with the head above them. Lines between words and these rows that hold numbers in another count are rows
+    with a fault. ``lines`` are those that hold something (:func:`is_blank`).
     """
     for i, line in enumerate(lines[:_LONGEST_PREAMBLE]):
         separator = _separator(line)
         cells = split_cells(line, separator)
-        if (
-            not line.strip()
-            or not all(_is_number(c) or not c.strip() for c in cells)
-            or not any(map(_is_number, cells))
-        ):
+        if not _is_row(cells):
             continue
         below = lines[i + 1 : i + 3]
-        if any(len(split_cells(other, separator)) != len(cells) for other in below if other.strip()):
+        if any(len(split_cells(other, separator)) != len(cells) for other in below):
             continue
         if below and _are_words(split_cells(below[0], separator)):
             continue  # the names, below a title of numbers
-        rows = [cells, *(split_cells(other, separator) for other in below if other.strip())]
+        rows = [cells, *(split_cells(other, separator) for other in below)]
         counts = {len(cells), len(cells) - (not any(row[-1].strip() for row in rows))}  # rows may end in a separator
-        heads = [j for j in range(i - 1, max(i - 3, -1), -1) if len(split_cells(lines[j], separator)) in counts]
-        if len(heads) == 2 and heads[1] == i - 2 and _names_and_units(lines[i - 2], lines[i - 1], separator):
-            return i - 2, True, separator
-        if heads and heads[0] == i - 1:
-            return _above_bad_rows(lines, i - 1, separator, len(split_cells(lines[i - 1], separator))), True, separator
+        first = _below_words(lines, i, separator)
+        heads = [j for j in range(first - 1, max(first - 3, -1), -1) if len(split_cells(lines[j], separator)) in counts]
+        if len(heads) == 2 and _names_and_units(lines[first - 2], lines[first - 1], separator):
+            return first - 2, True, separator
+        if heads and heads[0] == first - 1:
+            head = _above_bad_rows(lines, first - 1, separator, len(split_cells(lines[first - 1], separator)))
+            return head, True, separator
         return i, False, separator
-    first = lines[0]
-    separator = _separator(first)
-    return 0, not all(_is_number(cell) for cell in split_cells(first, separator)), separator
+    separator = _separator(lines[0])
+    return 0, not all(_is_number(cell) for cell in split_cells(lines[0], separator)), separator
 
 
 def commas_twice(lines: Sequence[str], first: int) -> bool:
@@ -126,6 +124,24 @@ def mark_of(cell: str, decimal: str) -> Literal["either", "decimals", "none"]:
         return "none"
     text = text.replace(decimal, ".", 1)
     return "either" if _GROUPED.fullmatch(text) else "decimals" if _NUMBER.fullmatch(text) else "none"
+
+
+def is_blank(line: str) -> bool:
+    """Whether a line holds nothing, or separators alone: no name and no unit."""
+    return not line.strip("\t;, \r\n")
+
+
+def _is_row(cells: Sequence[str]) -> bool:
+    """Whether cells are numbers or empty, and not all empty."""
+    return all(_is_number(c) or not c.strip() for c in cells) and any(map(_is_number, cells))
+
+
+def _below_words(lines: Sequence[str], row: int, separator: str) -> int:
+    """The first of the rows of any width up to ``row``, if words are directly above it; otherwise ``row``."""
+    first = row
+    while first and _is_row(split_cells(lines[first - 1], separator)):
+        first -= 1
+    return first if first and _are_words(split_cells(lines[first - 1], separator)) else row
 
 
 def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:
