@@ -33,8 +33,8 @@ _COUNTS = 0.2
 _ALIKE = (
     0.01  # relative spread of the quarters of a regular oscillation: several times the error of a peak between two rows
 )
-# Motion in the second half over that in the first: creep that slows down by more in this time comes to rest within some 50
-# times of it, which is simulated.
+# Motion in the second half over that in the first, or its inverse: creep that slows down by more in this time comes to rest
+# within some 50 times of it, which is simulated; one that gets faster ends in a slip.
 _STEADY = 0.98
 # The same of a contact's force: one that slows down less is extrapolated linearly, as the sum of a geometric series with
 # a ratio near 1 depends on noise.
@@ -217,7 +217,8 @@ class _LaneRecord:
         if _goes_one_way(y):
             amplitude = float(np.ptp(y)) / 2
             first, second = abs(y[len(y) // 2] - y[0]), abs(y[-1] - y[len(y) // 2])
-            steady = second > _STEADY * first and breaks is None and length > 4 * SHORTEST * self.tau
+            steady = _STEADY * first < second < first / _STEADY
+            steady &= breaks is None and length > 4 * SHORTEST * self.tau
             note = SLOWING if self.last and not steady else ""
             return Judgement("creeping", body, amplitude, np.nan, note), (
                 0.0 if steady else self._next_length(breaks, length)
