@@ -15,6 +15,7 @@ from stribeck import platforms
 from stribeck.errors import InputError, StribeckNote
 from stribeck.recorded import opened, opened_with
 from stribeck.recorded.layout import is_units
+from stribeck.recorded.units import LENGTH, TIME
 
 T = np.arange(200) * 1e-3
 WANTED = {"time": "time", "position": "position"}
@@ -127,6 +128,25 @@ def test_a_row_of_missing_numbers_below_the_names_is_a_row(tmp_path, monkeypatch
     (tmp_path / "a.csv").write_text("t,v\n,\n1,2\n2,3\n")
     read = opened(tmp_path / "a.csv").columns({"position": "v"})["position"]
     assert np.array_equal(read, [np.nan, 2, 3], equal_nan=True)
+
+
+def test_a_quote_that_is_never_closed_is_named(tmp_path):
+    """It swallowed the rows below it, without a word."""
+    rows = [f"{i},{2 * i},x" for i in range(400)]
+    rows[100] = '100,200,"oops'
+    (tmp_path / "a.csv").write_text("\n".join(["t,v,note", *rows]) + "\n")
+    with pytest.raises(InputError, match="row 102 has a quote that is never closed"):
+        opened(tmp_path / "a.csv").columns({"position": "v"})
+    rows[100] = '100,200,5" pipe'  # within a cell it is a letter
+    (tmp_path / "a.csv").write_text("\n".join(["t,v,note", *rows]) + "\n")
+    assert len(opened(tmp_path / "a.csv").columns({"position": "v"})["position"]) == 400
+
+
+@pytest.mark.parametrize("micro", ["us,um", "\u00b5s,\u00b5m", "\u03bcs,\u03bcm"])
+def test_micro_has_three_spellings(tmp_path, micro):
+    (tmp_path / "a.csv").write_text(f"t,y\n{micro}\n0,1\n1,2\n", encoding="utf-8")
+    read = opened(tmp_path / "a.csv")
+    assert [(TIME | LENGTH)[unit] for unit in read.stated.values()] == [1e-6, 1e-6]
 
 
 @pytest.mark.parametrize("arrow", [True, False])

@@ -284,6 +284,7 @@ class CsvSource(Source):
     def columns(self, wanted: dict[str, str], times: Mapping[str, str] | None = None) -> dict[str, Array]:
         """The columns by role, as separate arrays; all of them are equally long."""
         _check_unique(self, wanted)
+        self._check_quotes()
         include = list(dict.fromkeys(wanted.values()))
         joined = self._by_arrow(include, wanted) if find_spec("pyarrow") else self._by_lines(include, wanted)
         if self.separator != "," and not any(map(decimals_shown, joined.values())):
@@ -292,6 +293,21 @@ class CsvSource(Source):
             role: joined[name] if list(wanted.values()).count(name) == 1 else joined[name].copy()
             for role, name in wanted.items()
         }
+
+    def _check_quotes(self) -> None:
+        """Refuse a file with a quote that is never closed, which would swallow the rows below it."""
+        with self.file.open("r", encoding=self.encoding, errors="replace", newline="") as file:
+            count = sum(part.count('"') for part in iter(lambda: file.read(1 << 20), ""))
+            if count % 2 == 0:
+                return
+            file.seek(0)
+            rows, begin = csv.reader(file, delimiter=self.separator, strict=True), 1
+            try:
+                for _ in rows:
+                    begin = rows.line_num + 1
+            except csv.Error:
+                text = f"'{self.path}': cannot be read: row {begin} has a quote that is never closed"
+                raise InputError(f"{arg('data')}: {text}") from None
 
     def _ask_about_thousands(self, columns: Collection[str]) -> None:
         """One note if the mark in these columns may be that of thousands, and no cell of the file shows what it is."""
