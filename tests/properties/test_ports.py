@@ -252,6 +252,29 @@ def test_nor_by_its_own_value_where_a_load_holds_another(kind):
     assert stateless.static_passive(varied).holds is None
 
 
+class Turns(Dips):
+    """F v = F_c v^2 (1 - v^2): it drives above 1 m/s."""
+
+    name = "turns"
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.F_c * v * (1 - v * v)
+
+
+@pytest.mark.parametrize(("v_max", "holds"), [(None, False), (0.5, True), (2.0, False)])
+def test_a_law_that_drives_beyond_v_max_is_passive_below(v_max, holds):
+    """The whole machine was refuted by a speed that was excluded."""
+    parts = stribeck.Body("b", mass=1.0), stribeck.Contact("c", "b", Turns({"F_c": 1.0}))
+    found = stribeck.check(stribeck.Machine(*parts).scenario(1.0), v_max=v_max)
+    (verdicts,) = found.contacts.values()
+    assert verdicts["passive"].holds is holds
+    if holds:
+        assert "|v| <= v_max" in verdicts["passive"].reason
+    else:
+        assert 1 < verdicts["passive"].evidence["v"] <= (v_max or np.inf)
+
+
 def test_a_cylinder_is_a_port():
     """It was said to be passive without any port, its gas and its valve left out."""
     law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": {**PASSIVE, "sigma_2": 400.0}}

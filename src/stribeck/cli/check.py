@@ -149,7 +149,7 @@ def _decide(
 def _write(
     verdicts: Verdicts | MachineVerdicts, out: Path | None, certificate: Path | None
 ) -> tuple[list[str] | None, list[str] | None]:
-    """Write the counterexamples, the page and, if there are any, the proofs; the paths of all but the page, and of the page's."""
+    """Write the counterexamples, the page, and the proofs if there are any; the paths of the results, and of the page."""
     from stribeck.files import write_text
 
     files: list[str] | None = None

@@ -17,13 +17,12 @@ from stribeck.errors import InputError, arg, nearest
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, time_constant
 
-POINTS = 25  # of the first scan: over a decade, steps of 10 %, and as many lanes as two cores simulate in a second
+POINTS = 25  # of the first scan: over a decade, steps of 10 %
 RESOLUTION = 0.03  # of a value, the finest step of the scan: nobody sets a gain closer; MOST_STEPS may not allow it
 MOST_STEPS = 40_000_000  # of all lanes of one path: 10 to 30 s of processor time
-_PARTS = (
-    5  # into which a step of the scan is divided where the verdict changes: more lanes at once, but fewer rounds than 2
-)
-_PRECISE = 0.002  # of its value: how closely a boundary is enclosed, a tenth of what matters to RESOLUTION
+# Into which a step of the scan is divided where the verdict changes: more lanes at once, but fewer rounds than 2.
+_PARTS = 5
+_PRECISE = 0.002  # of its value: how closely a boundary is enclosed, a fifteenth of RESOLUTION
 _ROUNDS = 6  # of dividing: a first step of a tenth of the range needs 3; the others are for changes found on the way
 # Of a natural logarithm, a factor of two: a step over which amplitude or settling time change more is divided
 _TURNS = 0.7

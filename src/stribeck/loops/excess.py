@@ -14,9 +14,8 @@ from stribeck.machine.elements.controllers import Cascade, Pid
 from stribeck.scenario import Scenario
 from stribeck.simulation.single import simulate_once
 
-BEYOND = (
-    0.05  # of the share, in the run that shows it: the surplus that accelerates the body must exceed the solver's error
-)
+# Of the share, in the run that shows it: the surplus that accelerates the body must exceed the solver's error.
+BEYOND = 0.05
 _SPEEDS = 400  # over these decades: steps of 3 %, in which a steady curve is smooth
 _DECADES = (1e-2, 1e3)  # of v_s: below, the Stribeck curve is flat at F_s; above, viscous friction decides
 _OFF = {Pid: ("K_p", "K_i", "K_d"), Cascade: ("K_p", "K_v")}

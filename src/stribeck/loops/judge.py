@@ -21,7 +21,7 @@ SHORTEST = 24
 # The same at last, eleven doublings: an integral that winds up against friction takes thousands of time constants to
 # break away, and a loop that sticks takes few steps.
 LONGEST = 49152
-_WAITS = 50_000  # steps of a resting lane whose friction force grows too slowly to break away within LONGEST: a tenth of a second
+_WAITS = 50_000  # steps of a resting lane whose friction force grows too slowly to break away within LONGEST
 _ROWS = 1000  # of the judged half: 60 in each of 16 cycles, whose peaks are then exact to 0.14 %
 _ENOUGH_CYCLES = 8  # of a sustained oscillation: two in each judged quarter
 # Relative change of a sustained oscillation from the first judged quarter to the last: at most this, as one that decays so
@@ -30,9 +30,8 @@ _KEEPS = 0.003
 # Of the rest band, such as an encoder's step: an additional allowance for the quarters' differences, as a step at another
 # instant shifts an extreme by a part of it.
 _COUNTS = 0.2
-_ALIKE = (
-    0.01  # relative spread of the quarters of a regular oscillation: several times the error of a peak between two rows
-)
+# Relative spread of the quarters of a regular oscillation: several times the error of a peak between two rows.
+_ALIKE = 0.01
 # Motion in the second half over that in the first, or its inverse: creep that slows down by more in this time comes to rest
 # within some 50 times of it, which is simulated; one that gets faster ends in a slip.
 _STEADY = 0.98
@@ -40,17 +39,14 @@ _STEADY = 0.98
 # a ratio near 1 depends on noise.
 _SLOWS = 0.9
 _MOVES_ON = 1e-3  # of F_s, in the judged time: at a constant rate, break-away is then a thousand such times away
-_NEAR = (
-    0.9  # of F_s: a contact whose force settles above may break away, as the extrapolation has errors of some percent
-)
+# Of F_s: a contact whose force settles above may break away.
+_NEAR = 0.9
 _FAR = 100.0  # of the move: far beyond any overshoot, so only an unstable loop goes there
 _AT_LIMIT = 0.999  # of the limit: an output above it saturates, up to rounding and interpolation
 _OFTEN = 0.02  # of the time, at each limit: with more, the limit bounds the oscillation; 20 of _ROWS, no single spike
 _ONE_WAY = 0.9  # net over total motion: with more, the body creeps; it goes back by 5 % of its way at most
-_FEW, _GREW = (
-    6,
-    10.0,
-)  # rows of a run that ended early, two a third; growth from its first third to its last: no transient's
+# Rows of a run that ended early, two a third; growth from its first third to its last that no transient has.
+_FEW, _GREW = 6, 10.0
 _GROWS = 1.15  # growth from one third to the next, at the end of the longest run: more than an irregular cycle's spread
 
 WINDS = "the friction force still changes while the body sticks"

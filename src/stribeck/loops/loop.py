@@ -21,7 +21,7 @@ from stribeck.scenario.counterpart import as_machine
 from stribeck.waveforms import KINDS, Signal, SumSignal
 from stribeck.waveforms.trajectories import Curve
 
-MOST_STEPS = 600_000  # per lane, then the run ends: 200 s of a controller at 1 kHz, about 3 s of computing alone
+MOST_STEPS = 600_000  # per lane, then the run ends: some 200 s of a controller at 1 kHz
 _FAST = 1e3  # in natural speeds: every contact is in gross sliding
 _POINTS = 48  # of the spline that draws a wave
 _ZERO = 1e-9  # of the fastest eigenvalue: a smaller real part counts as 0
@@ -163,9 +163,10 @@ class SlidingLoop:
         pieces = bare.pieces()
         functions.piece = pieces.rows[-1]
         x, t = _sliding(bare), 4.0 * math.ceil(float(pieces.start[-1]) / 4.0 + 1.0)
-        keep = [i for i, name in enumerate(functions.states) if name not in ("E_in", "E_dissipated")]
-        self.states = [functions.states[i] for i in keep]
-        self.jacobian = functions.jacobian(t, x)[np.ix_(keep, keep)]
+        names = [state.name for state in bare.system.states]
+        keep = [i for i, name in enumerate(names) if name not in ("E_in", "E_dissipated")]
+        self.states = [names[i] for i in keep]
+        self.jacobian = functions.slopes(t, x)[1][np.ix_(keep, keep)]
         self.by_output = np.zeros(len(keep))
         if shaken is not None:  # a quarter period later the dither is 1
             self.by_output = (functions.rates(t + 1.0, x) - functions.rates(t, x))[keep]

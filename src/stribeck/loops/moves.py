@@ -18,9 +18,8 @@ from stribeck.waveforms import Signal
 _WAVES = 4  # of the sine: transients die out in the first, and the maximum of three is one
 _ROWS = 4000  # of a move: a thousand in each wave of the sine
 _AFTER = 0.125  # of a period: the time after a reversal in which friction's error occurs, until 0.7 of full speed
-SETTLES = (
-    50  # slowest time constants after the signals rest, until when the file's own error is simulated: two of SHORTEST
-)
+# Slowest time constants after the signals rest, until when the file's own error is simulated: two of SHORTEST.
+SETTLES = 50
 _SETTLED = 0.01  # of the move: settling tolerance, between the usual 2 % and 0.5 %; two steps of the encoder if more
 
 

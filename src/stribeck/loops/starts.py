@@ -22,9 +22,8 @@ _OFF = (
     1.0,
 )  # of the file's move, both ways: basins of cycles differ by orders of magnitude
 _FAST = (0.1, 0.3, 1.0)  # of its greatest speed, both ways: the upper decade, as slower starts stick at once
-_STRETCHED = (
-    0.1  # of the file's move: one body that is not measured, alone; a link that is stretched in use by a part of it
-)
+# Of the file's move: one body that is not measured, alone; a link that is stretched in use by a part of it.
+_STRETCHED = 0.1
 _ALIKE = 0.1  # amplitudes of cycles that differ by less are one cycle: separate ones lie apart by factors
 
 

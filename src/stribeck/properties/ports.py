@@ -160,7 +160,7 @@ def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
     law = varied.law
     if not law.has_z:
         verdicts = check_varied(varied, v_max, work)
-        verdicts.properties["passive"] = static_passive(varied)
+        verdicts.properties["passive"] = static_passive(varied, v_max)
         return verdicts
     return check_varied(varied, v_max, work) if varied.ranges else check_law(law, v_max, work)
 

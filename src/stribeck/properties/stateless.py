@@ -16,7 +16,7 @@ from stribeck.properties.worst import Varied
 
 _WORK = 400  # regions for a law without z: one variable, so a sixth of a whole check suffices
 _STATIC = (
-    "F v >= 0 for every v and every history of its constants (F is affine in those that vary, each part with v's sign)"
+    "F v >= 0 for every {} and every history of its constants (F is affine in those that vary, each part with v's sign)"
 )
 # Speeds at which a counterexample is looked for: decades around the law's own speed, eight a decade. Those of a law that
 # draws energy are a whole interval, so that the grid's fineness decides what is found, not what is true.
@@ -55,7 +55,7 @@ def static_passive(varied: Varied, v_max: float | None = None) -> Verdict:
             power = model.form_of(part, s, 1) * s
             if not is_zero(power) and model.prover.show(power, ">=0", {"u": (NULL, most)}, work) is None:
                 return (None if names else _driving(law, model, v_max)) or undecided("no proof that F v >= 0 was found")
-    return Verdict(True, _STATIC, {})
+    return Verdict(True, _STATIC.format("v" if v_max is None else "|v| <= v_max"), {})
 
 
 def _driving(law: Law, model: Model, v_max: float | None) -> Verdict | None:

@@ -4,20 +4,11 @@ from __future__ import annotations
 
 import math
 
-_PREFIXES = {
-    "": 1.0,
-    "k": 1e3,
-    "M": 1e6,
-    "c": 1e-2,
-    "m": 1e-3,
-    "u": 1e-6,
-    "µ": 1e-6,
-    "\u03bc": 1e-6,
-    "n": 1e-9,
-}  # and the Greek letter
+_MICRO = ("u", "µ", "\u03bc")  # the letter, the micro sign, the Greek letter that text editors make of it
+_PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "c": 1e-2, "m": 1e-3, "n": 1e-9} | dict.fromkeys(_MICRO, 1e-6)
 LENGTH = {f"{p}m": f for p, f in _PREFIXES.items()} | {"in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 ANGLE = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180, "rev": 2 * math.pi}
-TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "\u03bcs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+TIME = {"s": 1.0, "ms": 1e-3, "ns": 1e-9, "min": 60.0, "h": 3600.0} | {f"{micro}s": 1e-6 for micro in _MICRO}
 TORQUE = {f"{p}N{gap}m": f for p, f in _PREFIXES.items() for gap in (" ", "", "*", ".")}
 FORCE = {f"{p}N": f for p, f in _PREFIXES.items()} | {"lbf": 4.4482216152605, "kgf": 9.80665} | TORQUE
 PRESSURE = {f"{p}Pa": f for p, f in _PREFIXES.items()} | {"bar": 1e5, "mbar": 100.0, "psi": 6894.757293168}

@@ -7,42 +7,18 @@ wrong by the whole oscillation, and no estimated error would tell.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import cached_property, lru_cache
+from collections.abc import Iterator
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import derivative, symbol
-from stribeck.expressions.ops import Value
-from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation.promise import MOTION, promised
+from stribeck.simulation.rates import RateFunctions
 from stribeck.waveforms.pieces import SMOOTH
 
 _EPS = float(np.finfo(float).eps)
 _STEP = 1e-6  # of a state's natural magnitude: a difference that finds how fast a system is, not how damped
-
-
-class _Functions:
-    """A system's rates, and their derivatives by the states and by time, as Python functions of one list of inputs."""
-
-    def __init__(self, system: MachineSystem) -> None:
-        self._names = [state.name for state in system.states]
-        self._inputs = [f"{owner}.{name}" for owner, name in system.parameters]
-        self._inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + ["t", *self._names]
-        self._rates = system.rates()
-        self.rates = python_function(self._inputs, self._rates)
-
-    @cached_property
-    def derivatives(self) -> Callable[..., tuple[Value, ...]]:
-        """The derivatives: by time and by each state, of one rate after the other."""
-        by = [symbol(name) for name in ("t", *self._names)]
-        return python_function(self._inputs, [derivative(rate, x) for rate in self._rates for x in by])
-
-
-_functions = lru_cache(maxsize=64)(_Functions)
 
 
 def beyond_floats(scenario: Scenario, states: Array) -> list[str]:
@@ -70,43 +46,32 @@ def beyond_floats(scenario: Scenario, states: Array) -> list[str]:
     return []
 
 
-def _arguments(scenario: Scenario, piece: Array, t: float, x: Array) -> list[np.float64]:
-    values, system = scenario.elements.values, scenario.system
-    constants = (np.float64(values[key]) for key in system.parameters)
-    return [*constants, *piece, *np.zeros(len(system.held)), np.float64(t), *x]
-
-
 def _fast(scenario: Scenario, x: Array) -> float:
     """The magnitude of the fastest mode at the start, by differences."""
-    functions, piece = _functions(scenario.system), scenario.pieces().rows[0]
+    functions = RateFunctions(scenario)
+    functions.piece = scenario.pieces().rows[0]
     sizes = [float(scenario.elements.natural[state.name]) for state in scenario.system.states]
-
-    def rates(at: Array) -> Array:
-        return np.array(functions.rates(*_arguments(scenario, piece, 0.0, at)), float)
-
-    steps, before = _STEP * np.maximum(sizes, abs(x)), rates(x)
-    matrix = np.array([(rates(x + row) - before) / row.sum() for row in np.diag(steps)]).T
+    steps, before = _STEP * np.maximum(sizes, abs(x)), functions.rates(0.0, x)
+    matrix = np.array([(functions.rates(0.0, x + row) - before) / row.sum() for row in np.diag(steps)]).T
     return float(np.max(abs(np.linalg.eigvals(matrix)), initial=0.0)) if np.all(np.isfinite(matrix)) else np.inf
 
 
 def _excited(scenario: Scenario, states: Array) -> Iterator[tuple[float, Array, complex]]:
     """Each oscillation that begins at a start or a break of the signals: the time, its amplitude in each state, and its
     eigenvalue."""
-    pieces, count = scenario.pieces(), states.shape[1]
-    functions = _functions(scenario.system)
+    pieces, functions = scenario.pieces(), RateFunctions(scenario)
+
+    def of_piece(which: int, t: float, x: Array) -> tuple[Array, Array, Array]:
+        functions.piece = pieces.rows[which]
+        return (functions.rates(t, x), *functions.slopes(t, x))
+
     for i, t in enumerate(pieces.start):
         if t >= scenario.end or (i and pieces.restart[i] == SMOOTH):
             continue
         x = states[min(int(t / scenario.output.step), len(states) - 1)]
-
-        def of_piece(which: int, t: float = float(t), x: Array = x) -> tuple[Array, Array, Array]:
-            at = _arguments(scenario, pieces.rows[which], t, x)
-            slopes = np.array(functions.derivatives(*at), float).reshape(count, count + 1)
-            return np.array(functions.rates(*at), float), slopes[:, 0], slopes[:, 1:]
-
-        f, f_t, matrix = of_piece(i)
+        f, f_t, matrix = of_piece(i, t, x)
         if i:
-            f_before, f_t_before, _ = of_piece(i - 1)
+            f_before, f_t_before, _ = of_piece(i - 1, t, x)
             f, f_t = f - f_before, f_t - f_t_before
         if not np.all(np.isfinite(matrix)):
             continue

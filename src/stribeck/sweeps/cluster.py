@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Sent = tuple[str, dict[str, bytes], dict[str, bytes], int]
 
 _LOOK = 2.0  # s between two checks of the workers: an acceptable delay of a message about them
-# S without a heartbeat before a worker is reported: Dask drops it after 5 minutes; heartbeats come each 5 s
+# s without a heartbeat, before a worker is reported: Dask drops it after 5 minutes; heartbeats come each 5 s
 _SILENT = 60.0
 _AHEAD = 2  # parts in hand for each thread: one is computed while the other one is transferred
 _CONNECT = 10.0  # s, for a scheduler to answer: Dask's own 30 s are long for a wrong address

@@ -21,9 +21,8 @@ from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.scenario import Scenario
 
 RELATED = 0.95  # correlation above which two parameters cannot be separated: it makes an interval three times as wide
-EQUAL = (
-    6.0  # difference of BIC up to which models explain equally well: "positive" evidence ends here (Kass and Raftery)
-)
+# Difference of BIC up to which models explain equally well: "positive" evidence ends here (Kass and Raftery).
+EQUAL = 6.0
 FORMS = 3  # sets of forms that are reported: the best, and two that explain as much
 
 

@@ -37,9 +37,8 @@ LITTLE = 1e-5  # relative reduction of the squared residual below which the sear
 HARDLY = 1e-3  # of a column's square: a smaller part independent of the model cannot be separated from it
 SHOWN = 0.05  # of a bend's height: the least that must occur in the record
 STEEPNESS = 0.02  # of the level: the least coefficient for the slopes at an optimum
-COST = (
-    0.04  # reduction of the log squared residual per column that pays in the beam: BIC with some 200 independent rows
-)
+# Reduction of the log squared residual per column that pays in the beam: BIC with some 200 independent rows.
+COST = 0.04
 FAINT = 1e-9  # largest value up to which a column counts as 0
 SEEN = (0.02, 0.98)  # quantiles of the rows' speeds: the slowest and the fastest level
 
