@@ -96,3 +96,13 @@ def test_stiff_bristles_without_damping(sigma_0):
 def test_a_stiff_controller_without_damping(gain):
     controller = {"on": "a", "kind": "pid", "K_p": gain, "signal": {"kind": "ramp", "rate": 1e-3}}
     assert reaches(solved(controllers={"axis": controller}), 2e-3)
+
+
+def test_lanes_that_lose_their_phase_are_counted():
+    """Each lane is judged by its own constants, as its single run is."""
+    link = {"from": SLOW_END, "to": "a", "stiffness": 1.0, "damping": 0.0}
+    data = {"schema": 2, "bodies": {"a": {"mass": 1.0}}, "links": {"spring": link}, "solve": {"t_end": 1.0}}
+    stiff = {"links.spring.stiffness": [1e4, 1e40, 1e6, 1e60], "bodies.a.mass": [1.0, 1.0, 1e-3, 1.0]}
+    ensemble = stribeck.simulate({**data, "output": {"step": 0.1}}, vary=stiff)
+    assert ensemble.inaccurate.tolist() == [False, True, False, True]
+    assert "2 of 4 lanes do not reach the promised accuracy" in ensemble.message

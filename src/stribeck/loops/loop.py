@@ -159,7 +159,7 @@ class SlidingLoop:
         for motor in data.get("motors", {}).values():
             motor.pop("voltage", None)
         bare = Scenario(data, folder=scenario.folder, trust=True)
-        functions = RateFunctions(bare)
+        functions = RateFunctions.of(bare)
         pieces = bare.pieces()
         functions.piece = pieces.rows[-1]
         x, t = _sliding(bare), 4.0 * math.ceil(float(pieces.start[-1]) / 4.0 + 1.0)

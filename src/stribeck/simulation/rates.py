@@ -36,32 +36,40 @@ _functions = lru_cache(maxsize=64)(_Functions)
 
 
 class RateFunctions:
-    """The system's functions of (t, x), within one piece of the signals.
+    """The system's functions of (t, x), within one piece of the signals, for one run or for all lanes at once.
 
     Args:
-        scenario: the scenario with the constants.
+        system: the system.
+        values: the run-time constants in the order of ``system.parameters``, along the last axis.
 
     Attributes:
-        piece: the numbers of the signals' present pieces, set by the caller.
+        piece: the numbers of the signals' present pieces along the last axis, set by the caller.
         held: the outputs of sampled controllers, set by the caller.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        system, values = scenario.system, scenario.elements.values
+    def __init__(self, system: MachineSystem, values: Array) -> None:
         self._functions = _functions(system)
-        self._values = [np.float64(values[key]) for key in system.parameters]
+        self._values = values
         self.piece: Array = np.zeros(len(system.piece_fields))
         self.held = np.zeros(len(system.held))
 
+    @classmethod
+    def of(cls, scenario: Scenario) -> RateFunctions:
+        """The functions of a scenario's system, with its constants."""
+        values = scenario.elements.values
+        return cls(scenario.system, np.array([values[key] for key in scenario.system.parameters], float))
+
     def rates(self, t: float, x: Array) -> Array:
-        """The time derivatives of the states."""
-        return np.array(self._functions.rates(*self._arguments(t, x)), float)
+        """The time derivatives of the states, along the last axis as the states in ``x``."""
+        rows = self._functions.rates(*self._arguments(t, x))
+        return np.stack([np.broadcast_to(np.asarray(row, float), x.shape[:-1]) for row in rows], axis=-1)
 
     def slopes(self, t: float, x: Array) -> tuple[Array, Array]:
-        """The derivatives of the rates by the time, and by the states."""
+        """The derivatives of the rates by the time, and by the states, of one run."""
         rows = np.array(self._functions.slopes(*self._arguments(t, x)), float).reshape(len(x), len(x) + 1)
         return rows[:, 0], rows[:, 1:]
 
     def _arguments(self, t: float, x: Array) -> tuple[object, ...]:
         """Parameters, pieces, held outputs, the time, the states."""
-        return (*self._values, *self.piece, *self.held, np.float64(t), *x)
+        columns = (c for table in (self._values, self.piece, self.held) for c in np.moveaxis(table, -1, 0))
+        return (*columns, np.float64(t), *np.moveaxis(x, -1, 0))
