@@ -149,6 +149,22 @@ def read_pairs(read: Callable[[S], tuple[str, T]], given: Iterable[S], what: str
     return dict(pairs)
 
 
+def check_all(*readings: Callable[[], object]) -> None:
+    """Read several inputs, so that the problems of all are reported together.
+
+    Raises:
+        InputError: the lines of each reading that fails.
+    """
+    problems: list[str] = []
+    for read in readings:
+        try:
+            read()
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+
+
 # The packages that the base installation does not have, and the extra that brings each; none brings tools that one has.
 EXTRAS = {
     **dict.fromkeys(("matplotlib", "jinja2", "markupsafe", "pyarrow", "pandas", "bokeh"), "plot"),

@@ -82,9 +82,19 @@ def test_one_name_twice_is_refused(stribeck, place, words, text):
         (["fit", "machine.toml", "--logs", "logs.toml", "--law", "a", "--law", "b"], ["--law: 'a'", "--law: 'b'"]),
         (["fit", "machine.toml", "--logs", "logs.toml", "--unknown", "={low=1}", "--unknown", "b"],
          ["--unknown: '={low=1}'", "--unknown: 'b'"]),
+        (["run", "rig.toml", "--set", "a", "--law", ""], ["--set 'a'", "--law: ''"]),
+        (["sweep", "rig.toml", "--out", "o", "--vary", "a", "--seed", "3", "--set", "b"], ["--set 'b'", "--vary 'a'", "--seed 3"]),
+        (["design", "machine.toml", "--vary", "a", "--set", "b"], ["--set 'b'", "--vary: 'a'"]),
+        (["check", "lugre", "--v-max", "-1", "--set", "a", "--level", "3", "--force", "q"],
+         ["--v-max: -1.0", "--set 'a'", "--level: '3'", "--force: 'q'"]),
+        (["fit", "log.csv", "--unknown", "a", "--require", "b", "--unit", "y", "--set", "F_c=true"],
+         ["--unknown: 'a'", "--require: 'b'", "--unit: 'y'", "--set F_c"]),
+        (["fit", "machine.toml", "--logs", "logs.toml", "--unit", "y", "--set", "a", "--law", "b"],
+         ["--unit: 'y'", "--set 'a'", "--law: 'b'"]),
+        (["predict", "log.csv", "--machine", "machine.toml", "--unit", "y", "--set", "a"], ["--unit: 'y'", "--set 'a'"]),
     ],
 )  # fmt: skip
-def test_each_bad_text_of_a_repeated_option_has_its_line(stribeck, place, words, texts):
+def test_each_bad_text_of_an_option_has_its_line(stribeck, place, words, texts):
     done = stribeck(*words)
     assert (done.status, done.out) == (2, "")
     assert [line[: len(text)] for line, text in zip(done.err.splitlines(), texts, strict=True)] == texts

@@ -14,7 +14,7 @@ import typer
 from stribeck.cli.options import Json, Out, Trust, Undetermined, command, load_scenario, output_path
 from stribeck.cli.output import OutputFolder, check_file, command_line, tell
 from stribeck.cli.progress import progress
-from stribeck.errors import InputError, arg, note, read_pairs
+from stribeck.errors import InputError, arg, check_all, note, read_pairs
 
 if TYPE_CHECKING:
     from stribeck.laws.base import Law
@@ -108,9 +108,14 @@ def check(
 ) -> int:  # fmt: skip
     """Decide five properties of a law or machine: a proof, or a counterexample that 'run' replays."""
     from stribeck.constants import require_positive
+    from stribeck.parameter_sets.assignments import parse_assignments
 
-    if v_max is not None:
-        require_positive("v_max", v_max, "m/s")
+    def positive() -> None:
+        if v_max is not None:
+            require_positive("v_max", v_max, "m/s")
+
+    texts = set_ or []
+    check_all(positive, lambda: parse_assignments(texts), lambda: level_of(level), lambda: _forces(force or []))
     of_law = {"parameters": parameters, "level": level, **tolerances.given()}
     asked: _Machine | _Law
     if what.lower().endswith(".toml"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -55,9 +56,10 @@ def design(
     For a pneumatic servo: report whether its Lyapunov function decreases.
     """
     from stribeck.loops import design as judge
+    from stribeck.loops.boundary import Turned
     from stribeck.loops.written import MACHINES, write_design
 
-    loaded = source.load()
+    loaded = source.load(*(partial(Turned.parse, text) for text in vary or []))
     with OutputFolder(out, [source.scenario], MACHINES):
         with stages(loaded.name) as share:
             result = judge(

@@ -15,7 +15,7 @@ from stribeck.cli import record
 from stribeck.cli.options import ADVANCED, Json, Out, command
 from stribeck.cli.output import OutputFolder, command_line, tell
 from stribeck.cli.progress import progress
-from stribeck.errors import InputError, read_pairs
+from stribeck.errors import InputError, check_all, read_pairs
 
 if TYPE_CHECKING:
     from stribeck.identify.result import Fit
@@ -163,6 +163,8 @@ def fit(
 ) -> int:
     """Fit a law to a measured log, or a machine to its recordings (--logs), with a 95 % interval, a model
     range and a state for each parameter."""
+    from stribeck.scenario import parse_assignments
+
     laws, assignments = law or [], how.set_ or []
     if plan is not None:
         from stribeck.cli.plan import plan as planned
@@ -172,6 +174,11 @@ def fit(
         )
     if simulate:
         raise InputError("--simulate: goes with --plan, which is not given")
+    of_laws = (lambda: record.constants(assignments)) if logs is None else (lambda: _by_contact(laws))
+    check_all(
+        lambda: sought(how.unknown or []), lambda: shares(how.require or []), columns.given,
+        lambda: parse_assignments(assignments) if logs else {}, of_laws,
+    )  # fmt: skip
     recordings = _recordings(data or [], logs, transfer)
     given = {**how.given(), **columns.given(), **recordings}
     return _fit(data or [], laws, assignments, given, out, verbose=verbose, json=json)

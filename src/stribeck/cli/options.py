@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperCommand
 
 import stribeck
-from stribeck.errors import InputError
+from stribeck.errors import InputError, check_all
 
 if TYPE_CHECKING:
     from stribeck.scenario import Scenario
@@ -168,8 +168,11 @@ class ScenarioOptions:
     _undetermined: Undetermined = False
     _backend: Backend = None
 
-    def load(self) -> Scenario:
-        """The scenario with every --set applied."""
+    def load(self, *also: Callable[[], object]) -> Scenario:
+        """The scenario with every --set applied, after ``also`` has read the texts of other options."""
+        from stribeck.scenario import parse_assignments
+
+        check_all(lambda: parse_assignments(self.set_ or []), *also)
         return load_scenario(self.scenario, self.set_ or [], self.trust)
 
 

@@ -11,7 +11,7 @@ from stribeck.cli.options import ADVANCED, Json, Out, Trust, Undetermined, comma
 from stribeck.cli.output import OutputFolder, command_line, failed, tell
 from stribeck.cli.progress import progress
 from stribeck.cli.record import ColumnsAsFitted, Keywords
-from stribeck.errors import InputError
+from stribeck.errors import InputError, check_all
 
 if TYPE_CHECKING:
     from stribeck.mouth.document import Document
@@ -49,6 +49,9 @@ def predict(
 ) -> int:  # fmt: skip
     """Predict another recording with a fit or a machine file: error, overlay and report."""
     _refuse_mixed(given_options(context), fit, machine)
+    from stribeck.scenario import parse_assignments
+
+    check_all(columns.given, lambda: parse_assignments(set_ or []))
     given = columns.given()
     if fit is not None:
         return _by_fit(data, fit, given | {"cutoff": cutoff}, out=out, json=json, trust=trust)

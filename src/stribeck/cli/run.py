@@ -48,7 +48,8 @@ def run(
     json: Json = False,
 ) -> int:  # fmt: skip
     """Simulate a scenario or a machine; without --out, print the summary and write nothing."""
-    given, laws = source.load(), law or []
+    laws = law or []
+    given = source.load(lambda: read_pairs(_law, laws, "--law"))
     if draw:
         others = {"--law": laws, "--keep-c": keep_c}
         if wrong := [n for n, x in others.items() if x]:
@@ -128,17 +129,23 @@ def _under_laws(scenario: Scenario, laws: list[str], contact: str | None) -> dic
 
 
 def _changes(text: str, table: str) -> dict[str, object]:
-    """``NAME:KEY=VALUE,...`` as changes to a scenario."""
+    """A law with its constants as changes to a scenario."""
     from stribeck.laws.base import PARAMETERS
+
+    _, (name, given) = _law(text)
+    places = {f"{table}.parameters.{n}" if n in PARAMETERS else f"{table}.{n}": value for n, value in given.items()}
+    return {f"{table}.name": name, **places}
+
+
+def _law(text: str) -> tuple[str, tuple[str, dict[str, object]]]:
+    """``NAME:KEY=VALUE,...``, with the name and the constants that it has."""
     from stribeck.scenario import parse_assignment
 
     match = _LAW.fullmatch(text)
     if match is None:
         raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
     parts = match["constants"].split(",") if match["constants"] else []
-    given = read_pairs(parse_assignment, parts, f"--law: {text!r}:")
-    places = {f"{table}.parameters.{n}" if n in PARAMETERS else f"{table}.{n}": value for n, value in given.items()}
-    return {f"{table}.name": match["name"], **places}
+    return text, (match["name"], read_pairs(parse_assignment, parts, f"--law: {text!r}:"))
 
 
 # -- the machine as a drawing ----------------------------------------------------------------------------------------

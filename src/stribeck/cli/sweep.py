@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +12,7 @@ import typer
 from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, not_empty
 from stribeck.cli.output import OutputFolder, tell
 from stribeck.cli.progress import rate
-from stribeck.errors import InputError
+from stribeck.errors import InputError, check_all
 
 if TYPE_CHECKING:
     from stribeck.arrays import Array
@@ -58,9 +59,10 @@ def sweep(
 
     if out.startswith("memory:"):
         raise InputError(f"--out: {out}: does not outlast the command: must be a folder or a persistent URL")
-    loaded = source.load()
+    lanes = partial(_lanes, vary or [], samples, seed)
+    loaded = source.load(lanes)
     check_cluster(cluster, threads)
-    job = Sweep(loaded, _lanes(vary or [], samples, seed), out, summary)
+    job = Sweep(loaded, lanes(), out, summary)
     folder: Path | None = job.place.folder if isinstance(job.place, Folder) else None
     started = perf_counter()
     with OutputFolder(folder), rate(f"{loaded.name}: {len(job.lanes)} lanes", "lanes") as share:
@@ -88,14 +90,11 @@ def _lanes(vary: list[str], samples: int | None, seed: int) -> dict[str, Array]:
     """
     from stribeck.sweeps.ranges import Range, lanes_of
 
-    problems, ranges = [], []
-    for text in vary:
-        try:
-            ranges.append(Range.parse(text, drawn=samples is not None))
-        except InputError as error:
-            problems += error.problems
-    if samples is None and seed:
-        problems.append(f"--seed {seed}: goes with --samples, which is not given")
-    if problems:
-        raise InputError(problems)
+    def seeded() -> None:
+        if samples is None and seed:
+            raise InputError(f"--seed {seed}: goes with --samples, which is not given")
+
+    ranges: list[Range] = []
+    reads = (partial(Range.parse, text, drawn=samples is not None) for text in vary)
+    check_all(*(lambda read=read: ranges.append(read()) for read in reads), seeded)
     return lanes_of(ranges, samples, seed)

@@ -87,6 +87,8 @@ def table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
         if heads and heads[0] == first - 1:
             head = _above_bad_rows(lines, first - 1, separator, len(split_cells(lines[first - 1], separator)))
             return head, True, separator
+        while i and _is_row(above := split_cells(lines[i - 1], separator)) and len(above) > 1:
+            i -= 1  # several numbers are no title, but a row with a fault
         return i, False, separator
     separator = _separator(lines[0])
     return 0, not all(_is_number(cell) for cell in split_cells(lines[0], separator)), separator
