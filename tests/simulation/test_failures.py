@@ -1,10 +1,12 @@
 """Computations that fail: the status, the reason, and the rows that were reached."""
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 
-from stribeck import Scenario, simulate
-from tests.simulation.rig import needs_compiler, rig
+from stribeck import InputError, Scenario, simulate
+from tests.simulation.rig import machine, needs_compiler, rig, spring
 
 LAWS = '''
 from stribeck.expressions.ops import sqrt, where
@@ -151,3 +153,15 @@ def test_rows_of_a_failed_run_are_those_of_a_shorter_one():
         np.testing.assert_array_equal(cut[name], whole[name][: len(cut.t)])
     for kind, times in cut.events.items():
         np.testing.assert_array_equal(times, whole.events[kind][: len(times)])
+
+
+@pytest.mark.parametrize("path", ["v_s", "sigma_0", "sigma_2", "F_s"])
+@pytest.mark.parametrize("value", [1e-320, 1e-300, 1e300])
+def test_constants_at_the_ends_of_floats_end_without_a_warning(path, value):
+    """Warnings are errors here: what comes is a result, or one line of what is wrong."""
+    data = rig("lugre", spring("canudas1995"), {"kind": "ramp", "rate": 1e-3}, 0.01, rows=5)
+    scenario = Scenario({**data, "law": {"name": "lugre", "parameters": machine("canudas1995")}})
+    place = f"law.parameters.{path}"
+    with suppress(InputError):
+        assert simulate(scenario.with_changes({place: value})).status in ("done", "failed")
+    assert len(simulate(scenario, vary={place: [value]})) == 1

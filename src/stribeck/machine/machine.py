@@ -215,8 +215,9 @@ class Elements:
     @cached_property
     def natural(self) -> dict[str, Value]:
         """The natural magnitude of each state; a length's where no element knows any."""
-        magnitudes = {n: x for each in self for n, x in each.natural(self.scales, self).items()}
-        energy = _least(*(s.force * s.length for s in self.scales.values()))
+        with np.errstate(all="ignore"):  # of constants at the ends of what floats hold
+            magnitudes = {n: x for each in self for n, x in each.natural(self.scales, self).items()}
+            energy = _least(*(s.force * s.length for s in self.scales.values()))
         magnitudes |= {"E_in": energy, "E_dissipated": energy}
         sizes = {state.name: magnitudes.get(state.name, _LENGTH) for state in self.system.states}
         return {name: _least(x) for name, x in sizes.items()}

@@ -209,6 +209,8 @@ def logarithmic(axis: Axes, x: bool = True, y: bool = True) -> None:
 
 def _power(x: float, _: float = 0.0) -> str:
     """A tick's label, such as 10 to some power."""
+    if not x > 0:
+        return ""  # a power below all numbers
     exponent = round(np.log10(x))
     return "10" + str(exponent).translate(_RAISED) if np.isclose(x, 10.0**exponent, atol=0) else f"{x:g}"
 

@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, arg, printable
@@ -29,6 +31,7 @@ from stribeck.waveforms.pieces import Pieces
 
 __all__ = ["Scenario", "parse_assignment", "parse_assignments"]
 
+_FLOATS = np.finfo(float).tiny, np.finfo(float).max  # tolerances that errors can be divided by
 # In presliding all of the motion is a few natural scales: a tenth keeps y and v within 1e-6 of their peaks there too.
 _ATOL_SHARE = 0.1
 
@@ -252,7 +255,7 @@ class Scenario:
         """
         natural = (self.elements if machine is None else machine).natural
         rtol = self.solve.rtol if rtol is None else rtol
-        return {n: self.solve.atol.get(n, _ATOL_SHARE * rtol * x) for n, x in natural.items()}
+        return {n: self.solve.atol.get(n, np.clip(_ATOL_SHARE * rtol * x, *_FLOATS)) for n, x in natural.items()}
 
 
 def _holds_objects(section: object) -> bool:

@@ -32,8 +32,8 @@ def beyond_floats(scenario: Scenario, states: Array) -> list[str]:
     """
     functions, pieces, atol = RateFunctions.of(scenario), scenario.pieces(), scenario.atol()
     functions.piece = pieces.rows[0]
-    sizes = np.array([atol[state.name] for state in scenario.system.states], float)
-    if not _too_fast(scenario, _at_most(functions, states[0], sizes / scenario.solve.rtol)):
+    each = np.array([atol[state.name] for state in scenario.system.states], float)
+    if not _too_fast(scenario, _at_most(functions, states[0], each, scenario.solve.rtol)):
         return []
     for wrong, eigenvalue in _wrong(scenario, functions, pieces, states):
         names = ", ".join(s.name for s, x in zip(scenario.system.states, wrong, strict=True) if x)
@@ -48,7 +48,7 @@ def lanes_beyond_floats(lanes: Variations, states: Array) -> NDArray[np.bool_]:
     scenario, values, tables = lanes.scenario, lanes.parameters(), lanes.pieces()
     functions = RateFunctions(scenario.system, values)
     functions.piece = tables.whole.rows[tables.first]
-    beyond = _too_fast(scenario, _at_most(functions, states[:, 0], lanes.atol() / scenario.solve.rtol))
+    beyond = _too_fast(scenario, _at_most(functions, states[:, 0], lanes.atol(), scenario.solve.rtol))
     for lane in np.flatnonzero(beyond):
         part = slice(int(tables.first[lane]), int(tables.end[lane]))
         pieces = Pieces(tables.whole.start[part], tables.whole.rows[part], tables.whole.restart[part])
@@ -76,16 +76,17 @@ def _wrong(
                 yield wrong, eigenvalue
 
 
-def _at_most(functions: RateFunctions, x: Array, sizes: Array) -> Array:
+def _at_most(functions: RateFunctions, x: Array, atol: Array, rtol: float) -> Array:
     """A bound on the magnitude of every mode at the start: the largest row sum of the scaled Jacobian, by differences.
 
     Args:
         functions: the system's functions.
         x: the states; any leading axes.
-        sizes: a magnitude of each state, in the shape of ``x``.
+        atol: the absolute tolerance of each state, in the shape of ``x``.
+        rtol: the relative tolerance; of it, and of a tenth of a state's natural magnitude, atol is the product.
     """
     with np.errstate(all="ignore"):
-        sizes = np.maximum(sizes, abs(x))
+        sizes = np.maximum(atol / rtol, abs(x))
         steps, before, sums = _STEP * sizes, functions.rates(0.0, x), np.zeros(x.shape)
         for i in range(x.shape[-1]):
             moved = x.copy()

@@ -352,8 +352,10 @@ def solve_to_promise(
         return result, Pass(tolerances, measured, result.states[None, :, : measured.states])
 
     result, coarse = run(tolerances, most)
+    if result.reason is not None:
+        return result
     missed = promise.missed(tolerances, coarse.measured)
-    if result.reason is not None or not missed.lanes[0]:
+    if not missed.lanes[0]:
         return result
     for _ in range(MOST_PASSES):
         if not promise.mends(coarse.tolerances, missed)[0]:
