@@ -92,14 +92,15 @@ def svg(figure: Figure) -> str:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     buffer = io.StringIO()
-    FigureCanvasSVG(figure)
+    canvas = FigureCanvasSVG(figure)
     _show_as_written(figure)
     _fit_labels(figure)
     if (layout := figure.get_layout_engine()) is not None:
         layout.execute(figure)  # once, and not for every format
         figure.set_layout_engine("none")
     attribute = marked(figure)
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    # savefig would draw it twice
+    canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})  # type: ignore[no-untyped-call]
     text = printable(buffer.getvalue().replace(_SHOWN, ""), but="\n")
     return text.replace("<svg ", f"<svg {attribute} ", 1) if attribute else text
 
