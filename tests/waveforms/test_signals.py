@@ -6,7 +6,17 @@ import pytest
 from pyarrow import csv, parquet
 
 from stribeck.errors import InputError
-from stribeck.waveforms import FileSignal, PointsSignal, RampSignal, SineSignal, StepSignal
+from stribeck.waveforms import (
+    FileSignal,
+    PointsSignal,
+    PointToPointSignal,
+    RampSignal,
+    SineSignal,
+    SplineSignal,
+    StepSignal,
+    SumSignal,
+)
+from stribeck.waveforms.pieces import JUMP, pieces
 from stribeck.waveforms.piecewise import KINDS
 
 
@@ -91,14 +101,35 @@ def test_crossings_before_the_start_and_behind_the_end_do_not_count():
     assert crossings(RampSignal({"rate": -0.5})) == [(2, True)]
 
 
-def test_crossings_of_a_sine_are_those_of_its_samples():
-    signal = SineSignal({"amplitude": -1.5, "frequency": 0.7, "offset": 0.2, "phase": 0.4})
-    t = np.linspace(0, 10, 2_000_001)
+CORNERS = points([0, 2, 5, 5, 7], [0, 3, -2, 1, 1.5])
+SINE = SineSignal({"amplitude": -1.5, "frequency": 0.7, "offset": 0.2, "phase": 0.4})
+CURVES = [
+    kind(np.array([0.5, 2.0, 4.5, 8.0]), np.array([0.3, 2.0, -2.0, 0.3])) for kind in (PointToPointSignal, SplineSignal)
+]
+MOVING = [SINE, CORNERS, *CURVES, SumSignal.flattened([SINE, CORNERS]), SumSignal.flattened([SINE, CURVES[1]])]
+
+
+@pytest.mark.parametrize("signal", MOVING)
+def test_crossings_are_those_of_samples(signal):
+    t = np.linspace(0, 10, 400_001)
     above = np.abs(signal.at(t)) >= 1
     expected = [(t[i + 1], bool(above[i + 1])) for i in np.flatnonzero(above[1:] != above[:-1])]
     found = signal.crossings(1.0, 10.0)
     assert [rises for _, rises in found] == [rises for _, rises in expected]
-    np.testing.assert_allclose([t for t, _ in found], [t for t, _ in expected], rtol=0, atol=6e-6)
+    np.testing.assert_allclose([t for t, _ in found], [t for t, _ in expected], rtol=0, atol=3e-5)
+
+
+@pytest.mark.parametrize("signal", MOVING)
+def test_pieces_cut_at_turns_have_the_sign_of_the_rate(signal):
+    whole, cut = pieces(signal), pieces(signal, turns=True, t_end=10.0)
+    t = np.linspace(1e-3, 10 - 1e-3, 20_001)
+    rate = (signal.at(t + 1e-6) - signal.at(t - 1e-6)) / 2e-6
+    clear = (abs(rate) > 1e-3) & (np.min(abs(t - whole.start[:, None]), axis=0) > 1e-5)
+    np.testing.assert_array_equal(cut.at(t)[clear, -1], np.sign(rate[clear]))
+    changes = np.append(True, np.diff(cut.rows[:, -1]) != 0)
+    assert changes[~np.isin(cut.start, whole.start)].all()  # no more cuts than reversals
+    assert (cut.restart[changes] == JUMP).all()
+    assert (cut.restart[~changes] == whole.restart[np.isin(whole.start, cut.start[~changes])]).all()
 
 
 def test_a_sine_that_stays_on_one_side_has_no_crossings():
