@@ -6,7 +6,9 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from contextlib import contextmanager
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -231,3 +233,101 @@ def test_a_worker_that_would_make_other_bits_refuses(tmp_path):
         parts._order(json.dumps({**other, "stribeck": "0.0.1"}), first)
     with pytest.raises(StribeckError, match="mass"):
         parts._order(json.dumps({**other, "data": {**other["data"], "plant": {"mass": -1}}}), first)
+
+
+class Future:
+    status = "pending"
+
+    def cancel(self, force):
+        self.status = "cancelled"
+
+
+class Scheduler:
+    """What `_Work` asks of Dask's client, of workers that answer at once or are still at it."""
+
+    def __init__(self, **threads):
+        self.status, self.scheduler, self.beat, self.asked = "running", SimpleNamespace(identity=None), 1.0, []
+        self.threads = {f"tcp://{name}": n for name, n in threads.items()}
+
+    def sync(self, identity):
+        return {"workers": {a: {"nthreads": n, "last_seen": self.beat} for a, n in self.threads.items()}}
+
+    def submit(self, function, *sent, workers, pure):
+        future = Future()
+        self.asked.append((sent, workers, future))
+        return future
+
+
+@pytest.fixture
+def work():
+    def made(parts=20, **threads):
+        client = Scheduler(**threads)
+        return client, module._Work(client, list(range(parts)), lambda part: (part,))
+
+    return made
+
+
+def test_two_parts_for_each_thread_in_their_order(work):
+    client, asked = work(a=2, b=1)
+    for _ in range(2):
+        asked._send(asked._workers())
+        assert [(sent, workers) for sent, workers, _ in client.asked] == [((n,), None) for n in range(6)]
+
+
+def test_parts_of_a_worker_that_refuses_go_to_the_others_only(work):
+    client, asked = work(a=1, b=1)
+    asked._send(asked._workers())
+    refused = client.asked[0][2]
+    asked.in_hand.pop(refused)
+    refused.status, refused.result = "finished", lambda: parts.Refusal("tcp://a", "solves otherwise")
+    with pytest.warns(StribeckNote, match="left out: tcp://a solves otherwise"):
+        assert asked._result_of(0, refused) is None
+    assert not asked.in_hand
+    assert sorted(asked.todo) == list(range(20))
+    del client.asked[:]
+    asked._send(asked._workers())
+    assert [workers for _, workers, _ in client.asked] == [["tcp://b"]] * 2
+    client.threads = {"tcp://a": 1, "tcp://c": 1}  # the one that the parts in hand may use is gone
+    asked._send(asked._workers())
+    assert client.asked[-1][1] == ["tcp://c"]
+    assert len(asked.todo) + len(asked.in_hand) == 20
+    client.threads = {"tcp://a": 1}
+    with pytest.raises(StribeckError, match="no worker can make these numbers: tcp://a solves otherwise"):
+        asked._send(asked._workers())
+
+
+def test_no_worker_is_said_once_until_one_comes(work, recwarn):
+    warnings.simplefilter("always")
+    client, asked = work()
+    for threads in ({}, {}, {"tcp://a": 1}, {}):
+        client.threads = threads
+        asked._send(asked._workers())
+    said = [str(each.message) for each in recwarn if each.category is StribeckNote]
+    assert said == ["cluster: no worker at present; waiting for one (0 of 20 parts done)"] * 2
+    client.status = "closed"
+    with pytest.raises(ConnectionError):
+        asked._workers()
+
+
+def test_a_silent_worker_is_said_once(work, monkeypatch, recwarn):
+    warnings.simplefilter("always")
+    client, asked = work(a=1)
+    for client.beat, now in [(1, 0), (1, 59), (1, 61), (1, 62), (2, 63), (2, 120), (2, 122.9)]:
+        monkeypatch.setattr(module, "monotonic", lambda now=now: float(now))
+        asked._workers()
+    said = [str(each.message) for each in recwarn if each.category is StribeckNote]
+    assert [text[:50] for text in said] == ["cluster: tcp://a has not answered for 60 s; Dask g"]
+
+
+@pytest.mark.parametrize("status", ["cancelled", "lost"])
+def test_a_part_that_is_lost_is_made_again_and_one_that_failed_is_told(status, work):
+    _, asked = work(parts=1, a=1)
+    asked._send(asked._workers())
+    (future,) = asked.in_hand
+    asked.in_hand.clear()
+    future.status = status
+    assert asked._result_of(0, future) is None
+    assert list(asked.todo) == [0]
+    future.status, future.exception = "error", lambda: ValueError("out of memory")
+    with pytest.raises(StribeckError, match=r"part 0 failed on a worker: .*out of memory"):
+        asked._result_of(0, future)
