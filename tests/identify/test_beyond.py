@@ -45,7 +45,7 @@ def test_the_errors_beyond_and_within_are_those_of_their_rows():
         ((), (0, 1), 0),
         (("gravity_sin",), (0, 1), 2),
         (("gravity_sin",), (0, 6.3), 0),
-        (("F_c_by_position",), (0, 1), 2),
+        (("level by position",), (0, 1), 2),
     ],
 )
 def test_positions_count_where_the_model_hangs_on_what_was_not_seen(terms, position, counted):

@@ -143,10 +143,6 @@ def fit(
             help="Print what to measure within these limits of the rig. deflection: F_c/sigma_0, if known.",
         ),
     ] = None,
-    transfer: Annotated[
-        Path | None,
-        _advanced("--transfer", "LOGS.toml", "Recordings of another unit or day; parameters that changed are listed."),
-    ] = None,
     simulate: Annotated[
         bool,
         typer.Option(
@@ -179,12 +175,12 @@ def fit(
         lambda: sought(how.unknown or []), lambda: shares(how.require or []), columns.given,
         lambda: parse_assignments(assignments) if logs else {}, of_laws,
     )  # fmt: skip
-    recordings = _recordings(data or [], logs, transfer)
+    recordings = _recordings(data or [], logs)
     given = {**how.given(), **columns.given(), **recordings}
     return _fit(data or [], laws, assignments, given, out, verbose=verbose, json=json)
 
 
-def _recordings(data: list[Path], logs: Path | None, transfer: Path | None) -> record.Keywords:
+def _recordings(data: list[Path], logs: Path | None) -> record.Keywords:
     """The recordings of a machine, as arguments of :func:`stribeck.fit`; none for a log.
 
     Raises:
@@ -192,11 +188,9 @@ def _recordings(data: list[Path], logs: Path | None, transfer: Path | None) -> r
     """
     if not data:
         raise InputError("DATA: missing: a log to fit, or --plan to learn what to measure")
-    if logs is None and transfer is not None:
-        raise InputError(f"--transfer: {str(transfer)!r}: needs --logs")
     if logs is not None and len(data) != 1:
         raise InputError(f"DATA: {len(data)} files: with --logs there must be one, the machine's")
-    return {} if logs is None else {"logs": logs, "transfer": transfer}
+    return {} if logs is None else {"logs": logs}
 
 
 # -- call ------------------------------------------------------------------------------------------------------------
@@ -215,7 +209,7 @@ def _fit(
         with progress("fit") as share:
             given["progress"] = share
             if "logs" in given:
-                result = _of_machine(data[0], laws, assignments, given | {"folder": out})
+                result = _of_machine(data[0], laws, assignments, given)
             else:
                 result = _of_log(data, laws, assignments, given)
         written: list[str] = []

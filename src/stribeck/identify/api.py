@@ -31,14 +31,13 @@ Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None
 
 
 def fit(
-    data: Data, law: Law = None, *, logs: Logs | str | Path | None = None, transfer: Logs | str | Path | None = None,
+    data: Data, law: Law = None, *, logs: Logs | str | Path | None = None,
     columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
     counts: float | None = None, force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
     constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
     forms: bool = True, filter: str | None = None, weight: bool = True, speeds: Sequence[float] = (),
     cutoff: float | None = None, starts: int = 20, seed: int = 0, output: str = "force",
     unknown: Mapping[str, object] | None = None, require: Mapping[str, float] | None = None,
-    folder: str | Path | None = None,
     progress: Progress | None = None, **named: str,
 ) -> Fit:  # fmt: skip
     """Fit a friction law to a measured log, or a machine to recordings of it.
@@ -49,7 +48,6 @@ def fit(
         law: name or FILE.py:NAME, or several, of which the one that describes the log best is taken; None compares the
             static laws, and LuGre if the record shows presliding. With ``logs`` the laws to try, by contact.
         logs: the recordings of a machine: LOGS.toml, which says what is measured and sought (docs/reference/fit-files.md).
-        transfer: recordings of another unit or day; numbers that moved are listed (with ``logs``).
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
         units: unit of a column by its name; SI unless given. A position in an angle makes the axis rotary.
@@ -73,7 +71,6 @@ def fit(
             With ``logs`` further unknowns, by path.
         require: half widths that numbers must be known within, as shares of them (``{"F_c": 0.05}``): a number is identified
             if its model range is as narrow; the first notes say what is missing, and what to measure.
-        folder: where a fit of a machine keeps how far it has come, so that one that was stopped goes on.
         progress: called with the share of the work done, 0 to 1, in any thread. Ctrl-C ends a fit by simulation; the best
             values so far are returned, with status "stopped".
         **named: columns by role.
@@ -90,21 +87,18 @@ def fit(
     )  # fmt: skip
     of_file = ColumnNames({**(columns or {}), **named}, with_counts(units or {}, counts), force_gain)
     if logs is None:
-        if transfer is not None:
-            raise InputError(f"{arg('transfer')}: {show(str(transfer))}: needs {arg('logs')}")
         return _fit_read(data, law, of_file, options, cutoff, progress)
     _refuse_of_a_log(options, of_file, cutoff)
-    return _fit_recorded(data, logs, law, transfer, options, folder, progress)
+    return _fit_recorded(data, logs, law, options, progress)
 
 
 def _fit_recorded(
-    data: Data, logs: Logs | str | Path, law: Law, transfer: Logs | str | Path | None, options: FitOptions,
-    folder: str | Path | None, progress: Progress | None,
-) -> MachineFit:  # fmt: skip
+    data: Data, logs: Logs | str | Path, law: Law, options: FitOptions, progress: Progress | None
+) -> MachineFit:
     """Fit a machine to its recordings."""
     of_machine = fit_machine(
-        data, logs, laws=_by_contact(law), unknown=options.unknown, transfer_to=transfer, starts=options.starts,
-        seed=options.seed, progress=progress, folder=None if folder is None else Path(folder),
+        data, logs, laws=_by_contact(law), unknown=options.unknown, starts=options.starts,
+        seed=options.seed, progress=progress,
     )  # fmt: skip
     return with_requirements(of_machine, options.require)
 

@@ -15,8 +15,8 @@ from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.models.terms import TERMS
 
 _MARGIN = 0.01  # of the range seen: noise
-_GROWS = ("stiffness", "F_c_by_position")  # with the position, without end
-_TURNS = ("gravity_sin", "gravity_cos")  # of an angle: all is seen on a turn
+_GROWS = ("stiffness", "spring", "level by position")  # terms and forms that grow with the position, without end
+_TURNS = ("gravity_sin", "gravity_cos", "weight")  # of an angle: all is seen on a turn
 _UNITS = {"velocity": "m/s", "position": "m", "load": "N", "pressure": "Pa"}
 
 
@@ -68,7 +68,7 @@ def seen(log: Log, rows: NDArray[np.bool_]) -> dict[str, tuple[float, float]]:
 
 def _hangs_on(terms: Collection[str], ranges: Mapping[str, Sequence[float]]) -> list[str]:
     """The quantities on which a model with these terms hangs, and of which not all is seen."""
-    quantities = ["velocity", *(need for n in terms if (need := TERMS[n].needs))]
+    quantities = ["velocity", *(TERMS[n].needs for n in terms if n in TERMS and TERMS[n].needs)]
     turn = "position" in ranges and ranges["position"][1] - ranges["position"][0] >= 2 * np.pi
     if set(_GROWS) & set(terms) or (set(_TURNS) & set(terms) and not turn):
         quantities.append("position")
@@ -81,7 +81,7 @@ def beyond(
     """Which of the rows lie beyond the ranges that a fit has seen, of what its model hangs on.
 
     Args:
-        ranges: by quantity; ``terms``: of the model.
+        ranges: by quantity; ``terms``: of the model, and its forms.
         log, rows: the record, and its rows in motion.
         left: what the model misses of the force, N.
     """

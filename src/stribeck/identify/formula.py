@@ -14,7 +14,7 @@ from stribeck.laws.render import equations
 
 _MEANING = {
     "a": ("acceleration", "m/s^2"), "y": ("position", "m"), "p": ("pressure", "Pa"), "N": ("load", "N"),
-    "t": ("time from the middle of the record", "s"), "v": ("velocity", "m/s"), "z": ("deflection of the bristles", "m"),
+    "v": ("velocity", "m/s"), "z": ("deflection of the bristles", "m"),
 }  # fmt: skip
 
 

@@ -187,13 +187,10 @@ def _model(log: Log, name: str, options: FitOptions) -> OneBody:
     terms.check((*wanted, *held), log)
     problems = []
     for n in (*wanted, *held):
-        term = TERMS[n]
-        if output == "force" and (term.level or n == "delay" or (term.column is None and n not in held)):
+        if output == "force" and (TERMS[n].level or n == "delay"):
             problems.append(
                 f"{arg('terms')}: {n}: a static fit looks for it; has no place in a fit of the force by simulation"
             )
-        elif term.of and term.of not in held:
-            problems.append(f"{arg('terms')}: {term.of}: a static fit looks for it; must be given here")
         elif output != "force" and n not in ("mass", *BESIDE):
             problems.append(f"{arg('terms')}: {n}: has no place in a fit of the motion (it has {', '.join(BESIDE)})")
     if problems:
@@ -228,7 +225,7 @@ def _first(model: OneBody, log: Log) -> None:
 
     Terms follow from least squares together with Coulomb and viscous friction, constants from the remaining force.
     """
-    columns = {n: terms.column(n, log, model.held) for n in (*model.wanted, *model.held) if TERMS[n].column is not None}
+    columns = {n: terms.column(n, log) for n in (*model.wanted, *model.held) if TERMS[n].column is not None}
     force = log.force - sum((x * columns[n] for n, x in model.held.items() if n in columns), np.zeros(len(log)))
     slow = max(_SIGN * float(np.max(abs(log.velocity))), 1e-300)
     wanted = [n for n in model.wanted if n in columns]
@@ -297,8 +294,8 @@ def _recording(log: Log, rows: slice, model: OneBody, number: int) -> Recording:
     inputs = {"loads.force.signal": Channel("force", t, part.force, smooth=True)}
     output = Channel(model.output, t, raw(part, model.output))
     if model.output == "force":
-        known = {n: x * terms.column(n, part, model.held) for n, x in model.held.items() if TERMS[n].column is not None}
-        beside = {n: terms.column(n, part, model.held) for n in model.wanted if n != "offset"}
+        known = {n: x * terms.column(n, part) for n, x in model.held.items() if TERMS[n].column is not None}
+        beside = {n: terms.column(n, part) for n in model.wanted if n != "offset"}
         output = Channel("force", t, part.force - sum(known.values(), np.zeros(len(t))), beside=beside)
         inputs = {"bodies.body.velocity.signal": Channel("velocity", t, part.velocity, smooth=True)}
     elif "area" in (*model.wanted, *model.held) and part.pressure is not None:
@@ -460,7 +457,7 @@ def parts(name: str, values: Values, log: Log, bent: Sequence[float | None] = ()
         StribeckError: the law cannot be simulated along the motion.
     """
     numbers = {n: float(x) for n, x in values.items() if n in TERMS}
-    more = _sum({n: x for n, x in numbers.items() if TERMS[n].friction}, numbers, log)
+    more = _sum({n: x for n, x in numbers.items() if TERMS[n].friction}, log)
     friction, beside = _along(name, values, log, bent) + more, beside_friction(numbers, log)
     late = numbers.get("delay", 0.0)
     return later(log, friction, late), later(log, beside, late)
@@ -491,11 +488,11 @@ def initial_deflections(name: str, values: Values, log: Log) -> list[float]:
 def beside_friction(values: Values, log: Log) -> Array:
     """The force of the terms beside friction, N at each row."""
     numbers = {n: float(x) for n, x in values.items() if n in TERMS}
-    return _sum({n: x for n, x in numbers.items() if not TERMS[n].friction}, numbers, log)
+    return _sum({n: x for n, x in numbers.items() if not TERMS[n].friction}, log)
 
 
-def _sum(some: Mapping[str, float], numbers: Mapping[str, float], log: Log) -> Array:
-    columns = (x * terms.column(n, log, numbers) for n, x in some.items() if TERMS[n].column and not TERMS[n].level)
+def _sum(some: Mapping[str, float], log: Log) -> Array:
+    columns = (x * terms.column(n, log) for n, x in some.items() if TERMS[n].column and not TERMS[n].level)
     return np.asarray(sum(columns, np.zeros(len(log))))
 
 

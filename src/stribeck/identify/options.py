@@ -11,7 +11,7 @@ from stribeck.constants import Constant, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.recordings import Sought, sought_of
 from stribeck.identify.data.quality import LARGEST
-from stribeck.identify.models.terms import OF_MOTION, TERMS, problem
+from stribeck.identify.models.terms import TERMS, problem
 
 METHODS = ("static", "dynamic")
 FILTERS = ("published",)
@@ -129,7 +129,7 @@ class FitOptions:
             problems = [f"{arg('method')}: 'static': {text}"]
         else:
             text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"
-            problems = [f"{arg('terms')}: {n!r}: {text}" for n in (*self.terms, *self.constants) if n in OF_MOTION]
+            problems = [f"{arg('terms')}: {n!r}: {text}" for n in (*self.terms, *self.constants) if n == "delay"]
             if self.output != "force":
                 problems.append(f"{arg('output')}: {self.output!r}: belongs to {arg('method')} dynamic, not {method}")
         if problems:

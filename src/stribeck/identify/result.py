@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from stribeck.identify.predict import Predicted
 
 _FURTHER = ("forms", "friction_error", "missed", "rest", "output_error", "nearest_stribeck")  # of JSON, where they are
-# Forms that act like terms.
-_LIKE = {"spring": "stiffness", "weight": "gravity_sin", "level by position": "F_c_by_position"}
 
 
 class Candidate(TypedDict):
@@ -281,9 +279,8 @@ class LogFit(Fit):
 
     @property
     def hangs_on(self) -> tuple[str, ...]:
-        """The terms that the curve has, and those that its forms act like."""
-        forms = self.predictor.forms if self.predictor else {}
-        return (*self.terms, *dict.fromkeys(t for f, t in _LIKE.items() if any(key[0] == f for key in forms)))
+        """The terms that the curve has, and its forms."""
+        return (*self.terms, *dict.fromkeys(form for form, _ in (self.predictor.forms if self.predictor else {})))
 
     @property
     def expected(self) -> float | None:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stribeck import laws
-from stribeck.constants import DECIDED, rotary_unit
-from stribeck.errors import StribeckError
+from stribeck.constants import rotary_unit
 from stribeck.identify import figures
 from stribeck.identify.actuator.result import Trace
 from stribeck.identify.formula import model_lines
@@ -29,10 +28,9 @@ from stribeck.mouth.document import (
     Table,
     Uncertain,
 )
-from stribeck.properties import check
 
 if TYPE_CHECKING:
-    from stribeck.identify.actuator.result import MachineFit, Transfer
+    from stribeck.identify.actuator.result import MachineFit
     from stribeck.identify.core.states import Estimate
     from stribeck.identify.predict import Predicted
     from stribeck.identify.result import LogFit
@@ -114,7 +112,7 @@ def of_log(fit: LogFit) -> Document:
         (),
         [
             *_numbers(fit.parameters, _given(fit), fit.speeds, fit.notes), *_relation(fit.relation), *_quality(fit),
-            _model(fit), *_candidates(fit), *_data(fit), *_traces(fit), *_curve(fit), *_properties(fit),
+            _model(fit), *_candidates(fit), *_data(fit), *_traces(fit), *_curve(fit),
         ],
     )  # fmt: skip
 
@@ -199,27 +197,6 @@ def _curve(fit: LogFit) -> list[Chapter]:
     return [Chapter("curve", "Friction against velocity", text, figures=[shown], on=PAGE)]
 
 
-def _properties(fit: LogFit) -> list[Chapter]:
-    try:
-        law = fit.law()
-    except StribeckError:
-        open_ones = ", ".join(n for n, e in fit.of_law.items() if not e.usable)
-        text = [f"Not decided: they hang on {open_ones or 'constants'}, which the data do not determine."]
-        return [Chapter("properties", "Properties of the result", text, on=PAGE)]
-    if not law.has_z:
-        return []
-    rows: list[list[Cell]] = [
-        [name, DECIDED[v.holds], str(v.evidence.get("reason", v.method)) if v.holds is None else v.method]
-        for name, v in check(law).properties.items()
-    ]
-    text = [
-        "What 'stribeck check' proves or refutes for the law with the fitted values: yes is proved, for no "
-        "there is a counterexample. The values are taken as exact: their intervals do not count here."
-    ]
-    table = Table(["property", "holds", "how"], rows, prose=True)
-    return [Chapter("properties", "Properties of the result", text, [table], on=PAGE)]
-
-
 # -- a machine fitted to its recordings ------------------------------------------------------------------------------------
 
 
@@ -236,8 +213,7 @@ def of_machine(fit: MachineFit) -> Document:
 
 
 def _of_machine(fit: MachineFit) -> list[str]:
-    """Notes of one sentence each: doubts, changed values, withheld values, and values that cannot be separated."""
-    moved = _moved(fit.transfer) if fit.transfer is not None else []
+    """Notes of one sentence each: doubts, withheld values, and values that cannot be separated."""
     stopped = fit.status == "stopped"
     open_ones = [
         f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {e.experiment}' if e.experiment else ''}"
@@ -246,28 +222,7 @@ def _of_machine(fit: MachineFit) -> list[str]:
     ]
     together = [f"Cannot be separated: {', '.join(group['names'])}." for group in fit.correlated]
     failed = [f"{label} was not fitted: {why}." for label, why in (fit.laws or {"failed": {}})["failed"].items()]
-    return [*fit.notes, *moved, *open_ones, *together, *failed]
-
-
-def _moved(transfer: Transfer) -> list[str]:
-    """The error of predicting the other recordings, and the parameters that differ there."""
-    lines = []
-    for log in transfer["logs"]:
-        errors = log["errors"]
-        assert isinstance(errors, dict)
-        lines += [f"{log['file']} (other): {n} predicted to {percent(x['relative'])}." for n, x in errors.items()]
-    for m in transfer["moved"]:
-        here, there = (f"{_open(x['low'])} ... {_open(x['high'])}" for x in (m["from"], m["to"]))
-        lines.append(f"{m['name']} moved beyond both intervals: {here}, there {there}.")
-    if not transfer["moved"]:
-        lines.append("Nothing moved beyond both intervals in the other recordings.")
-    if transfer["not_told"]:
-        lines.append(f"Not known of {', '.join(transfer['not_told'])} in the other recordings.")
-    return lines
-
-
-def _open(x: object) -> str:
-    return f"{x:.6g}" if isinstance(x, int | float) and np.isfinite(x) else "open"
+    return [*fit.notes, *open_ones, *together, *failed]
 
 
 def _errors(fit: MachineFit) -> Chapter:

@@ -231,8 +231,6 @@ def _wrong(law: type[Law], values: Mapping[str, object]) -> list[str]:
             text = known[name].problem(value)
         elif name in TERMS:
             text = term_problem(name, value)
-            if not text and (of := TERMS[name].of) and of not in values:
-                text = f"needs {of}, which is missing"
         else:
             text = f"neither a constant of {law.name} nor a term"
         if not text and isinstance(value, int | float) and not abs(value) <= LARGEST:

@@ -46,9 +46,9 @@ def test_a_fit_is_saved_before_its_page_is_drawn(tmp_path, monkeypatch):
     assert stribeck.Fit.load(tmp_path).predict(record(2)).force_error < 0.2
 
 
-def test_a_level_by_time_over_several_files_has_a_page(tmp_path):
+def test_a_level_by_direction_over_several_files_has_a_page(tmp_path):
     log = joined(record(1), record(2))
-    fit = stribeck.fit(log, "coulomb_viscous", terms=["F_c_by_time"])
+    fit = stribeck.fit(log, "coulomb_viscous", terms=["F_c_by_direction"])
     assert set(fit.save(tmp_path)) == {"parameters.toml", "report.html", "fit.json"}
 
 

@@ -14,19 +14,16 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, judge
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
 from stribeck.identify.actuator.estimate import BestPoint, estimate
-from stribeck.identify.actuator.kept import Kept
-from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
 from stribeck.identify.actuator.residuals import beyond_noise
-from stribeck.identify.actuator.result import LogResult, MachineFit, Moved, Transfer
+from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.actuator.runs import recorded_run
-from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.actuator.traces import traces
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed
 
-STOPPED = "Ctrl-C: the best numbers so far, without intervals; the same command goes on from here"
+STOPPED = "Ctrl-C: the best numbers so far, without intervals"
 
 
 def fit_machine(
@@ -35,12 +32,10 @@ def fit_machine(
     *,
     laws: Mapping[str, Sequence[str]] | None = None,
     unknown: Mapping[str, object] | None = None,
-    transfer_to: Logs | str | Path | None = None,
     starts: int = 20,
     seed: int = 0,
     baselines: bool = True,
     progress: Callable[[float], None] | None = None,
-    folder: Path | None = None,
 ) -> MachineFit:
     """Estimate the unknown parameters of a machine from its recordings, each with an interval, a model range and a state.
 
@@ -50,11 +45,9 @@ def fit_machine(
         laws: laws to try, by contact; the one that predicts held-out recordings best is chosen.
         unknown: further parameters to fit: by path low and high, or a table as in LOGS.toml. Replaces the same path in
             [unknown] of the logs.
-        transfer_to: recordings of another unit, or another day, which the fit predicts and is then compared with.
         starts: number of starts of the search; ``seed`` makes them reproducible.
         baselines: also fit no friction, Coulomb and viscous, and Coulomb, Stribeck and viscous friction.
         progress: called with the share done, 0 to 1.
-        folder: where progress is saved, so that an interrupted fit continues.
 
     Returns:
         The fit. ``status`` is "stopped" after Ctrl-C, and "missed" if the machine does not describe its recordings.
@@ -63,12 +56,11 @@ def fit_machine(
         InputError: the machine, the logs or a path are invalid; a line for each problem.
     """
     logs = seeking(logs if isinstance(logs, Logs) else read_logs(logs, not unknown), unknown or {})
-    other = transfer_to if transfer_to is None or isinstance(transfer_to, Logs) else read_logs(transfer_to, False)
-    fitting = Fitting(Scenario.of(machine), logs, starts, seed, progress, folder)
+    fitting = Fitting(Scenario.of(machine), logs, starts, seed, progress)
     tried = {name: list(names) for name, names in {**logs.laws, **(laws or {})}.items()}
     choice.check(fitting.scenario, tried, {name for names in (laws or {}).values() for name in names})
     with threadpool_limits(1):
-        return fitting.run(tried, other, baselines)
+        return fitting.run(tried, baselines)
 
 
 def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
@@ -137,19 +129,18 @@ class Fitting:
     starts: int
     seed: int
     progress: Callable[[float], None] | None = None
-    folder: Path | None = None
     advised: bool = True
 
     def __post_init__(self) -> None:
         self.sought = checked(self.scenario, self.logs)
         if self.starts < 1:
             raise InputError(f"{arg('starts')}: {show(self.starts)}: must be a whole number >= 1")
-        self.work, self.kept = Work(self.progress), Kept(self.folder, self.scenario, self.logs)
+        self.work = Work(self.progress)
         self.numbered = list(enumerate(self.logs.recordings))
         self.fitted = [(i, r) for i, r in self.numbered if not r.hold_out]
         self.held = [(i, r) for i, r in self.numbered if r.hold_out]
 
-    def run(self, laws: Mapping[str, Sequence[str]], other: Logs | None, baselines: bool) -> MachineFit:
+    def run(self, laws: Mapping[str, Sequence[str]], baselines: bool) -> MachineFit:
         """All steps, in order."""
         best, picked, notes = choice.among_laws(self, laws) if laws else (self.estimated(), None, [])
         result = self.reported(best, notes)
@@ -160,22 +151,15 @@ class Fitting:
         try:
             if result.status == "done" and baselines:
                 result.baselines = choice.baselines(self, result)
-            if other is not None and result.status != "stopped":
-                result.transfer = self.transferred(other, result)
         except (KeyboardInterrupt, Stopped):
             result.status, result.reason = "stopped", "Ctrl-C: what follows the fit is missing"
-        if result.status != "stopped":
-            self.kept.done()
         self.work.section(1.0)
         return result
 
     def estimated(self, rough: bool = False) -> BestPoint:
         """The best point of the machine's own laws; ``rough``: only as far as its error is to be compared."""
         self.work.section(0.6)
-        first = self.kept.load("fit")
-        starts = self.starts if first is None else max(1, self.starts // 4)
-        keep = self.kept.saver("fit")
-        return estimate(self.scenario, self.fitted, self.sought, starts, self.seed, self.work, first, keep, rough)
+        return estimate(self.scenario, self.fitted, self.sought, self.starts, self.seed, self.work, rough=rough)
 
     def reported(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The result: the estimate with both uncertainties, states and errors."""
@@ -187,7 +171,6 @@ class Fitting:
         if missed:
             status = "missed"
             reason = f"the machine does not follow its recordings ({'; '.join(missed)}): nothing is identified"
-            notes += self.suspected(best)
         try:
             if best.stopped or any("cannot be simulated" in text for text in missed):
                 judged = judge.blank(best, self.scenario, reason)
@@ -216,23 +199,6 @@ class Fitting:
             return [f"{'; '.join(coarse)}: {few}."]
         return []
 
-    def suspected(self, best: BestPoint) -> list[str]:
-        """Possible errors in recordings that the machine does not describe."""
-        notes = checks.hypotheses(self.unbroken(best))
-        if not notes and best.windowed:  # whole recordings may fail with correct units too
-            notes = checks.hypotheses(best.problem)
-        return notes
-
-    def unbroken(self, best: BestPoint) -> MachineProblem:
-        """The problem of whole recordings, unless the user asked for stretches.
-
-        A wrong column disturbs all later samples of a whole recording, which reveals the column.
-        """
-        if not best.windowed or any(r.window for _, r in self.fitted):
-            return best.problem
-        sought = [c for c in best.problem.sought if not c.nuisance]
-        return problem_of(self.scenario, self.fitted, sought, best.problem.noise, work=self.work)
-
     def errors(self, best: BestPoint, values: dict[str, float]) -> list[LogResult]:
         """The errors of each recording's simulation with these values."""
         sought, runs, window = best.problem.sought, best.problem.runs, best.window
@@ -240,35 +206,6 @@ class Fitting:
             LogResult(r.file, r.hold_out, traces(self.scenario, r, i, sought, values, window, runs))
             for i, r in self.numbered
         ]
-
-    def transferred(self, other: Logs, result: MachineFit) -> Transfer:
-        """Another unit, or another day: its recordings are predicted, then fitted, and the parameters compared.
-
-        Raises:
-            InputError: the recordings are not of this machine; a line for each mistake.
-        """
-        if problems := wrong_recordings(self.scenario, other):
-            raise InputError([f"{arg('transfer')}: {line}" for line in problems])
-        sought = [c for c in self.sought if c.log is None]
-        values = {name: p.value for name, p in result.estimates.items()}
-        numbered = list(enumerate(other.recordings))
-        logs = [LogResult(r.file, True, traces(self.scenario, r, i, sought, values)) for i, r in numbered]
-        best = estimate(self.scenario, numbered, sought, 1, 0, self.work, values)
-        doubted = best.stopped or best.missed() or beyond_noise(best.problem, best.u, best.agreeing)
-        there = judge.judged(best, self.scenario, not doubted).estimates
-        moved, same, open_ = list[Moved](), list[str](), list[str]()
-        for name, e in there.items():
-            here = result.estimates[name]
-            if not (here.identifiable and e.identifiable):
-                open_.append(name)
-            elif here.interval[1] < e.interval[0] or e.interval[1] < here.interval[0]:
-                moved.append({"name": name, "from": here.to_dict(), "to": e.to_dict()})
-            else:
-                same.append(name)
-        return {
-            "logs": [log.to_dict() for log in logs], "moved": moved, "same": same, "not_told": open_,
-            "parameters": {name: e.to_dict() for name, e in there.items()},
-        }  # fmt: skip
 
 
 def filled(scenario: Scenario, sought: Sequence[MachineCoordinate], values: Mapping[str, float]) -> dict[str, object]:

@@ -142,9 +142,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> tuple[BestPoi
         label = ", ".join(f"{c} = {n}" for c, n in zip(laws, names, strict=True))
         try:
             scenario, sought = with_laws(fit.scenario, fit.sought, dict(zip(laws, names, strict=True)), speeds)
-            best = estimate(
-                scenario, fitted, sought, fit.starts, fit.seed, fit.work, fit.kept.load(label), fit.kept.saver(label)
-            )
+            best = estimate(scenario, fitted, sought, fit.starts, fit.seed, fit.work)
         except StribeckError as error:
             failed[label] = first_line(error)
             continue

@@ -16,7 +16,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.guided import GuidedSearch
 from stribeck.identify.actuator.inputs import later, value_at
-from stribeck.identify.actuator.problem import Keep, MachineProblem
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.residuals import AS_WELL, first_noise, floor_of, leftovers, noise_of
 from stribeck.identify.actuator.solve import ROUGHLY, half_squares, moved_over, search, settled
@@ -97,7 +97,7 @@ def remembers(scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -
 
 def estimate(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], starts: int, seed: int,
-    work: Work, first: dict[str, float] | None = None, keep: Keep | None = None, rough: bool = False,
+    work: Work, first: dict[str, float] | None = None, rough: bool = False,
 ) -> BestPoint:  # fmt: skip
     """The best fit of these recordings; ``rough``: only as far as its error is to be compared."""
     fitted = {i for i, _ in recordings}
@@ -105,8 +105,8 @@ def estimate(
     noise, given = first_noise([r for _, r in recordings])
     asked = any(r.window for _, r in recordings)
     starts = starts if sought else 1  # the machine without friction may have no parameter to fit
-    near = GuidedSearch(scenario, recordings, sought, noise, work, keep).reached(starts, seed, first or {}, rough)
-    problem = problem_of(scenario, recordings, sought, dict(noise), work=work, keep=keep, known_noise=given)
+    near = GuidedSearch(scenario, recordings, sought, noise, work).reached(starts, seed, first or {}, rough)
+    problem = problem_of(scenario, recordings, sought, dict(noise), work=work, known_noise=given)
     whole = BestPoint(problem, problem.point(near.values), near.agreeing, near.stopped, [], asked)
     if rough:
         return whole
@@ -120,7 +120,7 @@ def estimate(
     if grows or (not asked and whole.missed()):
         window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
         noise = dict(problem.noise)
-        parts = problem_of(scenario, recordings, sought, noise, window, work=work, keep=keep, known_noise=given)
+        parts = problem_of(scenario, recordings, sought, noise, window, work=work, known_noise=given)
         whole = _in_stretches(whole, parts, near.guided, grows, window)
     whole = _weighted(whole)
     return _joined(whole) if whole.windowed and not whole.stopped else whole

@@ -20,7 +20,7 @@ from scipy.interpolate import LSQUnivariateSpline, UnivariateSpline
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.inputs import STILL
-from stribeck.identify.actuator.problem import Keep, MachineProblem
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.residuals import beyond_noise, floor_of, leftovers, noise_of
 from stribeck.identify.actuator.runs import roughness
@@ -179,7 +179,6 @@ class GuidedSearch:
     sought: Sequence[MachineCoordinate]
     noise: dict[str, float]
     work: Work
-    keep: Keep | None = None
     factor: int = 1  # one of so many samples is compared
     _problems: dict[int, MachineProblem] = field(default_factory=dict)
 
@@ -297,9 +296,7 @@ class GuidedSearch:
         if factor > 1:  # they begin as all samples say
             runs = [replace(run, start=self._begins[run.log]) for run in runs]
             starts = [c for c in self._starts if c.log in {i for i, _ in recordings}]
-        return MachineProblem(
-            runs, [*self.sought, *starts], dict(self.noise), work=self.work, step=_STEP, keep=self.keep
-        )
+        return MachineProblem(runs, [*self.sought, *starts], dict(self.noise), work=self.work, step=_STEP)
 
 
 def _of_each_load(recordings: Sequence[tuple[int, Recording]]) -> list[tuple[int, Recording]]:

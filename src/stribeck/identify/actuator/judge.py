@@ -17,13 +17,10 @@ from stribeck.identify.actuator.regression import MachineLibrary, regressed
 from stribeck.identify.actuator.result import Group
 from stribeck.identify.core.choice import Selection
 from stribeck.identify.core.judging import judged as by_core
-from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.core.states import Estimate, EstimateState, hanging
 from stribeck.scenario import Scenario
 
 RELATED = 0.95  # correlation above which two parameters cannot be separated: it makes an interval three times as wide
-# Difference of BIC up to which models explain equally well: "positive" evidence ends here (Kass and Raftery).
-EQUAL = 6.0
-FORMS = 3  # sets of forms that are reported: the best, and two that explain as much
 
 
 @dataclass
@@ -67,7 +64,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool, advised: bool = T
         e = estimates[name]
         estimates[name] = replace(e, why=e.why or _why(e, name, names, relation), experiment=texts.get(i, e.experiment))
     levels = {n: estimates.pop(n) for n in lib.speeds}
-    notes = [*_explained(choice), *_hanging(estimates)]
+    notes = [*_explained(choice), *hanging(estimates)]
     return JudgedParameters(estimates, levels, lib.speeds, _groups(names, relation), (names, relation), notes)
 
 
@@ -124,38 +121,16 @@ def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
 
 
 def _explained(choice: Selection[MachineLibrary]) -> list[str]:
-    """The forms that would explain the residual, in words, with alternatives that explain as much."""
+    """The forms that would explain the residual best, in words."""
     lib = choice.library
-    _, k, _, ratio = choice.choose(np.ones(len(lib.gram)), alone=False)
-    if not (chosen := lib.models[k][1]):
+    _, k, x, ratio = choice.choose(np.ones(len(lib.gram)), alone=False)
+    model = lib.models[k]
+    if not model[1]:
         return []
-    solved, sse = lib.solve(lib.gram.sum(0))
-    score = lib.scores(sse, choice.rows)
-    near = [
-        i for i in np.argsort(score).tolist()
-        if i != k and score[i] < score[k] + EQUAL and len(lib.models[i][1]) == len(chosen)
-    ]  # fmt: skip
-    words = [forms_in_words(_coefficients(lib, i, solved[i]), lib.forms) for i in [k, *near][:FORMS]]
-    return [f"What is left would fall by {100 * (1 - ratio):.2g} % with {'; or as well '.join(words)}."]
-
-
-def _coefficients(lib: MachineLibrary, i: int, x: Array) -> dict[str, float]:
-    """The first coefficient of each of a model's forms, in its unit."""
-    at = {column: n for n, column in enumerate(lib.index(lib.models[i]))}
-    first = {g: lib.groups[g][0] for g in lib.models[i][1]}
-    return {g: float(x[at[column]] / lib.unit[column]) for g, column in first.items()}
-
-
-def _hanging(estimates: dict[str, Estimate]) -> list[str]:
-    """The parameters that depend on each form, in words."""
-    causes: dict[str, list[str]] = {}
-    for name, e in estimates.items():
-        if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
-            causes.setdefault(e.depends_on, []).append(name)
-    return [
-        f"{', '.join(names)}: the model range depends on {cause}, which your machine may not have."
-        for cause, names in causes.items()
-    ]
+    at = {column: n for n, column in enumerate(lib.index(model))}
+    first = {g: lib.groups[g][0] for g in model[1]}
+    sizes = {g: float(x[at[column]] / lib.unit[column]) for g, column in first.items()}
+    return [f"What is left would fall by {100 * (1 - ratio):.2g} % with {forms_in_words(sizes, lib.forms)}."]
 
 
 def unit(scenario: Scenario, c: MachineCoordinate) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise
 
@@ -20,7 +20,6 @@ from stribeck.waveforms import Signal
 STEP = 2e-4  # of a coordinate, for differences: far above the solver's error, far below the next minimum
 _SPEED = float(np.sqrt(12 / FIRST_SAMPLES**3))  # deviation of their slope, by their deviation and distance
 _MEMORY = 4e6  # numbers that one batch of lanes, or the cache, may hold: some 30 MB
-Keep = Callable[[dict[str, float], float], None]  # called with the best values and their cost
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,6 @@ class MachineProblem:
 
     Attributes:
         known_noise: columns whose noise is given.
-        keep: saves the progress of a search.
         pieces: the run, the target and the rows of the residuals of every compared column.
     """
 
@@ -87,7 +85,6 @@ class MachineProblem:
     step: float = STEP
     tied: bool = False
     known_noise: frozenset[str] = frozenset()
-    keep: Keep | None = None
 
     def __post_init__(self) -> None:
         self.low, self.high = (np.array([c.bounds[i] for c in self.sought]) for i in (0, 1))

@@ -17,9 +17,8 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.solve import fine_slopes, left_step
 from stribeck.identify.core import search as beam
 from stribeck.identify.core.choice import Selection, independent
-from stribeck.identify.core.library import CELL, LEVELS, STEEP, Model, ModelLibrary
-from stribeck.identify.core.search import SEEN
-from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.core.library import CELL, LEVELS, SEEN, STEEP, Model, ModelLibrary, seen_speeds
+from stribeck.identify.core.states import Estimate, EstimateState, one_sided
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.record import BLOCKS, ROWS
 
@@ -122,12 +121,8 @@ class MachineLibrary(ModelLibrary):
             if slowest <= REACHED * v_s.value:  # no speed tells where the curve ends
                 estimates[f"{law}F_s"] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE)
                 continue
-            lows = [estimates[n] for n in (f"{contact} {LEVELS[0]}", f"{law}F_c") if n in estimates]
-            interval, wide = ((max(getattr(e, n)[0] for e in lows), np.inf) for n in ("interval", "range"))
-            at_least = replace(F_s, interval=interval, range=wide, state=EstimateState.AT_LEAST)
-            estimates[f"{law}F_s"] = replace(at_least, value=max(e.value for e in lows))
-            low, high = ((0.0, x[1]) for x in (v_s.interval, v_s.range or v_s.interval))
-            estimates[f"{law}v_s"] = replace(v_s, interval=low, range=high, state=EstimateState.AT_MOST)
+            levels = [estimates[n] for n in (f"{contact} {LEVELS[0]}", f"{law}F_c") if n in estimates]
+            estimates[f"{law}F_s"], estimates[f"{law}v_s"] = one_sided(F_s, v_s, levels)
         return estimates
 
 
@@ -208,11 +203,9 @@ def _levels(
         sliding = w[w > SLIDING * w.max(initial=0.0)]
         if not any(p.startswith(f"{law}.") for i in asked for p in problem.sought[i].targets) or not len(sliding):
             continue
-        low, high = np.quantile(sliding, SEEN).tolist()
         slow[contact] = float(np.quantile(w, SEEN[0]))
         spans[contact] = slice(len(speeds), len(speeds) + len(LEVELS))
-        four = (low, float(np.sqrt(low * high)), 0.5 * high, high)
-        speeds |= {f"{contact} {n}": v for n, v in zip(LEVELS, four, strict=True)}
+        speeds |= {f"{contact} {n}": v for n, v in zip(LEVELS, seen_speeds(sliding), strict=True)}
     v = np.array(list(speeds.values()))
 
     def levels(point: Array) -> Array:

@@ -96,19 +96,6 @@ class Picked(TypedDict):
     failed: dict[str, str]
 
 
-Moved = TypedDict("Moved", {"name": str, "from": dict[str, object], "to": dict[str, object]})
-
-
-class Transfer(TypedDict):
-    """Prediction of other recordings: its errors, and the parameters that differ, agree or are not identifiable there."""
-
-    logs: list[dict[str, object]]
-    moved: list[Moved]
-    same: list[str]
-    not_told: list[str]
-    parameters: dict[str, dict[str, object]]
-
-
 @dataclass(repr=False)
 class MachineFit(Fit):
     """A machine's parameters estimated from its recordings.
@@ -134,7 +121,6 @@ class MachineFit(Fit):
     speeds: dict[str, float] = field(default_factory=dict)
     baselines: dict[str, Baseline] = field(default_factory=dict)
     laws: Picked | None = None
-    transfer: Transfer | None = None
     relation: tuple[list[str], Array] | None = None
     nuisance: dict[str, float] = field(default_factory=dict)
     agreeing: int = 1
@@ -142,11 +128,6 @@ class MachineFit(Fit):
     folder: Path = field(default_factory=Path)
     source: Path | None = None
     trust: bool = True
-
-    @property
-    def parameters(self) -> dict[str, Estimate]:
-        """All estimates: fitted parameters and levels."""
-        return {**self.estimates, **self.levels}
 
     @property
     def title(self) -> str:
@@ -200,6 +181,6 @@ class MachineFit(Fit):
             "levels": {name: p.to_dict() | {"speed": self.speeds[name]} for name, p in self.levels.items()},
             "correlated": self.correlated, "logs": [log.to_dict() for log in self.logs],
             "noise": self.noise, "notes": self.notes, "baselines": self.baselines, "laws": self.laws or {},
-            "transfer": self.transfer, "error": {"fitted": self.error(False), "held_out": self.error(True)},
+            "error": {"fitted": self.error(False), "held_out": self.error(True)},
         }  # fmt: skip
         return dict(finite(data))

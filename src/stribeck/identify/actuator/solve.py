@@ -78,8 +78,6 @@ def search(
         for step in range(steps):
             i = int(np.argmin(costs))
             best = Found(U[i].copy(), float(costs[i]), agreeing(costs, costs[i]), True)
-            if problem.keep is not None:
-                problem.keep(problem.values(best.u), best.cost)
             if costs[i] >= _HUGE and step:
                 break
             U, new, damping, apart = _step(problem, U, costs, damping, apart)

@@ -19,10 +19,17 @@ RIDGE, DEAD = (
     1e-16,
 )  # added to a scaled diagonal of 1, against rounding; relative square below which a column counts as 0
 LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction at four recorded speeds
+SEEN = (0.02, 0.98)  # quantiles of the recorded speeds: the slowest and the fastest level, without single rows
 ASKED = "level at {:.4g}"  # at a speed given by the user
 CELL, STEEP = 1.2, 3.0  # range of a node's linearization, in cells; factor on the squared residual beyond it
 LARGEST = 0.02  # of the force's standard deviation, or of a number: the largest form that may go unnoticed
 Model = tuple[int, tuple[str, ...]]  # index of the node, forms
+
+
+def seen_speeds(speeds: Array) -> tuple[float, float, float, float]:
+    """The speeds of the levels: the slowest, the fastest, their geometric mean, and half of the fastest."""
+    slow, fast = np.quantile(speeds, SEEN).tolist()
+    return slow, float(np.sqrt(slow * fast)), 0.5 * fast, fast
 
 
 @dataclass(kw_only=True)

@@ -13,7 +13,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.forms import Anchor, Key, forms
-from stribeck.identify.core.library import RIDGE, Model, ModelLibrary, SteadyLibrary
+from stribeck.identify.core.library import RIDGE, Model, ModelLibrary, SteadyLibrary, seen_speeds
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.models import ripple
 from stribeck.identify.models.curves import SteadyCurve
@@ -40,7 +40,6 @@ STEEPNESS = 0.02  # of the level: the least coefficient for the slopes at an opt
 # Reduction of the log squared residual per column that pays in the beam: BIC with some 200 independent rows.
 COST = 0.04
 FAINT = 1e-9  # largest value up to which a column counts as 0
-SEEN = (0.02, 0.98)  # quantiles of the rows' speeds: the slowest and the fastest level
 
 
 def optimum(
@@ -196,8 +195,7 @@ def anchor(
     curve, log, v, n = law.curve, record.log, record.log.velocity, len(law.curve.names)
     coefficients = record.given | dict(zip([*curve.names, *record.body], x.tolist(), strict=True))
     fast = float(np.max(abs(v)))
-    slow, high = np.quantile(abs(v[record.at]), SEEN)
-    seen = (float(slow), float(np.sqrt(slow * high)), float(0.5 * high), float(high))
+    seen = seen_speeds(abs(v[record.at]))
     columns, target = np.column_stack([law.at(shape), body]), _target(law, shape, record.force)
     turns, placed = bool(min(v.max(), -v.min()) > 0.1 * fast), log.sources.get("position") != INTEGRAL
     offset = coefficients.get("offset", 0.0)

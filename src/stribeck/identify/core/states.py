@@ -138,3 +138,23 @@ def state_of(
     if narrow(*interval):
         state = EstimateState.IDENTIFIED if narrow(*wide) else EstimateState.MODEL_DEPENDENT
     return state
+
+
+def one_sided(F_s: Estimate, v_s: Estimate, levels: Sequence[Estimate]) -> tuple[Estimate, Estimate]:
+    """F_s and v_s as bounds: F_s is at least the larger of some friction levels, v_s at most what its interval allows."""
+    value, wide = max(e.value for e in levels), [e.range or e.interval for e in levels]
+    interval = max(e.interval[0] for e in levels), np.inf
+    at_least = replace(
+        F_s, value=value, interval=interval, range=(max(x[0] for x in wide), np.inf), state=EstimateState.AT_LEAST
+    )
+    low, high = ((0.0, x[1]) for x in (v_s.interval, v_s.range or v_s.interval))
+    return at_least, replace(v_s, interval=low, range=high, state=EstimateState.AT_MOST)
+
+
+def hanging(estimates: Mapping[str, Estimate]) -> list[str]:
+    """The estimates whose range depends on an effect that the model may lack, a sentence for each effect."""
+    causes = dict[str, list[str]]()
+    for name, e in estimates.items():
+        if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
+            causes.setdefault(e.depends_on, []).append(name)
+    return [f"{', '.join(names)}: the range is wide because of '{cause}'." for cause, names in causes.items()]

@@ -17,7 +17,7 @@ _EVEN = 1e-2  # of the step: what times may be off and still count as evenly spa
 _GAP = 5.5  # steps without a sample that end a run
 _BLOCK = 1_000_000  # rows at once: some 10 MB, whatever the record's length
 _ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
-_OFF = 1.5  # times each other: more is another unit
+OFF = 1.5  # times each other: more is another unit
 _SPIKE = 10.0  # times the usual force: what no friction comes to
 _RARE = 0.02  # of the rows: more are no fault of a sensor
 _GLITCH, _SCATTER = 20.0, 2.5  # times what is usual beside a cubic: a value that is off; what noise adds
@@ -129,7 +129,7 @@ def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
         return
     both_ratios = [ratio_of_ways(measured, summed), ratio_of_ways(measured - measured.mean(), summed - summed.mean())]
     ratios = [x for x in both_ratios if x is not None]
-    if ratios and not any(1 / _OFF < x < _OFF for x in ratios):
+    if ratios and not any(1 / OFF < x < OFF for x in ratios):
         raise InputError(
             f"{arg('velocity')}: {number}: is {ratios[-1]:.3g} times the slope of the position; a sign or a unit is wrong "
             f"({arg('units')}), or it is another body's: leave out {arg('position')} then"

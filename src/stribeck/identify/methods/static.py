@@ -22,7 +22,7 @@ from stribeck.identify.core.forms import OF_RECORD
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
-from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.core.states import Estimate, EstimateState, hanging
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
@@ -350,12 +350,7 @@ def _notes(
         out.append(
             "The mass comes out below 0: it stands in for a weight or spring, which a motion of one frequency cannot separate."
         )
-    hanging = {
-        n: e.depends_on for n, e in estimates.items() if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on
-    }
-    for cause in dict.fromkeys(hanging.values()):
-        names = [n for n, c in hanging.items() if c == cause]
-        out.append(f"{', '.join(names)}: the range is wide because of the form '{cause}'.")
+    out += hanging(estimates)
     for name, e in estimates.items():
         if e.state in (EstimateState.NOT_IDENTIFIABLE, EstimateState.AT_LEAST) and e.experiment:
             out.append(f"{name}: {e.experiment}.")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.core.states import Estimate, EstimateState
+from stribeck.identify.core.states import Estimate, one_sided
 from stribeck.identify.features.guess import HALF
 from stribeck.laws.base import Law
 
@@ -193,17 +192,9 @@ class StribeckCurve(SteadyCurve):
         """No speed was seen that is slow beside v_s: F_s is at least the level there and F_c, v_s at most what it may be."""
         if not {"F_s", "v_s"} <= estimates.keys() or slowest <= REACHED * estimates["v_s"].value:
             return estimates
-        f, v = estimates["F_s"], estimates["v_s"]
-        low = [slow, estimates["F_c"]] if "F_c" in estimates else [slow]  # never below F_c
-        value, open_ = max(e.value for e in low), float("inf")
-        interval = (max(e.interval[0] for e in low), open_)
-        wide = (max((e.range or e.interval)[0] for e in low), open_)
-        return estimates | {
-            "F_s": replace(f, value=value, interval=interval, range=wide, state=EstimateState.AT_LEAST),
-            "v_s": replace(
-                v, interval=(0.0, v.interval[1]), range=(0.0, (v.range or v.interval)[1]), state=EstimateState.AT_MOST
-            ),
-        }
+        levels = [slow, estimates["F_c"]] if "F_c" in estimates else [slow]  # never below F_c
+        F_s, v_s = one_sided(estimates["F_s"], estimates["v_s"], levels)
+        return estimates | {"F_s": F_s, "v_s": v_s}
 
 
 class SlidingCurve(SteadyCurve):

@@ -89,7 +89,7 @@ def body_columns(log: Log, names: Sequence[str], viscous: bool = True) -> dict[s
     viscous_column = {"sigma_2": log.velocity} if viscous else {}
     usual = {"mass": log.acceleration} | viscous_column
     sign = np.sign(log.velocity)
-    further = {n: column(n, log, {}) * (sign if TERMS[n].level else 1.0) for n in names if n not in usual}
+    further = {n: column(n, log) * (sign if TERMS[n].level else 1.0) for n in names if n not in usual}
     return usual | further
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,18 +25,16 @@ class Term:
         needs: the optional column of the log that it takes.
         positive: the coefficient must be so.
         friction: it is part of friction, and not of the rig.
-        of: a number that the column hangs on, which is a term too and is sought as shapes of the law's curve are.
     """
 
     unit: str
     meaning: str
     factor: str = ""
-    column: Callable[..., Array] | None = None
+    column: Callable[[Log], Array] | None = None
     level: bool = False
     needs: str = ""
     positive: bool = False
     friction: bool = False
-    of: str = ""
 
 
 TERMS: dict[str, Term] = {
@@ -47,62 +45,33 @@ TERMS: dict[str, Term] = {
         "N", "what the sine of the position (rad) multiplies: an arm's weight", "sin(y)", lambda log: np.sin(log.position)
     ),
     "gravity_cos": Term("N", "what its cosine multiplies", "cos(y)", lambda log: np.cos(log.position)),
-    "ripple_sin": Term(
-        "N", "what the sine of ripple_waves times the position multiplies: cogging", "sin(ripple_waves y)",
-        lambda log, waves: np.sin(waves * log.position), of="ripple_waves",
-    ),
-    "ripple_cos": Term(
-        "N", "what its cosine multiplies", "cos(ripple_waves y)", lambda log, waves: np.cos(waves * log.position),
-        of="ripple_waves",
-    ),
-    "ripple_waves": Term("1/m", "2 pi over the length of the ripple: waves in a turn", positive=True),
     "area": Term("m^2", "area that the pressure pushes on", "p", lambda log: log.pressure, needs="pressure"),
     "sigma_2_by_direction": Term(
         "N s/m", "half of what viscous friction is more forwards", "|v|", lambda log: abs(log.velocity), friction=True
     ),
-    "drag": Term(
-        "N s^2/m^2", "friction that grows with the square of the speed: air, oil that is churned", "v |v|",
-        lambda log: log.velocity * abs(log.velocity), positive=True, friction=True,
-    ),
-    "thinning": Term(
-        "N s^0.5/m^0.5", "friction that grows with the root of the speed: grease that thins", "sign(v) sqrt(|v|)",
-        lambda log: np.sign(log.velocity) * np.sqrt(abs(log.velocity)), positive=True, friction=True,
-    ),
     "F_c_by_direction": Term(
         "N", "half of what the friction level is more forwards", "sign(v)", lambda log: np.sign(log.velocity), level=True
     ),
-    "F_c_by_position": Term("N/m", "growth of the friction level with position", "y", lambda log: log.position, level=True),
     "F_c_by_load": Term("1", "growth of the friction level with load", "N", lambda log: log.load, True, "load"),
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", "p", lambda log: log.pressure, True, "pressure"),
-    "F_c_by_time": Term(
-        "N/s", "growth of the level with time, about the middle of the record: warmth", "t",
-        lambda log: _about_middle(log.time), True,
-    ),
     "delay": Term("s", "time by which the measured motion lags the force"),
 }  # fmt: skip
-RIPPLE = ("ripple_sin", "ripple_cos", "ripple_waves")  # one without the others is none
-OF_MOTION = ("delay", *RIPPLE)  # numbers that a column hangs on: a fit by simulation finds them as shapes
 
 
-def _about_middle(time: Array) -> Array:
-    return np.asarray(time - 0.5 * (time.min() + time.max()))
-
-
-def column(name: str, log: Log, values: Mapping[str, float]) -> Array:
-    """The column of the log that a term multiplies; ``values`` hold what it hangs on."""
-    term = TERMS[name]
-    assert term.column is not None
-    return term.column(log, values[term.of]) if term.of else term.column(log)
+def column(name: str, log: Log) -> Array:
+    """The column of the log that a term multiplies."""
+    made = TERMS[name].column
+    assert made is not None
+    return made(log)
 
 
 def problem(name: str, value: object) -> str:
     """What is wrong with a value that is given for a term; nothing where it may be so."""
-    of_ripple, positive = name == "ripple_waves", TERMS[name].positive
-    least = "above 0, and" if of_ripple else "from 0, and" if positive else "of"
+    positive = TERMS[name].positive
     number = value if isinstance(value, int | float) and not isinstance(value, bool) else float("nan")
-    if abs(number) <= LARGEST and not (positive and number < 0) and (number or not of_ripple):
+    if abs(number) <= LARGEST and not (positive and number < 0):
         return ""
-    return f"must be a number {least} at most {LARGEST:g}"
+    return f"must be a number {'from 0, and' if positive else 'of'} at most {LARGEST:g}"
 
 
 def check(names: tuple[str, ...], log: Log) -> None:
