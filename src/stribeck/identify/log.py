@@ -15,6 +15,9 @@ from stribeck.arrays import Array
 
 _COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "unfiltered", "run")
 INTEGRAL = "the integral of the velocity"  # the source of a position that nobody measured
+MANY_ROWS = 1_000_000  # taken at once: some 10 MB, whatever the record's length; so many tell the sizes of a log
+ENOUGH_ROWS = 100_000  # of a record: behind a filter, neighbouring rows are alike, and more tell nothing new
+STILL = 0.01  # of the fastest speed: the body hardly moves
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,6 @@ class Log:
         unfiltered: the measured position, or the velocity where that was measured, before any filter.
         sources: where each column is from: "measured", "from position, cut-off 20 Hz", ...
         quality: what was found in the raw data and what was done about it, a line each.
-        noise: standard deviation of a measured column's noise, where it could be estimated.
         bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
         acceleration_bandwidth: that of the acceleration, where it is filtered once more, Hz.
         files: the name of the file that each run is from.
@@ -50,7 +52,6 @@ class Log:
     step: float = 0.0
     sources: dict[str, str] = field(default_factory=dict)
     quality: tuple[str, ...] = ()
-    noise: dict[str, float] = field(default_factory=dict)
     bandwidth: float | None = None
     acceleration_bandwidth: float | None = None
     files: tuple[str, ...] = ()
@@ -101,10 +102,7 @@ class Log:
         return replace(self, **columns)
 
 
-_ENOUGH = 1_000_000  # rows that tell the sizes of a log
-
-
 def thinned(log: Log) -> Log:
     """A long log with fewer rows, for sizes that do not need all of them."""
-    every = len(log) // _ENOUGH
+    every = len(log) // MANY_ROWS
     return log if every < 2 else log.rows(slice(None, None, every))

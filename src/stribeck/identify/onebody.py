@@ -22,19 +22,18 @@ from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint
-from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
+from stribeck.identify.actuator.recordings import FEWEST, Channel, Logs, Recording, Sought
 from stribeck.identify.actuator.result import MachineFit, Trace
 from stribeck.identify.actuator.traces import BEGIN
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.states import Estimate, EstimateState
-from stribeck.identify.data.filters import shifted
 from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.what_to_measure import experiment_for
-from stribeck.identify.log import Log
+from stribeck.identify.log import ENOUGH_ROWS, Log
 from stribeck.identify.models import terms
-from stribeck.identify.models.static_problem import MOST_RAW, in_stretches
+from stribeck.identify.models.static_problem import in_stretches
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import FrictionRows, LogFit
@@ -45,7 +44,6 @@ from stribeck.simulation import simulate
 Progress = Callable[[float], None]
 Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
-_FEWEST = 8  # rows of a simulated run
 _SIGN = 0.01  # of the largest speed: width of the smooth sign for initial values
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
 _STROKE = 5.0  # break-away distances: gross sliding begins after two or three
@@ -150,7 +148,7 @@ def simulated(
         InputError: constants are unknown, missing or not allowed; nothing moves.
         StribeckError: the law cannot be simulated along the motion.
     """
-    log = log if len(log) <= MOST_RAW else in_stretches(log, at_rest(log))[0]
+    log = log if len(log) <= ENOUGH_ROWS else in_stretches(log, at_rest(log))[0]
     model = _model(log, name, options)
     sought, names = _sought(model, log, options)
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
@@ -167,7 +165,7 @@ def _scenario(model: OneBody, rotary: bool) -> Scenario:
 
 
 def _runs(log: Log) -> list[slice]:
-    return [rows for rows in log.runs() if rows.stop - rows.start >= _FEWEST]
+    return [rows for rows in log.runs() if rows.stop - rows.start >= FEWEST]
 
 
 # -- given and fitted parameters ---------------------------------------------------------------------------------------
@@ -502,7 +500,7 @@ def later(log: Log, x: Array, by: float) -> Array:
         return x
     moved = np.empty(len(log))
     for rows in log.runs():
-        moved[rows] = shifted(x[rows], by / log.step)
+        moved[rows] = np.interp(log.time[rows] + by, log.time[rows], x[rows])
     return moved
 
 

@@ -6,7 +6,7 @@ import pytest
 from stribeck.identify.features.guess import Sizes
 from stribeck.identify.features.what_to_measure import experiment_for, reachable
 
-SIZES = Sizes(force=1.0, offset=0.0, fast=0.5, slow=1e-3, stiffness=1e5, travel=0.1, step=2e-3)
+SIZES = Sizes(force=1.0, fast=0.5, stiffness=1e5, travel=0.1, step=2e-3)
 VALUES = {"sigma_0": 1e5, "F_c": 1.0, "F_s": 8.0, "v_s": 1e-3}
 
 
@@ -23,7 +23,7 @@ def test_fast_reversals_have_samples_enough():
     at = reachable(VALUES, SIZES, {"F_s"})
     seconds = np.pi * at["large"] / at["loop_fast"]
     assert seconds / SIZES.step >= 20 - 1e-9
-    assert reachable(VALUES, Sizes(1.0, 0.0, 0.5, 1e-3, 1e5, 0.1, 1e-6), {"F_s"})["loop_fast"] > at["loop_fast"]
+    assert reachable(VALUES, Sizes(1.0, 0.5, 1e5, 0.1, 1e-6), {"F_s"})["loop_fast"] > at["loop_fast"]
     assert at["loop"] < at["loop_fast"]
 
 

@@ -19,7 +19,8 @@ from stribeck.errors import InputError, arg, needed
 from stribeck.files import open_file
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
-from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.filters import HIGHEST, low_pass
+from stribeck.identify.data.quality import EVEN
 from stribeck.recorded import is_table, no_column, opened
 from stribeck.scenario import Scenario
 
@@ -30,8 +31,6 @@ MuJoCo = Any  # MuJoCo's modules, models and data have no types
 
 _STEEP = 500.0  # k_v in units of 1/speed: the smooth sign is complete at a few thousandths of the speed
 _ROOM = 1e-4  # of the largest torque: lower bound of the friction
-_EVEN = 0.01  # of a step: tolerance of an even grid of samples
-_NYQUIST = 0.45  # of the sampling rate: the largest cut-off frequency, a tenth below half of it
 _CUTOFF = 0.1  # of the sampling rate: above it, differences show more noise than motion
 
 
@@ -168,14 +167,14 @@ class _Motion:
         """Compute speeds, accelerations, rigid-body torques and inertias, (times, places of the joints)."""
         step = float(np.median(np.diff(self.t)))
         rows = np.stack([self.t, *self.position.values(), *self.torque.values()])
-        if not np.isfinite(rows).all() or abs(np.diff(self.t) - step).max() > _EVEN * step or len(self.t) < 32:
+        if not np.isfinite(rows).all() or abs(np.diff(self.t) - step).max() > EVEN * step or len(self.t) < 32:
             text = "must be evenly sampled and complete, of at least 32 rows, for MuJoCo's inverse dynamics"
             raise InputError(f"{arg('time')}: {show(self.file)}: {text}")
         rate, data = 1 / step, mujoco.MjData(model)
         qpos = np.tile(model.qpos0, (len(self.t), 1))
         self.speed, self.acceleration, self.rigid, self.inertia = np.zeros((4, len(self.t), model.nv))
         for name, place in self.place.items():
-            q = low_pass(self.position[name], min(cutoff or _CUTOFF * rate, _NYQUIST * rate), step)
+            q = low_pass(self.position[name], min(cutoff or _CUTOFF * rate, HIGHEST * rate), step)
             spline = make_interp_spline(self.t, q, 5)
             qpos[:, int(model.jnt_qposadr[self.joints[name]])] = q
             self.speed[:, place], self.acceleration[:, place] = (spline.derivative(n)(self.t) for n in (1, 2))

@@ -23,8 +23,8 @@ from stribeck.recorded import Source, listed
 from stribeck.recorded.logs import opened_log, time_of
 from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
-_FEWEST = 8  # samples of a recording, or of a stretch: an initial state takes four, and as many show the fit
-_PRIOR = 6.0  # standard deviations of a prior: bounds, if none are given, that cut nothing off
+FEWEST = 8  # samples of a recording, or of a stretch: an initial state takes four, and as many show the fit
+FAR = 6.0  # standard deviations that no error reaches: bounds from a prior or from first samples cut nothing off
 Finite = Annotated[float, ConstantField(Constant("", ""))]
 T = TypeVar("T", bound=FileTable)
 Column = TypeVar("Column", bound="ColumnTable")
@@ -211,7 +211,7 @@ class SoughtTable(FileTable):
     @property
     def bounds(self) -> tuple[float, float]:
         """The bounds, from the prior unless given."""
-        mean, reach = (self.prior.mean, _PRIOR * self.prior.deviation) if self.prior is not None else (0.0, 0.0)
+        mean, reach = (self.prior.mean, FAR * self.prior.deviation) if self.prior is not None else (0.0, 0.0)
         return mean - reach if self.low is None else self.low, mean + reach if self.high is None else self.high
 
 
@@ -319,13 +319,13 @@ def _read(entry: RecordingTable, where: str, folder: Path, window: float | None)
     t = columns.pop(f"{where}.time") * time.factor
     keep, more = _in_order(t, entry.file)
     notes += more
-    if len(keep) < _FEWEST:
-        few = f"has {len(keep)} rows with a time: must have at least {_FEWEST}"
+    if len(keep) < FEWEST:
+        few = f"has {len(keep)} rows with a time: must have at least {FEWEST}"
         raise InputError(f"{where}.file: {show(entry.file)}: {few}")
     if text := impossible(t[keep]):
         raise InputError(f"{where}.time: {show(time.column)}: {text}")
-    if window is not None and window < (least := _FEWEST * float(np.median(np.diff(t[keep])))):
-        raise InputError(f"{where}.window: {show(window)}: must be at least {least:.3g} s, {_FEWEST} samples")
+    if window is not None and window < (least := FEWEST * float(np.median(np.diff(t[keep])))):
+        raise InputError(f"{where}.window: {show(window)}: must be at least {least:.3g} s, {FEWEST} samples")
     origin, channels = float(t[keep[0]]), dict[str, Channel]()
     for use, c in wanted.items():
         x, at, rows = columns[f"{where}.{use}"] * c.factor, t, keep

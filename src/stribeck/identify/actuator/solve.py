@@ -16,7 +16,7 @@ from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.work import Stopped
 
 _DAMPINGS = np.array([1e-4, 1e-2, 1.0, 30.0, 1e3])  # of the present one: a search may both slow down and speed up
-_KEEP = (10, 6, 4, 3, 2, 2, 1)  # starts that continue after each step: a poor one seldom wins later
+_KEEP = (10, 10, 6, 4, 3, 2, 2, 1)  # starts that take each step: a poor one seldom wins later
 _WIDE = 4  # starts that a comparison converges
 _STEPS, ROUGH_STEPS = 40, 12  # of a search, and of one that only compares
 SMALL, ROUGHLY = 1e-7, 1e-4  # relative reduction of the cost below which a search ends; far from the optimum
@@ -83,7 +83,7 @@ def search(
             U, new, damping, apart = _step(problem, U, costs, damping, apart)
             fall = costs - new
             quiet = np.where(fall > small * new, 0, quiet + np.where(fall > 0, 2, 1))
-            most = _KEEP[min(step, len(_KEEP) - 1)]
+            most = _KEEP[min(step + 1, len(_KEEP) - 1)]
             going = np.argsort(new)[: max(most, _WIDE) if wide else most]
             U, costs, damping, quiet = U[going], new[going], damping[going], quiet[going]
             if quiet[int(np.argmin(costs))] >= 2:

@@ -9,13 +9,12 @@ import numpy as np
 
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.recordings import Channel, Recording
+from stribeck.identify.actuator.recordings import FAR, Channel, Recording
 from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun, recorded_run, roughness
 from stribeck.scenario import Scenario
 
 _FEWEST = 4  # samples for the estimate of a state: a parabola takes three
 _BENDS = 2.0  # times the noise: a larger residual shows that a parabola does not describe the samples
-_FAR = 6.0  # standard deviations that no error reaches: bounds of an initial state, and the largest range at rest
 _SIGNIFICANT = 3.0, 2.5  # standard deviations of an initial speed, and of the slope of the first samples, of a motion
 _WHOLE = 0.9  # of a recording: a longer stretch is all of it
 _NEAR_CUT = 0.25  # of a stretch: how far its cut may move to a larger speed
@@ -77,7 +76,7 @@ def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
     step = np.diff(np.unique(x[near])).min(initial=np.inf)
     rough = max(rough, step / 3 if np.isfinite(step) else 0.0)
     spread = rough * np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
-    spread[:2] += np.ptp(x[near]) / _FAR  # the motion may bend more than a parabola: bounds must not cut it off
+    spread[:2] += np.ptp(x[near]) / FAR  # the motion may bend more than a parabola: bounds must not cut it off
     return float(parabola[0]), float(parabola[1] / span), float(spread[0]), float(spread[1] / span)
 
 
@@ -90,7 +89,7 @@ def moves(channel: Channel) -> bool:
         return False
     index = np.arange(len(x)) - (len(x) - 1) / 2
     slope = abs(float(index @ x)) / np.sqrt(float(index @ index))
-    return bool(np.ptp(x) > _FAR * noise or slope > _SIGNIFICANT[1] * noise)
+    return bool(np.ptp(x) > FAR * noise or slope > _SIGNIFICANT[1] * noise)
 
 
 @dataclass(frozen=True)
@@ -154,7 +153,7 @@ class _Beginning:
         self, run: RecordedRun, name: str, targets: dict[str, float], value: float, deviation: float
     ) -> MachineCoordinate:
         """The coordinate of one state, at which the run begins."""
-        room = _FAR * max(deviation, 1e-9 * max(abs(value), 1e-3))
+        room = FAR * max(deviation, 1e-9 * max(abs(value), 1e-3))
         still = name.endswith(".v") and self.span is None and abs(value) < _SIGNIFICANT[0] * deviation
         first = 0.0 if still else value  # rest unless motion is significant: a false speed would deflect bristles
         run.start |= {path: f * first for path, f in targets.items()}

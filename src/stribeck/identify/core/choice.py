@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from stribeck.arrays import Array
 from stribeck.identify.core.library import Model, ModelLibrary, SteadyLibrary
 from stribeck.identify.core.search import library, refine
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.memory import rows_together
 from stribeck.identify.models.record import Record
 
 Of = TypeVar("Of", bound=ModelLibrary)
@@ -81,6 +81,17 @@ class Selection(Generic[Of]):
             reported = float(sse[self.index]) if n == self.law else reported
         _, n, i, x_best, left = min(scored, key=lambda e: e[0])
         return n, i, x_best, left / max(reported, 1e-300)
+
+
+def rows_together(r: Array) -> float:
+    """How many rows in a row err alike: the sum of the residual's correlation up to its first zero."""
+    n, length = len(r), next_fast_len(2 * len(r), real=True)
+    correlation = np.fft.irfft(abs(np.fft.rfft(r - r.mean(), length)) ** 2, length)[: n // 2]
+    if correlation[0] <= 0:
+        return 1.0
+    correlation = correlation / correlation[0]
+    end = int(np.argmax(correlation < 0)) or 1
+    return float(1 + 2 * np.sum(correlation[1:end]))
 
 
 def independent(lib: ModelLibrary, x: Array, sse: Array) -> float:

@@ -15,10 +15,9 @@ import numpy as np
 from scipy.stats import t as student
 
 from stribeck.arrays import Array
-from stribeck.identify.core.choice import Of, Selection
+from stribeck.identify.core.choice import Of, Selection, rows_together
 from stribeck.identify.core.library import RIDGE, ModelLibrary
 from stribeck.identify.core.states import Estimate, EstimateState, ends, state_of
-from stribeck.identify.models.memory import rows_together
 
 DRAWS, SHARE, WORSE = (
     40,

@@ -12,10 +12,9 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.core.forms import Anchor, Key, forms
+from stribeck.identify.core.forms import Anchor, Key, forms, ripple_range, ripple_waves
 from stribeck.identify.core.library import RIDGE, Model, ModelLibrary, SteadyLibrary, seen_speeds
 from stribeck.identify.log import INTEGRAL, Log
-from stribeck.identify.models import ripple
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import LawColumns, Record
 
@@ -205,11 +204,11 @@ def anchor(
         z = np.linalg.lstsq(a, target, rcond=1e-7)[0]
         carried = {"": float(z[n + list(record.body).index("offset")]), "sin": float(z[-2]), "cos": float(z[-1])}
     at = Anchor(curve, shape, coefficients, fast, _way(log), log.step, turns, placed, (*seen, *speeds), carried)
-    if (between := ripple.range_of(log, record.q)) is None:
+    if (between := ripple_range(log, record.q)) is None:
         return at
     residual, side = target - columns @ x, np.sign(record.column(v))
-    of_level = tuple(ripple.peaks(y, residual * side, *between, 1))
-    return replace(at, waves=tuple(ripple.peaks(y, residual, *between, 2)), level_waves=of_level)
+    of_level = tuple(ripple_waves(y, residual * side, *between, 1))
+    return replace(at, waves=tuple(ripple_waves(y, residual, *between, 2)), level_waves=of_level)
 
 
 def _way(log: Log) -> float:

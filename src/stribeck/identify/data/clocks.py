@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.filters import HIGHEST, low_pass
 from stribeck.identify.data.quality import FEWEST, Clean
 
 _ALIKE = 1e-3  # of the step: files that differ by less share a grid
@@ -140,7 +140,7 @@ def _resampled(part: Clean, step: float) -> Clean:
                 continue
             x = np.interp(even, time, column[rows])
             if part.step < step / 1.1:
-                x = low_pass(x, 0.4 / step, part.step)
+                x = low_pass(x, HIGHEST / step, part.step)
             smooth = name in ("position", "velocity") and part.step > step
             columns[name].append(np.asarray(CubicSpline(even, x)(grid)) if smooth else np.interp(grid, even, x))
         runs.append(slice(place, place + len(grid)))

@@ -7,14 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.filters import ASTRAY, HIGHEST, SETTLED, low_pass
+from stribeck.identify.log import ENOUGH_ROWS
 
 _RAISE = 2.5  # from one cut-off that is tried to the next
-HIGHEST = 0.4  # of the sampling rate
 _CLEARLY = 0.92  # of what is missed with the lower cut-off: less is worth a higher one
 _AS_GOOD = 1.05  # of the least that is missed
 _NO_WORSE = 1.03  # of what a lower cut-off misses over all frequencies, where noise of the acceleration shows
-_START, _END = 5.0, 1.5  # periods of the lowest cut-off left out at the start of a run, and at an end in motion
 _SHARE = 6  # of the longest run, the most that its start is
 _SLOWED, _REST = 0.1, 0.1  # of a period, in which less than this share of the fastest speed is rest
 _BAND = 2.5  # lowest cut-offs, in which the force is compared: above, its own noise hides what the filter does
@@ -26,7 +25,7 @@ OF_SIMULATION = (
 RAISED = 4.0  # times at most: more changes little
 _WORTH_RAISING = 1.7  # times at least: less changes little but where a record begins and ends
 LONGEST_LOOK = 1 << 18  # samples from which a spectrum or a noise is taken
-_FEWEST, _MOST = 400, 100_000  # rows that are compared
+FEW_ROWS = 400  # that are compared: fewer do not show a bend of the curve
 
 Run = tuple[Array, Array]
 
@@ -48,10 +47,10 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     while tried[-1] * _RAISE < HIGHEST / step:
         tried.append(tried[-1] * _RAISE)
     longest, period = max((len(f) for _, f in runs), default=0), 1 / (cutoff * step)
-    edge = int(np.clip(longest // _SHARE, _END * period, _START * period))
+    edge = int(np.clip(longest // _SHARE, ASTRAY * period, SETTLED * period))
     chosen = _some([r for r in runs if len(r[1]) >= 4 * edge + 2])
     inside = [slice(edge, len(f) - _end(x, position, cutoff, step)) for x, f in chosen]
-    if len(tried) < 2 or sum(rows.stop - rows.start for rows in inside) < _FEWEST:
+    if len(tried) < 2 or sum(rows.stop - rows.start for rows in inside) < FEW_ROWS:
         return cutoff
     band = min(_BAND * cutoff, HIGHEST / step)
     missed = [_missed(chosen, inside, position, c, band, step) for c in tried]
@@ -90,9 +89,9 @@ def quiet(
 
 def _some(runs: Sequence[Run]) -> list[Run]:
     """Runs evenly out of all, of few enough rows together."""
-    every, selection = max(sum(len(f) for _, f in runs) // _MOST, 1), []
+    every, selection = max(sum(len(f) for _, f in runs) // ENOUGH_ROWS, 1), []
     for motion, force in runs[::every]:
-        selection.append((motion[:_MOST], force[:_MOST]))
+        selection.append((motion[:ENOUGH_ROWS], force[:ENOUGH_ROWS]))
     return selection
 
 
@@ -101,7 +100,7 @@ def _end(motion: Array, position: bool, cutoff: float, step: float) -> int:
     few = max(round(_SLOWED / (cutoff * step)), 1)
     speed = abs(motion[few:] - motion[:-few]) / few if position else abs(motion)
     at_end = speed[-1] if position else abs(motion[-few:].mean())
-    return round(_END / (cutoff * step)) if at_end > _REST * float(speed.max()) else 0
+    return round(ASTRAY / (cutoff * step)) if at_end > _REST * float(speed.max()) else 0
 
 
 def _missed(

@@ -11,14 +11,16 @@ from scipy import signal
 from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
+from stribeck.identify.log import MANY_ROWS
 
+HIGHEST = (
+    0.4  # of the sampling rate: the highest cut-off, a fifth below half of the rate, where a filter's edge has no room
+)
 SETTLED = 5.0  # periods of the cut-off at the start of a run, in which a filter is not settled
-_CHUNK = 1_000_000  # samples at once: some 10 MB, whatever the record's length
+ASTRAY = 1.5  # periods of the cut-off at the end of a run in motion: there the filter continues the motion wrongly
 _STAGE = 13  # the most that one Chebyshev filter of order 8 is to reduce the rate by
 _FORGOTTEN = 1e-10  # what is left of a filter's state where pieces meet: below the sensors' last bit
 _ENDS = 1.2  # periods of the cut-off
-_WHOLE = 1e-12  # of a sample: rounding
-_SIDE = 4  # samples to each side
 
 
 class Filter(NamedTuple):
@@ -33,13 +35,13 @@ def zero_phase(filter: Filter, x: Array, padding: int = 0) -> Array:
     """There and back with MATLAB's padding, 3 (order), or more; long arrays in overlapping pieces, so that no copy is as long;
     the rows of a matrix each by itself."""
     padding = max(3 * len(filter.settled), padding)
-    if x.ndim > 1 or len(x) <= 2 * _CHUNK:
+    if x.ndim > 1 or len(x) <= 2 * MANY_ROWS:
         return _there_and_back(filter, x, min(padding, x.shape[-1] - 1))
     slowest = float(np.max(abs(np.roots(filter.a))))
-    overlap = min(int(np.log(_FORGOTTEN) / np.log(slowest)) + padding, _CHUNK)
+    overlap = min(int(np.log(_FORGOTTEN) / np.log(slowest)) + padding, MANY_ROWS)
     out = np.empty(len(x))
-    for first in range(0, len(x), _CHUNK):
-        last = min(first + _CHUNK, len(x))
+    for first in range(0, len(x), MANY_ROWS):
+        last = min(first + MANY_ROWS, len(x))
         low, high = max(first - overlap, 0), min(last + overlap, len(x))
         out[first:last] = _there_and_back(filter, x[low:high], padding)[first - low : last - low]
     return out
@@ -99,23 +101,6 @@ def decimated_rows(count: int, q: int) -> NDArray[np.intp]:
     for part in stages(q):
         rows = rows[1::part]
     return rows
-
-
-def shifted(x: Array, shift: float) -> Array:
-    """x at times later by ``shift`` samples; the ends are held."""
-    rows = np.arange(len(x))
-    return np.asarray(sum(w * x[np.clip(rows + by, 0, len(x) - 1)] for by, w in whole_shifts(shift).items()))
-
-
-def whole_shifts(shift: float) -> dict[int, float]:
-    """A shift by ``shift`` samples as shifts by whole ones with their weights: Lagrange's polynomials through eight samples.
-    Through four, half a sample takes so much noise away that a delay is drawn there."""
-    whole = int(np.floor(shift + _WHOLE))
-    s = max(shift - whole, 0.0)
-    if s <= _WHOLE:
-        return {whole: 1.0}
-    near = range(1 - _SIDE, _SIDE + 1)
-    return {whole + k: float(np.prod([(s - i) / (k - i) for i in near if i != k])) for k in near}
 
 
 def spline_derivative(x: Array, step: float) -> Array:

@@ -15,19 +15,17 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
-from stribeck.identify.data.effect import HIGHEST, LONGEST_LOOK, OF_REGRESSION, OF_SIMULATION, by_effect, quiet
-from stribeck.identify.data.filters import SETTLED, low_pass, slope
+from stribeck.identify.data.effect import LONGEST_LOOK, OF_REGRESSION, OF_SIMULATION, by_effect, quiet
+from stribeck.identify.data.filters import ASTRAY, HIGHEST, SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
 from stribeck.identify.data.units import is_rotary
-from stribeck.identify.log import INTEGRAL, Log
+from stribeck.identify.log import INTEGRAL, STILL, Log
 from stribeck.recorded import is_table, opened
 
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)  # round numbers, no coarser than the spectrum tells its edge
 _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
-_ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
-_STILL = 0.01  # of the fastest speed
 _LOST = 0.01  # of the motion's variance: less may go
 _MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
 
@@ -124,7 +122,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if cutoff > 0 and not how.published:
         lowest = again or cutoff  # the acceleration's filter goes astray too
-        rows_kept, end_notes = _without_ends(columns, lengths, round(_ENDS / (lowest * step)))
+        rows_kept, end_notes = _without_ends(columns, lengths, round(ASTRAY / (lowest * step)))
         notes += end_notes
         parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(
@@ -203,7 +201,7 @@ def _without_ends(
     v = abs(columns["velocity"])
     keep, fastest = np.ones(len(v), bool), float(v.max())
     for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
-        if n > 4 * end and v[stop - 1] > _STILL * fastest:
+        if n > 4 * end and v[stop - 1] > STILL * fastest:
             keep[stop - end : stop] = False
     if keep.all():
         return slice(None), []

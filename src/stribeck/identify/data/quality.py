@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
+from stribeck.identify.log import MANY_ROWS
 
 Mask = NDArray[np.bool_]
 FEWEST = 50  # rows of a run: fewer hold no reversal, and a filter takes as many to settle
-_EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced
+EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced
 _GAP = 5.5  # steps without a sample that end a run
-_BLOCK = 1_000_000  # rows at once: some 10 MB, whatever the record's length
 _ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
 OFF = 1.5  # times each other: more is another unit
 _SPIKE = 10.0  # times the usual force: what no friction comes to
@@ -78,7 +78,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         steps = np.diff(time)
         new_run = np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
     _enough(columns, number)
-    some = steps[:: max(len(steps) // 1_000_000, 1)]
+    some = steps[:: max(len(steps) // MANY_ROWS, 1)]
     step = float(np.median(some[some > 0]))
     near = (steps < 1.5 * step) & ~new_run
     near &= steps > 0.5 * step
@@ -96,7 +96,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     if "force" in columns:
         _without_spikes(columns, number, notes)
     off = max(_jitter(time[r]) for r in runs)
-    even = off <= _EVEN
+    even = off <= EVEN
     if not even:
         notes.append(
             f"{number}: samples are not evenly spaced (up to {off:.3g} steps off; the step is {step:.3g} s); "
@@ -205,7 +205,7 @@ def _beside_cubic(x: Array) -> Array:
 def _without_spikes(columns: dict[str, Array], number: str, notes: list[str]) -> None:
     """Put straight lines in place of single forces far beyond all others: a plug, a bit."""
     force = columns["force"]
-    thin = force[:: max(len(force) // _BLOCK, 1)]
+    thin = force[:: max(len(force) // MANY_ROWS, 1)]
     middle = float(np.median(thin))
     usual = float(np.quantile(abs(thin - middle), 0.95))
     far = np.concatenate([[True], abs(force - middle) > _SPIKE * usual, [True]])
@@ -239,8 +239,8 @@ def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[st
 def _jitter(time: Array) -> float:
     """How far times are from an even grid of their own, in steps."""
     step = float(time[-1] - time[0]) / (len(time) - 1)
-    blocks = range(0, len(time), _BLOCK)
-    off = (time[b : b + _BLOCK] - time[0] - step * np.arange(b, min(b + _BLOCK, len(time))) for b in blocks)
+    blocks = range(0, len(time), MANY_ROWS)
+    off = (time[b : b + MANY_ROWS] - time[0] - step * np.arange(b, min(b + MANY_ROWS, len(time))) for b in blocks)
     return max(float(np.max(abs(x))) for x in off) / step
 
 

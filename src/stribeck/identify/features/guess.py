@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.log import Log
+from stribeck.identify.log import STILL, Log
 from stribeck.laws.base import Law
 
 _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 % of their number
-_REST = 0.01  # of the largest speed
 RISE = 0.3  # of the friction level: less is noise or inertia
 _FEWEST_AT_REST = 8  # samples
 HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
@@ -30,13 +29,11 @@ class Guess:
 
 @dataclass(frozen=True)
 class Sizes:
-    """Natural sizes of a log: friction level (N), offset (N), largest and typical slow speed (m/s), stiffness at rest and
-    after reversals (N/m), travel (m), and the step of its samples (s)."""
+    """Natural sizes of a log: friction level (N), largest speed (m/s), stiffness at rest and after reversals (N/m), travel
+    (m), and the step of its samples (s)."""
 
     force: float
-    offset: float
     fast: float
-    slow: float
     stiffness: float
     travel: float = 0.0
     step: float = 0.0
@@ -50,9 +47,7 @@ def sizes_of(log: Log) -> Sizes:
     ahead, back = force[moving & (log.velocity > 0)], force[moving & (log.velocity < 0)]
     offset = float(np.median(ahead) + np.median(back)) / 2 if len(ahead) and len(back) else 0.0
     level = float(np.quantile(abs(force - offset), 0.9))
-    slow = float(np.quantile(speed[speed > 1e-6 * fast], 0.1))
-    typical, travel = min(max(slow, 1e-5 * fast), 0.1 * fast), float(np.ptp(log.position))
-    return Sizes(level, offset, fast, typical, _stiffness(log, force, level), travel, log.step)
+    return Sizes(level, fast, _stiffness(log, force, level), float(np.ptp(log.position)), log.step)
 
 
 def _reversals(v: Array) -> list[tuple[int, int]]:
@@ -75,7 +70,7 @@ def _at_rest(log: Log, force: Array, level: float) -> list[float]:
     slopes = []
     for rows in log.runs():
         v, y, f = log.velocity[rows], log.position[rows], force[rows]
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], abs(v) < _REST * fast, [0]])))
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], abs(v) < STILL * fast, [0]])))
         for first, last in edges.reshape(-1, 2)[:_REVERSALS_LOOKED_AT].tolist():
             margin = (last - first) // 8
             inside = slice(first + margin, last - margin)

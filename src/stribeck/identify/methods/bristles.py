@@ -9,10 +9,10 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.errors import StribeckError, first_line
+from stribeck.identify.core.choice import rows_together
 from stribeck.identify.features.filtering import position_step
 from stribeck.identify.features.guess import rises, sizes_of
 from stribeck.identify.log import Log, thinned
-from stribeck.identify.models.memory import rows_together
 from stribeck.identify.onebody import Simulated, simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, LogFit

@@ -41,7 +41,6 @@ MEASURED = {"pressure": "area", "load": "F_c_by_load"}  # the term with which a 
 FOUND = 0.05  # of a column's square that motion does not explain: its own levels then find its coefficient
 WEIGHT = ("gravity_sin", "gravity_cos")
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
-_SIGN_FROM = 200_000  # rows that tell the force's sign
 _ROUNDING = 1e-13  # of a position: what a filter makes of one that never changes
 _SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: the steepness of an exact sign
 _LEAST = 1e-9  # of the largest force: the least level of a law that is to be simulated
@@ -150,11 +149,11 @@ def check_motion(log: Log) -> None:
     if not np.ptp(log.force) > 0:
         unit = rotary_unit("N") if log.rotary else "N"
         raise InputError(f"{arg('force')}: {log.force[0]:.6g} {unit} throughout: there is no friction to fit")
-    every = max(len(log) // _SIGN_FROM, 1)
-    thin, y = v[::every], log.position[::every]
+    few = thinned(log)
+    thin, y = few.velocity, few.position
     beside = [np.ones(len(thin)), y, np.sin(y), np.cos(y)]
-    rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), *beside])
-    coefficients = np.linalg.lstsq(rough / np.maximum(np.abs(rough).max(0), 1e-300), log.force[::every], rcond=1e-10)[0]
+    rough = np.column_stack([few.acceleration, thin, np.sign(thin), *beside])
+    coefficients = np.linalg.lstsq(rough / np.maximum(np.abs(rough).max(0), 1e-300), few.force, rcond=1e-10)[0]
     both = v.min() < -0.1 * fastest and v.max() > 0.1 * fastest
     against = float(np.sum((coefficients[1] * thin / fastest + coefficients[2] * np.sign(thin)) * thin))
     if both and against < 0 and coefficients[1] + coefficients[2] < 0 and coefficients[2] < 0:

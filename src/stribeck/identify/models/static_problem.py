@@ -11,16 +11,15 @@ from scipy import signal
 
 from stribeck.arrays import Array
 from stribeck.identify.data import filters
+from stribeck.identify.data.effect import FEW_ROWS
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.log import Log
+from stribeck.identify.log import ENOUGH_ROWS, Log
 
 Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
 RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # of factors 2 and 5: stages of decimation stay few
 MOST_ROWS = 25_000  # of a fit: more tell nothing new behind the filter
-MOST_RAW = 100_000  # rows of a record: more tell nothing new
 _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
-_FEW = 400  # rows: fewer do not show a bend of the curve, however little of the force's power lies in them
 _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sign, by which they differ
 _FEWEST = 150  # rows that a band lowered for the mass's sake leaves
 _MOVES = 0.015  # of the mass: what half the band may change it by
@@ -63,7 +62,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     if share <= _LITTLE_REST or share > 0.98:
         rest[:] = False
     smeared = _beside(rest, log)
-    if len(log) > MOST_RAW:
+    if len(log) > ENOUGH_ROWS:
         log, every = in_stretches(log, rest)
         rest, smeared = rest[every], smeared[every]
         notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
@@ -72,7 +71,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
         notes.append(
             f"the body rests in {share:.0%} of the rows: they are left out, as friction takes any value there up to break-away"
         )
-    q, why = _by_effect(log, *decimation(log, _FEW_TO_CHOOSE if to_choose else _FEW), rest)
+    q, why = _by_effect(log, *decimation(log, _FEW_TO_CHOOSE if to_choose else FEW_ROWS), rest)
     kept = kept_rows(log, q)
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
@@ -97,14 +96,14 @@ def _beside(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
     return out
 
 
-def decimation(log: Log, few: int = _FEW) -> tuple[int, str]:
+def decimation(log: Log, few: int = FEW_ROWS) -> tuple[int, str]:
     """By what the rate can be lowered and still hold the force's band, and so many rows; and why."""
     longest = max(log.runs(), key=lambda r: r.stop - r.start)
     x = log.force[longest.start : min(longest.stop, longest.start + (1 << 18))]
     f, p = signal.welch(x - x.mean(), 1 / log.step, nperseg=min(len(x), 4096))
     share = np.cumsum(p) / max(float(np.sum(p)), 1e-300)
     band = max(float(f[np.searchsorted(share, _POWER_KEPT)]), float(f[1]))
-    q = max((r for r in RATES if r <= max(0.4 / (band * log.step), 1)), default=1)
+    q = max((r for r in RATES if r <= max(filters.HIGHEST / (band * log.step), 1)), default=1)
     shortest = min(r.stop - r.start for r in log.runs())
     while q > 1 and (shortest < 30 * q or len(log) < few * q):
         q = RATES[RATES.index(q) - 1]
@@ -129,7 +128,7 @@ def _by_effect(log: Log, q: int, why: str, rest: NDArray[np.bool_]) -> tuple[int
         before = rate, mass
     if before is None or before[0] == q:
         return q, why
-    band = 0.4 / (before[0] * log.step)
+    band = filters.HIGHEST / (before[0] * log.step)
     return before[0], (
         f"below {band:.3g} Hz the mass no longer hangs on the filter (noise of the acceleration makes it too small above): "
         f"force and motion pass that filter, and one row in {before[0]} is fitted"
@@ -183,7 +182,7 @@ def in_stretches(log: Log, rest: NDArray[np.bool_]) -> tuple[Log, NDArray[np.int
     """Stretches of a long record, evenly over what moves of every run, as runs of their own; and which rows these are."""
     parts, owner = [], []
     runs = list(log.runs())
-    shares = [max(int(MOST_RAW * (r.stop - r.start) / len(log)), 1) for r in runs]
+    shares = [max(int(ENOUGH_ROWS * (r.stop - r.start) / len(log)), 1) for r in runs]
     counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, _BLOCKS)) for share in shares]
     usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
     for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):
