@@ -31,11 +31,7 @@ _GIVEN = 1.5  # times a given noise: the least residual that takes its place
 _OFF = 1e-6  # of a position's changes: an error of the initial state that no sensor shows
 _STRETCH, _SHORTEST = 6, 0.2  # stretches per recording; s
 _MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above which stretches are fitted
-_ROUNDS, _TIED_ROUNDS = 12, 3  # of handing on the unmeasured states, and of weighting tied stretches
-_STEPS = 5  # of the search between two updates of the unmeasured initial states
-_SHARES = (1.0, 0.3, 0.1)  # tried steps toward the end of the stretch before
-_WORSE, _LITTLE = 1.1, 1e-6  # ratio of costs up to which a step is taken; mean square residual that does not matter
-_CONVERGED = 1e-3  # of the largest shift of a state
+_TIED_ROUNDS, _STEPS = 3, 5  # weightings of tied stretches, and steps of the search between two
 
 
 @dataclass
@@ -148,27 +144,20 @@ def _in_stretches(
 
 def _joined(parts: BestPoint) -> BestPoint:
     """The fit with stretches tied to each other, if it describes the recordings as well."""
-    problem, u = replace(parts.problem, noise=dict(parts.problem.noise)), parts.u
-    if not replace(problem, tied=True).ties:
+    problem = replace(parts.problem, noise=dict(parts.problem.noise), tied=True)
+    if not problem.ties:
         return parts
-    for _ in range(_ROUNDS):
-        if (moved := _handed_on(problem, u)) is None:
-            return parts
-        shifts = [(new.shift, old.shift) for new, old in zip(moved[0].runs, problem.runs, strict=True)]
-        problem, u = moved
-        if problem.work.stopped or max(_far(new, old) for new, old in shifts) < _CONVERGED:
-            break
-    tied = BestPoint(replace(problem, tied=True), u, parts.agreeing, problem.work.stopped, [*parts.notes], True)
-    for _ in range(0 if tied.stopped else _TIED_ROUNDS):  # while the residual is large, the ties are loose
-        _weigh(tied.problem, tied.u)
-        solution = search(tied.problem, tied.u, steps=_STEPS)
+    tied = BestPoint(problem, parts.u, parts.agreeing, False, [*parts.notes], True)
+    for _ in range(_TIED_ROUNDS):  # while the residual is large, the ties are loose
+        _weigh(problem, tied.u)
+        solution = search(problem, tied.u, steps=_STEPS)
         tied.u, tied.stopped = solution.u, solution.stopped
         if tied.stopped:
             break
     tied = _weighted(tied)
     if tied.stopped:
         return replace(parts, stopped=True)
-    tied.problem = replace(tied.problem, runs=tied.problem.handed_on(tied.u))
+    tied.problem = replace(problem, runs=problem.handed_on(tied.u))
     left, right = leftovers(parts.problem, parts.u), leftovers(tied.problem, tied.u)
     if not all(right[c][0] <= AS_WELL * left[c][0] for c in left):
         parts.notes.append(
@@ -178,31 +167,6 @@ def _joined(parts: BestPoint) -> BestPoint:
         return parts
     tied.notes.append("stretches begin where those before end, within the noise")
     return tied
-
-
-def _handed_on(problem: MachineProblem, u: Array) -> tuple[MachineProblem, Array] | None:
-    """The problem with unmeasured initial states nearer the ends of the stretches before, and its point.
-
-    They move at most as far as the fit stays as good; None if they cannot.
-    """
-    before = float(half_squares(problem.residuals(u[None]))[0])
-    ends = problem.handed_on(u)
-    for share in _SHARES:
-        runs = []
-        for old, new in zip(problem.runs, ends, strict=True):
-            shift = {n: old.shift.get(n, 0.0) + share * (x - old.shift.get(n, 0.0)) for n, x in new.shift.items()}
-            runs.append(replace(old, shift=shift))
-        moved = replace(problem, runs=runs)
-        solution = search(moved, u, steps=_STEPS)
-        if solution.stopped or solution.cost <= _WORSE * before + 0.5 * problem.size * _LITTLE:
-            return moved, solution.u
-    return None
-
-
-def _far(new: dict[str, float], old: dict[str, float]) -> float:
-    """The largest change of a shift, relative to the largest shift."""
-    size = max((abs(x) for x in new.values()), default=0.0)
-    return max((abs(x - old.get(name, 0.0)) for name, x in new.items()), default=0.0) / size if size > 0 else 0.0
 
 
 def _weighted(best: BestPoint) -> BestPoint:
