@@ -8,8 +8,8 @@ from itertools import chain
 import numpy as np
 
 from stribeck.identify.actuator.bridges import GAP
-from stribeck.identify.actuator.recordings import Channel, Logs, Recording
-from stribeck.identify.data.quality import OFF, ratio_of_ways
+from stribeck.identify.actuator.recordings import Logs, Recording
+from stribeck.identify.data.quality import disagreement
 
 _TAIL = 0.02  # of a recording that a column may lack at its end: a filter's delay, or a slower sensor's last sample
 
@@ -52,21 +52,10 @@ def _rates(r: Recording) -> Iterator[str]:
     """Contradictions between a measured speed and the derivative of the measured position."""
     for name, c in r.outputs.items():
         body, _, what = name.rpartition(".")
-        position = r.outputs.get(f"{body}.y")
-        if what != "v" or position is None or (ratio := _ratio_of_rates(position, c)) is None:
+        y = r.outputs.get(f"{body}.y")
+        if what != "v" or y is None:
             continue
-        if not 1 / OFF < ratio < OFF:
-            text = f"is {ratio:.4g} times the rate of {position.column!r}: a sign or a unit is wrong"
+        good, also = np.isfinite(y.x), np.isfinite(c.x)
+        if (ratio := disagreement([(y.t[good], y.x[good], np.interp(y.t[good], c.t[also], c.x[also]))])) is not None:
+            text = f"is {ratio:.4g} times the slope of {y.column!r}: a sign or a unit is wrong"
             yield f"{r.file}: {name}: column {c.column!r} {text}"
-
-
-def _ratio_of_rates(y: Channel, v: Channel) -> float | None:
-    """The factor between a speed and the rate of a position, if they are one motion."""
-    good, also = np.isfinite(y.x), np.isfinite(v.x)
-    if good.sum() < 30 or also.sum() < 30:
-        return None
-    t = np.linspace(max(y.t[good][0], v.t[also][0]), min(y.t[good][-1], v.t[also][-1]), 60)
-    moved = np.diff(np.interp(t, y.t[good], y.x[good]))
-    area = np.concatenate([[0.0], np.cumsum(np.diff(v.t[also]) * 0.5 * (v.x[also][1:] + v.x[also][:-1]))])
-    integral = np.diff(np.interp(t, v.t[also], area))
-    return ratio_of_ways(moved, integral)

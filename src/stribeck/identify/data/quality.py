@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,7 +18,7 @@ FEWEST = 50  # rows of a run: fewer hold no reversal, and a filter takes as many
 EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced
 _GAP = 5.5  # steps without a sample that end a run
 _ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
-OFF = 1.5  # times each other: more is another unit
+_OFF = 1.5  # times each other: more is another unit
 _SPIKE = 10.0  # times the usual force: what no friction comes to
 _RARE = 0.02  # of the rows: more are no fault of a sensor
 _GLITCH, _SCATTER = 20.0, 2.5  # times what is usual beside a cubic: a value that is off; what noise adds
@@ -106,19 +107,29 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
 
 
 def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
-    """Refuse a measured velocity that is another multiple of the position's slope: a sign or a unit is wrong.
-
-    Way made over fifty rows is compared, in which noise counts little: as it is, and less its mean, which a tachometer's
-    zero does not touch. Where a wrapped angle jumps nothing is compared.
+    """Refuse a measured velocity that is another multiple of the position's slope.
 
     Raises:
         InputError: naming the factor.
     """
     if not {"position", "velocity"} <= set(columns):
         return
+    ratio = disagreement([(columns["time"][r], columns["position"][r], columns["velocity"][r]) for r in runs])
+    if ratio is not None:
+        raise InputError(
+            f"{arg('velocity')}: {number}: is {ratio:.3g} times the slope of the position; a sign or a unit is wrong "
+            f"({arg('units')}), or it is another body's: leave out {arg('position')} then"
+        )
+
+
+def disagreement(runs: Iterable[tuple[Array, Array, Array]]) -> float | None:
+    """How many times the position's slope a velocity is, by runs of time, position and velocity; None where it is the slope.
+
+    Way made over fifty rows is compared, in which noise counts little: as it is, and less its mean, which a tachometer's
+    zero does not touch. Where a wrapped angle jumps nothing is compared.
+    """
     ways, sums = [], []
-    for r in runs:
-        time, x, v = (columns[name][r] for name in ("time", "position", "velocity"))
+    for time, x, v in runs:
         way = np.append(0.0, np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(time)))
         jumps = np.flatnonzero(abs(np.diff(x)) > _WRAPPED * np.ptp(x))
         whole = np.diff(np.searchsorted(jumps, np.arange(0, len(x), FEWEST - 1))) == 0
@@ -126,17 +137,13 @@ def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
         sums.append(np.diff(way[:: FEWEST - 1])[whole])
     measured, summed = np.concatenate(ways), np.concatenate(sums)
     if len(measured) < 2:
-        return
-    both_ratios = [ratio_of_ways(measured, summed), ratio_of_ways(measured - measured.mean(), summed - summed.mean())]
+        return None
+    both_ratios = [_ratio(measured, summed), _ratio(measured - measured.mean(), summed - summed.mean())]
     ratios = [x for x in both_ratios if x is not None]
-    if ratios and not any(1 / OFF < x < OFF for x in ratios):
-        raise InputError(
-            f"{arg('velocity')}: {number}: is {ratios[-1]:.3g} times the slope of the position; a sign or a unit is wrong "
-            f"({arg('units')}), or it is another body's: leave out {arg('position')} then"
-        )
+    return None if not ratios or any(1 / _OFF < x < _OFF for x in ratios) else ratios[-1]
 
 
-def ratio_of_ways(measured: Array, summed: Array) -> float | None:
+def _ratio(measured: Array, summed: Array) -> float | None:
     """How many times the ways by the velocity are those by the position, where the two are alike."""
     size = float(np.linalg.norm(measured)) * float(np.linalg.norm(summed))
     alike = float(measured @ summed)
