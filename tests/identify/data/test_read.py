@@ -17,7 +17,7 @@ from stribeck import InputError, examples
 from stribeck.errors import StribeckNote
 from stribeck.identify.api import fit
 from stribeck.identify.data.clocks import released
-from stribeck.identify.data.filters import decimate, low_pass, shifted
+from stribeck.identify.data.filters import decimate, low_pass
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.quality import clean
 from stribeck.identify.data.read import ColumnNames, read
@@ -204,12 +204,6 @@ def test_the_filters_in_pieces_are_the_filters():
     np.testing.assert_array_equal(low_pass(x[:99], 100.0, 1e-3), signal.filtfilt(b, a, x[:99], padlen=12))
     c = signal.cheby1(8, 0.05, 0.08)
     np.testing.assert_allclose(decimate(x[:5000], 10), signal.filtfilt(*c, x[:5000], padlen=24)[1::10], rtol=1e-12)
-
-
-@pytest.mark.parametrize("shift", [0.0, 0.3, -0.7, 2.0, 3.4, -5.9])
-def test_a_shift_moves_samples(shift):
-    t = np.arange(300)
-    np.testing.assert_allclose(shifted(np.sin(0.1 * t), shift)[10:-10], np.sin(0.1 * (t + shift))[10:-10], atol=1e-5)
 
 
 def test_decimal_commas_go_with_semicolons(tmp_path):
