@@ -16,7 +16,6 @@ from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import Record
 
 Of = TypeVar("Of", bound=ModelLibrary)
-ROUNDS = 4  # iterations between the number of independent rows and the choice that depends on it
 
 
 @dataclass
@@ -96,8 +95,9 @@ def rows_together(r: Array) -> float:
 
 def independent(lib: ModelLibrary, x: Array, sse: Array) -> float:
     """The number of independent rows, from the residual of the best model, then iteratively of the chosen one."""
-    rows, i = np.inf, int(np.argmin(sse))
-    for _ in range(ROUNDS):
+    rows, i, visited = np.inf, int(np.argmin(sse)), set[int]()
+    while i not in visited:
+        visited.add(i)
         r = lib.residual(lib.models[i], x[i])
         rows = min(rows, len(r) / rows_together(r))
         i = int(np.argmin(lib.scores(sse, rows)))

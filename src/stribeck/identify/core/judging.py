@@ -19,13 +19,13 @@ from stribeck.identify.core.choice import Of, Selection, rows_together
 from stribeck.identify.core.library import RIDGE, ModelLibrary
 from stribeck.identify.core.states import Estimate, EstimateState, ends, state_of
 
-DRAWS, SHARE, WORSE = (
-    40,
-    0.5,
-    2.0,
-)  # replicates; share of withheld forms; largest ratio of a replicate's squared residual to the reported model's
-AGAIN, WITHHELD = 0.95, 0.9  # quantiles of the shifts: of 40 draws the 38th and the 36th largest
-SEEN = 1.0  # rms residuals: largest visible part of a hidden form
+DRAWS = 40  # replicates: a quantile of 95 % is then known to 15 %
+SHARE = 0.5  # of the forms is withheld in a replicate: each form is missing in half of them
+WORSE = 2.0  # largest ratio of a replicate's squared residual to the reported model's: a worse one is no model of the record
+AGAIN, WITHHELD = (
+    0.95,
+    0.9,
+)  # quantiles of the shifts: of 40 draws the 38th and the 36th largest; round numbers, not tuned
 LAGS = 4.0  # times the correlated rows: Bartlett's weights then keep nine tenths of the correlation
 EXPLAINED = 0.25  # of the force's standard deviation: with a larger residual, nothing is identified
 
@@ -184,7 +184,7 @@ def _hidden(choice: Selection[Of], slope: Array) -> tuple[Array, list[str]]:
             column = lib.columns[:, members[0]]
             stands = inverse @ (j.T @ column)
             seen = float(np.sqrt(np.mean((column - j @ stands) ** 2)))
-            shifts.append(slope @ stands * min(SEEN * noise / max(seen, 1e-9), lib.largest_hidden(g)))
+            shifts.append(slope @ stands * min(noise / max(seen, 1e-9), lib.largest_hidden(g)))
             names.append(g)
     if not shifts:
         return np.zeros(len(slope)), [""] * len(slope)

@@ -14,14 +14,15 @@ from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import LawColumns, Record
 
-RIDGE, DEAD = (
-    1e-10,
-    1e-16,
-)  # added to a scaled diagonal of 1, against rounding; relative square below which a column counts as 0
+RIDGE = (
+    1e-10  # added to a scaled diagonal of 1: above the rounding of a Gram matrix, below every correlation that counts
+)
+DEAD = 1e-16  # relative square below which a column counts as 0: the rounding of double precision
 LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction at four recorded speeds
 SEEN = (0.02, 0.98)  # quantiles of the recorded speeds: the slowest and the fastest level, without single rows
 ASKED = "level at {:.4g}"  # at a speed given by the user
-CELL, STEEP = 1.2, 3.0  # range of a node's linearization, in cells; factor on the squared residual beyond it
+CELL = 1.2  # cells, to which a node's linearization is used: the next node is nearer beyond one
+STEEP = 3.0  # factor on the squared residual beyond it: such a model is reported only if all others are much worse
 LARGEST = 0.02  # of the force's standard deviation, or of a number: the largest form that may go unnoticed
 Model = tuple[int, tuple[str, ...]]  # index of the node, forms
 

@@ -23,15 +23,16 @@ CELLS = {
     1: (16,),
     2: (9, 6),
     3: (5, 4, 4),
-}  # of the grid of shapes: factors of 1.5 to 3, over which the linearization is valid
-BEAM, MOST, KEPT = (
+}  # of the grid of shapes: factors of 1.5 to 3, where a slope still holds
+BEAM, KEPT = (
     6,
-    4,
     250,
-)  # sets of forms kept at each depth; forms of a model (six helped 3 and ruined 2 of 17); models
-STEPS, REFINED, REFINED_WITH = 8, 4, 12  # Gauss-Newton steps; sets of forms with their own node; sets tried there
+)  # sets of forms kept at each depth, and models of all depths: more changed no choice on calibration records
+MOST = 4  # forms of a model: six helped 3 and ruined 2 of 17 measured records
+STEPS = 8  # Gauss-Newton steps at most: most searches end after three
+REFINED, REFINED_WITH = 4, 12  # sets of forms with a node of their own; sets tried there: the chosen one is among them
 RANK = 1e-9  # share of the largest singular value below which a direction of the columns counts as 0
-SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step
+SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step that are tried: what fails at a twentieth has come to its end
 LITTLE = 1e-5  # relative reduction of the squared residual below which the search ends
 HARDLY = 1e-3  # of a column's square: a smaller part independent of the model cannot be separated from it
 SHOWN = 0.05  # of a bend's height: the least that must occur in the record

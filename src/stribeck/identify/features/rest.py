@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.identify.log import Log
+from stribeck.identify.features.filtering import typical_roughness
+from stribeck.identify.log import MANY_ROWS, Log
 
 Mask = NDArray[np.bool_]
-_WINDOW, _SHORTEST = 0.02, 10  # s, rows: of a look
-_WINDOWS = 3  # in a row make a rest
-_SLOW = 0.02  # of the fastest speed: what noise may reach at rest
+_WINDOW, _SHORTEST = 0.02, 10  # s, rows of a look: shorter than any stop of an axis, and enough rows for a mean
+_WINDOWS = 3  # looks in a row make a rest: one alone may be a slow reversal
+_SLOW = 0.02  # of the fastest speed: what noise may reach at rest; a coarse encoder's does where nothing moves
 _NOISES = 4.0  # standard deviations: of a look's tens of rows, noise alone reaches it in none
 
 
@@ -81,7 +82,7 @@ def _long(still: Mask) -> Mask:
 def _noise(log: Log) -> float:
     """The standard deviation of the velocity's noise: from the raw motion's floor, and from the velocity itself."""
     v = log.velocity
-    white = float(1.4826 * np.median(abs(np.diff(v[:2_000_000], 3))) / np.sqrt(20.0)) if len(v) > 10 else 0.0
+    white = typical_roughness([v[: 2 * MANY_ROWS]])
     if log.spectrum is None or not log.bandwidth:
         return white
     floor, edge = log.spectrum[2], log.bandwidth
