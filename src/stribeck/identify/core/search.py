@@ -18,27 +18,19 @@ from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import LawColumns, Record
 
-CELLS = {
-    0: (),
-    1: (16,),
-    2: (9, 6),
-    3: (5, 4, 4),
-}  # of the grid of shapes: factors of 1.5 to 3, where a slope still holds
-BEAM, KEPT = (
-    6,
-    250,
-)  # sets of forms kept at each depth, and models of all depths: more changed no choice on calibration records
+# Nodes of the grid by the number of shapes: factors of 1.5 to 3 apart, where a slope still holds.
+CELLS = {0: (), 1: (16,), 2: (9, 6), 3: (5, 4, 4)}
+BEAM, KEPT = 6, 250  # sets of forms kept at each depth, and models of all depths
 MOST = 4  # forms of a model: six helped 3 and ruined 2 of 17 measured records
-STEPS = 8  # Gauss-Newton steps at most: most searches end after three
-REFINED, REFINED_WITH = 4, 12  # sets of forms with a node of their own; sets tried there: the chosen one is among them
+STEPS = 8  # Gauss-Newton steps at most: near an optimum each step squares the distance that is left
+REFINED, REFINED_WITH = 4, 12  # sets of forms with a node of their own; sets tried there, as ranks change at an optimum
 RANK = 1e-9  # share of the largest singular value below which a direction of the columns counts as 0
-SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step that are tried: what fails at a twentieth has come to its end
+SHORTER = (1.0, 0.4, 0.15, 0.05)  # parts of a step that are tried: a step that fails at a twentieth ends the search
 LITTLE = 1e-5  # relative reduction of the squared residual below which the search ends
 HARDLY = 1e-3  # of a column's square: a smaller part independent of the model cannot be separated from it
 SHOWN = 0.05  # of a bend's height: the least that must occur in the record
 STEEPNESS = 0.02  # of the level: the least coefficient for the slopes at an optimum
-# Reduction of the log squared residual per column that pays in the beam: BIC with some 200 independent rows.
-COST = 0.04
+COST = 0.04  # fall of the log squared residual per column that pays in the beam: BIC with some 200 independent rows
 FAINT = 1e-9  # largest value up to which a column counts as 0
 
 

@@ -13,9 +13,7 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 from stribeck.identify.log import MANY_ROWS
 
-HIGHEST = (
-    0.4  # of the sampling rate: the highest cut-off, a fifth below half of the rate, where a filter's edge has no room
-)
+HIGHEST = 0.4  # of the sampling rate: the highest cut-off; nearer to half of it a digital filter's edge is squeezed
 SETTLED = 5.0  # periods of the cut-off at the start of a run, in which a filter is not settled
 ASTRAY = 1.5  # periods of the cut-off at the end of a run in motion: there the filter continues the motion wrongly
 _STAGE = 13  # the most that one Chebyshev filter of order 8 is to reduce the rate by

@@ -12,7 +12,7 @@ from stribeck.identify.log import MANY_ROWS, Log
 Mask = NDArray[np.bool_]
 _WINDOW, _SHORTEST = 0.02, 10  # s, rows of a look: shorter than any stop of an axis, and enough rows for a mean
 _WINDOWS = 3  # looks in a row make a rest: one alone may be a slow reversal
-_SLOW = 0.02  # of the fastest speed: what noise may reach at rest; a coarse encoder's does where nothing moves
+_SLOW = 0.02  # of the fastest speed: what noise may reach at rest
 _NOISES = 4.0  # standard deviations: of a look's tens of rows, noise alone reaches it in none
 
 
