@@ -184,7 +184,10 @@ def test_starts_that_were_given_up_on_their_way_are_no_disagreement():
         ({"constants": rig.TRUTH}, "there is nothing to fit"),
         ({"terms": ("F_c_by_load",)}, "needs a column: (--)?load"),
         ({"terms": ("delay",)}, "delay: a static fit looks for it"),
-        ({"terms": ("sigma_2_by_direction",), "output": "velocity"}, "sigma_2_by_direction: has no place in a fit of the motion"),
+        (
+            {"terms": ("sigma_2_by_direction",), "output": "velocity"},
+            "sigma_2_by_direction: has no place in a fit of the motion",
+        ),
         ({"output": "velocity"}, "mass(: 0|.*0: a body that a force drives has a mass)"),
         ({"unknown": {"F_s": (2.0, 1.0)}}, r"F_s\.high: 1.0: must be > low"),
     ],

@@ -21,6 +21,9 @@ from stribeck.identify.core.states import Estimate, EstimateState, hanging
 from stribeck.scenario import Scenario
 
 RELATED = 0.95  # correlation above which two parameters cannot be separated: it makes an interval three times as wide
+# Difference of BIC up to which models explain equally well: "positive" evidence ends here (Kass and Raftery).
+EQUAL = 6.0
+FORMS = 3  # sets of forms that are reported: the best, and two that explain as much
 
 
 @dataclass
@@ -121,16 +124,26 @@ def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
 
 
 def _explained(choice: Selection[MachineLibrary]) -> list[str]:
-    """The forms that would explain the residual best, in words."""
+    """The forms that would explain the residual, in words, with alternatives that explain as much."""
     lib = choice.library
-    _, k, x, ratio = choice.choose(np.ones(len(lib.gram)), alone=False)
-    model = lib.models[k]
-    if not model[1]:
+    _, k, _, ratio = choice.choose(np.ones(len(lib.gram)), alone=False)
+    if not (chosen := lib.models[k][1]):
         return []
-    at = {column: n for n, column in enumerate(lib.index(model))}
-    first = {g: lib.groups[g][0] for g in model[1]}
-    sizes = {g: float(x[at[column]] / lib.unit[column]) for g, column in first.items()}
-    return [f"What is left would fall by {100 * (1 - ratio):.2g} % with {forms_in_words(sizes, lib.forms)}."]
+    solved, sse = lib.solve(lib.gram.sum(0))
+    score = lib.scores(sse, choice.rows)
+    near = [
+        i for i in np.argsort(score).tolist()
+        if i != k and score[i] < score[k] + EQUAL and len(lib.models[i][1]) == len(chosen)
+    ]  # fmt: skip
+    words = [forms_in_words(_coefficients(lib, i, solved[i]), lib.forms) for i in [k, *near][:FORMS]]
+    return [f"What is left would fall by {100 * (1 - ratio):.2g} % with {'; or as well '.join(words)}."]
+
+
+def _coefficients(lib: MachineLibrary, i: int, x: Array) -> dict[str, float]:
+    """The first coefficient of each of a model's forms, in its unit."""
+    at = {column: n for n, column in enumerate(lib.index(lib.models[i]))}
+    first = {g: lib.groups[g][0] for g in lib.models[i][1]}
+    return {g: float(x[at[column]] / lib.unit[column]) for g, column in first.items()}
 
 
 def unit(scenario: Scenario, c: MachineCoordinate) -> str:
