@@ -91,7 +91,7 @@ def test_a_long_record_is_thinned_to_where_it_moves(monkeypatch):
     from stribeck.identify.models import static_problem
 
     log, _ = from_rest_to_rest(12)
-    monkeypatch.setattr(static_problem, "MOST_RAW", 12 * 1500)
+    monkeypatch.setattr(static_problem, "ENOUGH_ROWS", 12 * 1500)
     rows = rows_of(log)
     assert np.mean(rows.rest) < 0.2  # a third of the record is rest
     within = rows.log.time % 6.0  # each file's start and stop, which tell the mass, are there
