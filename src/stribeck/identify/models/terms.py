@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ class Term:
     unit: str
     meaning: str
     factor: str = ""
-    column: Callable[[Log], Array] | None = None
+    column: Callable[[Log], Any] | None = None
     level: bool = False
     needs: str = ""
     positive: bool = False
@@ -62,7 +63,7 @@ def column(name: str, log: Log) -> Array:
     """The column of the log that a term multiplies."""
     made = TERMS[name].column
     assert made is not None
-    return made(log)
+    return np.asarray(made(log))
 
 
 def problem(name: str, value: object) -> str:
