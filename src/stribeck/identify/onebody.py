@@ -28,7 +28,7 @@ from stribeck.identify.actuator.traces import BEGIN
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.features.filtering import other_motions
-from stribeck.identify.features.guess import Guess, ranges, sizes_of
+from stribeck.identify.features.guess import Guess, ranges, sizes_of, steady_curve
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import ENOUGH_ROWS, Log
@@ -44,7 +44,6 @@ from stribeck.simulation import simulate
 Progress = Callable[[float], None]
 Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
-_SIGN = 0.01  # of the largest speed: width of the smooth sign for initial values
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
 _STROKE = 5.0  # break-away distances: gross sliding begins after two or three
 _BENT = 5.0  # break-away distances: largest deflection of the bristles at the start of a run
@@ -221,19 +220,17 @@ def _defaults(law: type[Law], fixed: Values, free: Sequence[str]) -> dict[str, f
 def _first(model: OneBody, log: Log) -> None:
     """Set initial values and ranges.
 
-    Terms follow from least squares together with Coulomb and viscous friction, constants from the remaining force.
+    Terms follow from least squares together with a Stribeck curve, which is the first one of the law.
     """
     columns = {n: terms.column(n, log) for n in (*model.wanted, *model.held) if TERMS[n].column is not None}
     force = log.force - sum((x * columns[n] for n, x in model.held.items() if n in columns), np.zeros(len(log)))
-    slow = max(_SIGN * float(np.max(abs(log.velocity))), 1e-300)
     wanted = [n for n in model.wanted if n in columns]
-    matrix = np.column_stack([*(columns[n] for n in wanted), np.tanh(log.velocity / slow), log.velocity])
-    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
-    least = dict(zip(wanted, np.linalg.lstsq(matrix / size, force, rcond=1e-9)[0] / size, strict=False))
-    least = {n: float(x) for n, x in least.items() if x > 0 or not TERMS[n].positive}
+    of_wanted, curve = steady_curve(log.velocity, [columns[n] for n in wanted], force)
+    least = dict(zip(wanted, of_wanted.tolist(), strict=True))
+    least = {n: x for n, x in least.items() if x > 0 or not TERMS[n].positive}
     beside = sum((x * columns[n] for n, x in least.items()), np.zeros(len(log)))
     sizes = sizes_of(log.with_columns(force=force - beside))
-    known = ranges(model.law, sizes)
+    known = ranges(model.law, sizes, curve)
     model.first.update({n: known[n] for n in model.free})
     for n, other, nearer in (("F_c", "F_s", min), ("F_s", "F_c", max)):  # no law has F_c above F_s
         if n in model.free and other in model.fixed:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,8 @@ _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 
 RISE = 0.3  # of the friction level: less is noise or inertia
 _FEWEST_AT_REST = 8  # samples
 HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
+_BENDS, _PLACES = (1e-3, HALF), 9  # of the fastest speed: tried v_s, a factor of 2 apart, as its error squared then fits
+_WITHIN = 0.3  # of v_s: the width of the smooth sign, which the bend must not hide
 _TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
 
 
@@ -103,17 +105,41 @@ def rises(log: Log, force: Array, level: float, most: int) -> Iterator[tuple[int
                 yield half, float(rise[half]), float(abs(y[first + half] - y[first]))
 
 
-def ranges(law: type[Law], sizes: Sizes) -> dict[str, Guess]:
-    """A rough value and bounds for each constant of the law that a fit may free."""
+def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array, dict[str, float]]:
+    """Coefficients of the columns ``beside`` friction, and rough values of a Stribeck curve: least squares for some v_s.
+
+    Args:
+        v: the speed, m/s; ``force``: of friction and the columns, N.
+    """
+    fast = float(np.max(abs(v), initial=1e-300))
+    found = []
+    for v_s in np.geomspace(*_BENDS, _PLACES) * fast:
+        sign = np.tanh(v / (_WITHIN * v_s))
+        columns = np.column_stack([*beside, sign, np.exp(-((v / v_s) ** 2)) * sign, v])
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        x, *_ = np.linalg.lstsq(columns / size, force, rcond=1e-9)
+        left = force - columns / size @ x
+        *of_beside, F_c, bend, sigma_2 = x / size
+        found.append((float(left @ left), of_beside, {"F_c": F_c, "F_s": F_c + bend, "v_s": v_s, "sigma_2": sigma_2}))
+    falling = [each for each in found if each[2]["F_s"] > each[2]["F_c"] > 0]
+    _, of_beside, values = min(falling or found, key=lambda each: each[0])
+    return np.array(of_beside), {n: float(x) for n, x in values.items()}
+
+
+def ranges(law: type[Law], sizes: Sizes, curve: Mapping[str, float]) -> dict[str, Guess]:
+    """A rough value and bounds for each constant of the law that a fit may free; ``curve``: of :func:`steady_curve`."""
     f, fast, k = sizes.force, sizes.fast, sizes.stiffness
+
+    def rough(name: str, low: float, high: float) -> Guess:
+        return Guess(min(max(curve[name], 2 * low), high / 2), low, high)
+
     known = {
         "sigma_0": Guess(k, k / 200, k * 200),
         "sigma_1": Guess(k * sizes.step, k * sizes.step / 300, k * sizes.step * 300),  # else no sample shows it
-        "sigma_2": Guess(0.1 * f / fast, 1e-4 * f / fast, 10 * f / fast),
-        "F_c": Guess(0.8 * f, 0.03 * f, 6 * f),
-        "F_s": Guess(1.2 * f, 0.05 * f, 10 * f),
-        # where greased guides and gears have it; a v_s a thousand times too small makes simulations crawl
-        "v_s": Guess(3e-3 * fast, 3e-5 * fast, HALF * fast),
+        "sigma_2": rough("sigma_2", 1e-4 * f / fast, 10 * f / fast),
+        "F_c": rough("F_c", 0.03 * f, 6 * f),
+        "F_s": rough("F_s", 0.05 * f, 10 * f),
+        "v_s": rough("v_s", 3e-5 * fast, HALF * fast),  # greased guides and gears have about 3e-3 of the fastest speed
     }
     for name, constant in law.constants().items():
         if name not in known:
