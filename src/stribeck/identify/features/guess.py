@@ -15,8 +15,14 @@ _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 
 RISE = 0.3  # of the friction level: less is noise or inertia
 _FEWEST_AT_REST = 8  # samples
 HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
-_BENDS, _PLACES = (1e-3, HALF), 9  # of the fastest speed: tried v_s, a factor of 2 apart, as its error squared then fits
-_WITHIN = 0.3  # of v_s: the width of the smooth sign, which the bend must not hide
+_BENDS, _PLACES = (
+    (1e-3, HALF),
+    9,
+)  # of the fastest speed: tried v_s, a factor of 2 apart, as its error squared then fits
+_SIGN, _WITHIN = (
+    0.01,
+    0.3,
+)  # of the fastest speed, and of v_s, whose bend it must not hide: the width of the smooth sign
 _TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
 
 
@@ -114,7 +120,7 @@ def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array
     fast = float(np.max(abs(v), initial=1e-300))
     found = []
     for v_s in np.geomspace(*_BENDS, _PLACES) * fast:
-        sign = np.tanh(v / (_WITHIN * v_s))
+        sign = np.tanh(v / min(_SIGN * fast, _WITHIN * v_s))
         columns = np.column_stack([*beside, sign, np.exp(-((v / v_s) ** 2)) * sign, v])
         size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         x, *_ = np.linalg.lstsq(columns / size, force, rcond=1e-9)

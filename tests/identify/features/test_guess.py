@@ -1,0 +1,29 @@
+"""Rough values of a law's constants from a log."""
+
+import numpy as np
+import pytest
+
+from stribeck.identify.features.guess import steady_curve
+
+T = np.arange(0, 10, 2e-3)
+V = 0.2 * np.sin(2 * np.pi * 0.5 * T) + 0.1 * np.sin(2 * np.pi * 1.3 * T)
+A = np.gradient(V, T)
+
+
+@pytest.mark.parametrize("v_s", [2e-3, 0.02, 0.1])
+def test_a_stribeck_curve_is_found_beside_inertia_and_offset(v_s):
+    sign = np.tanh(V / 1e-3)
+    force = 2 * A + 0.5 + (5 + 3 * np.exp(-((V / v_s) ** 2))) * sign + 10 * V
+    force += 0.05 * np.random.default_rng(7).standard_normal(len(T))
+    beside, curve = steady_curve(V, [A, np.ones(len(T))], force)
+    assert beside == pytest.approx([2, 0.5], rel=0.05, abs=0.05)
+    assert curve["F_c"] == pytest.approx(5, rel=0.25)
+    assert 5 < curve["sigma_2"] < 20
+    assert v_s / 2.5 < curve["v_s"] < 2.5 * v_s
+    assert curve["F_c"] * 1.2 < curve["F_s"] < 11
+
+
+def test_friction_without_a_bend_keeps_its_level():
+    curve = steady_curve(V, [A], 2 * A + 5 * np.tanh(V / 1e-3) + 10 * V)[1]
+    assert curve["F_c"] == pytest.approx(5, rel=0.05)
+    assert abs(curve["F_s"] - 5) < 1
