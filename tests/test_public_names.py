@@ -76,6 +76,7 @@ def test_a_scenario_does_not_change(law):
     other = scenario.replace({"law.parameters.F_s": 2.0})
     assert (other.law.p.F_s, scenario.law.p.F_s) == (2.0, 1.5)
     assert other.replace({"law.parameters.F_s": 1.5}) == scenario != other
+    assert len({scenario, other, other.replace({"law.parameters.F_s": 1.5})}) == 2
     assert repr(scenario) == "<Scenario scenario: law lugre_majorant, t_end 0.2 s>"
     assert scenario.replace({"law": law.replace(F_c=0.9)}).law.p.F_c == 0.9
     machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law))

@@ -9,6 +9,7 @@ import pytest
 
 import stribeck
 from stribeck import InputError, Scenario, design
+from stribeck.loops import uncertainty
 from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import loop_of
@@ -199,9 +200,43 @@ def test_a_set_in_a_file_is_found_from_the_folder_of_the_machine_that_is_written
     assert _status(["run", str(tmp_path / "deep" / "out" / "machine.toml")]) == 0
 
 
+INTERVALS = """
+[parameters]
+F_c = {low = 0.5, high = 1.5}
+"contacts.guide.law.parameters.F_s" = {value = 2.0, low = 1.8, high = 2.4}
+sigma_0 = {value = 1e5}
+sigma_2 = {low = 3.0}
+"""
+
+
+def test_the_intervals_of_a_file_hold_for_each_contact_that_has_the_constant(tmp_path):
+    (tmp_path / "fit.toml").write_text(INTERVALS)
+    found = uncertainty.friction_intervals(Scenario(axis()), tmp_path / "fit.toml")
+    assert found == {"contacts.guide.law.parameters.F_c": (0.5, 1.5), "contacts.guide.law.parameters.F_s": (1.8, 2.4)}
+    samples = uncertainty.friction_samples(found)
+    F_c, F_s = (samples[path] for path in found)
+    assert (F_s >= F_c).all()
+    assert (F_c.min(), F_c.max(), F_s.min(), F_s.max()) == (0.5, 1.5, 1.8, 2.4)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "has no table [parameters] with intervals"),
+        ("[parameters]\nF_c = 1.0\n", "no parameter has both low and high"),
+        ("[parameters]\nF_k = {low = 1, high = 2}\n", "F_k: no contact of the machine has it"),
+        ("[parameters]\nF_c = {low = 2, high = 1}\n", "F_c: low = 2 must not be above high = 1"),
+    ],
+)
+def test_a_file_that_holds_no_intervals(text, message, tmp_path):
+    (tmp_path / "fit.toml").write_text(text)
+    with pytest.raises(InputError) as error:
+        uncertainty.friction_intervals(Scenario(axis()), tmp_path / "fit.toml")
+    assert message in str(error.value)
+
+
 def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):
     """The run at 5 % more speeds up by itself; at 5 % less than the share the same body comes to rest."""
-    from stribeck.loops import uncertainty
     from stribeck.loops.excess import excess
 
     loop = loop_of(Scenario(axis(contact=law("lugre", sigma_1=30.0, sigma_2=2.0))))

@@ -18,6 +18,7 @@ from stribeck.waveforms import (
 )
 from stribeck.waveforms.pieces import JUMP, pieces
 from stribeck.waveforms.piecewise import KINDS
+from stribeck.waveforms.sums import least_of
 
 
 def points(t, value):
@@ -130,6 +131,14 @@ def test_pieces_cut_at_turns_have_the_sign_of_the_rate(signal):
     assert changes[~np.isin(cut.start, whole.start)].all()  # no more cuts than reversals
     assert (cut.restart[changes] == JUMP).all()
     assert (cut.restart[~changes] == whole.restart[np.isin(whole.start, cut.start[~changes])]).all()
+
+
+@pytest.mark.parametrize("signal", MOVING)
+def test_a_lower_bound(signal):
+    least = np.min(signal.at(np.linspace(0, 10, 100_001)))
+    assert least_of(signal) <= least + 1e-4
+    if not isinstance(signal, SumSignal):  # of a sum the parts' bounds are added
+        assert least_of(signal) == pytest.approx(least, abs=1e-3)
 
 
 def test_a_sine_that_stays_on_one_side_has_no_crossings():

@@ -8,6 +8,7 @@ import pytest
 import sympy
 
 import stribeck
+from stribeck import StribeckError, examples
 from stribeck.cli import _status
 from stribeck.expressions import ops
 from stribeck.laws import BristleLaw
@@ -174,6 +175,11 @@ def test_V_along_a_run():
     fine = along(solved(solve__t_end=0.4, output__step=1e-4))
     rise = np.convolve(fine.dV_dt, [1, 4, 1], "valid")[600::2] * 1e-4 / 3
     assert np.max(np.abs(np.diff(fine.V[600:][::2])[: len(rise)] - rise)) <= 1e-6 * fine.V[0]
+
+
+def test_V_needs_the_rows_of_a_servo():
+    with pytest.raises(StribeckError, match="V needs the solution of a servo, with rows"):
+        along(stribeck.simulate(stribeck.Scenario.load(examples.path("stick_slip"), {"solve.t_end": 0.01})))
 
 
 def test_what_the_solver_leaves_is_no_rise():

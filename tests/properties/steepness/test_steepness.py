@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 from math import atan, exp, inf, pi, sqrt, tan
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from stribeck import InputError, Scenario, check, law, simulate
+from stribeck.errors import StribeckError
 from stribeck.laws import builtin
 from stribeck.parameter_sets import parameters
-from stribeck.properties.steepness import Tolerated, smallest_steepness
+from stribeck.properties.steepness import Tolerated, simulated, smallest_steepness
 from stribeck.properties.steepness.search import smallest
 from tests.simulation.rig import law_table, rig
 
@@ -34,6 +36,13 @@ def only(advices, name):
     (requirement,) = advices[name].requirements
     assert advices[name].k_v == requirement.k_v
     return requirement
+
+
+def test_a_run_that_fails_ends_the_search(monkeypatch):
+    monkeypatch.setattr(simulated, "simulate", lambda scenario: SimpleNamespace(reason="the step became too small"))
+    scenario = Scenario(rig("lugre", "force", {"kind": "ramp", "rate": 0.1}, 1.0))
+    with pytest.raises(StribeckError, match="under lugre failed: the step became too small"):
+        advise("lugre_majorant", "canudas1995", position_error=1e-6, scenario=scenario)
 
 
 @pytest.mark.parametrize(("speed", "k_v"), [(12.7e-6, 1e6), (1.27e-6, 1e7), (0.127e-6, 1e8)])
