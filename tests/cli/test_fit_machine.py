@@ -6,7 +6,7 @@ import tomllib
 import pytest
 import tomli_w
 
-from stribeck import Fit, Scenario, simulate
+from stribeck import Fit, InputError, Scenario, simulate
 from stribeck.identify.said import HEAD
 from tests.identify.actuator.recorded import body, logs, record
 from tests.pages import Page
@@ -40,6 +40,8 @@ def test_the_command_writes_a_machine_that_runs(stribeck, tmp_path):
     assert read["F_c"] is read.parameters[F_C]
     assert read.error(False) == found["error"]["fitted"]
     assert read.machine.data["bodies"]["a"]["mass"] == mass["value"]
+    with pytest.raises(InputError, match="it holds no recording"):
+        read.plot()
     assert simulate(Scenario.load(tmp_path / "out" / "machine.toml")).status == "done"
 
 

@@ -355,6 +355,35 @@ def test_states_and_times_are_numbers(name, part, fmi, folder):
             assert not any(model.refused().values())
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_instance_of_another_token_is_refused_to_hosts_that_hear_it_and_to_others(fmi, folder):
+    import ctypes
+
+    from fmpy import fmi2, fmi3
+
+    path, said = fmu("lugre_majorant", "body", fmi, folder), []
+    identifier = fmpy.read_model_description(path).coSimulation.modelIdentifier
+    words = {"guid": "", "unzipDirectory": fmpy.extract(path), "modelIdentifier": identifier}
+    if fmi == 2:
+        host, log = fmi2.FMU2Slave(**words), fmi2.fmi2CallbackLoggerTYPE(lambda *message: said.append(message[-1]))
+        called = [
+            None,
+            *(ctypes.byref(fmi2.fmi2CallbackFunctions(logger=x)) for x in (fmi2.fmi2CallbackLoggerTYPE(), log)),
+        ]
+        made = [host.fmi2Instantiate(b"one", fmi2.fmi2CoSimulation, b"another", b"", x, 0, 0) for x in called]
+    else:
+        host, log = fmi3.FMU3Slave(**words), fmi3.fmi3LogMessageCallback(lambda *message: said.append(message[-1]))
+        made = [
+            host.fmi3InstantiateCoSimulation(
+                b"one", b"another", None, False, False, False, False, None, 0, None, x,
+                fmi3.fmi3IntermediateUpdateCallback(),
+            ) for x in (fmi3.fmi3LogMessageCallback(), log)
+        ]  # fmt: skip
+    assert not any(made)
+    assert len(said) == 1
+    assert b"is not that of this FMU" in said[0]
+
+
 def test_two_instances_share_nothing(slave):
     one, two = slave(), slave()
     for each in (one, two):

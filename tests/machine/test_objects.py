@@ -32,7 +32,7 @@ def test_a_file_as_objects():
             factors={"level": {"amplitude": [0.15], "waves": [6], "phase": [0.0]}},
         ),
         st.Load.pendulum("gravity", "arm", amplitude=4.0),
-        st.Load.ripple("cogging", "rotor", [2e-3], [14], [0.0]),
+        st.Load.ripple("cogging", "rotor", np.array([2e-3]), [14], [0.0]),
         st.Motor("drive", "rotor", K=0.07, R=0.4, L=2e-4, voltage=24.0),
         st.Controller.cascade(
             "axis", on="drive", measures="rotor", signal=st.signals.PointToPoint([0.1, 0.7], [0.0, 50.0]), K_p=20.0, K_v=0.02,
