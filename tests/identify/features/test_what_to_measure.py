@@ -1,5 +1,7 @@
 """What is advised where the data leave a number open: its numbers, and its effect once it is carried out."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,11 @@ def test_a_level_that_is_open_is_no_scale_of_reversals():
     assert reachable(VALUES, SIZES, {"F_s", "F_c"})["large"] == pytest.approx(5e-5)  # the force that was applied
     assert reachable(VALUES, SIZES)["large"] == pytest.approx(4e-4)
     assert "5e-05 m (total way)" in experiment_for("sigma_0", VALUES, SIZES, {"F_s", "sigma_0"})
+
+
+def test_reversals_stay_within_a_tenth_of_the_travel_where_it_is_known():
+    assert reachable(VALUES, replace(SIZES, travel=1e-4))["large"] == pytest.approx(5e-5)
+    assert reachable(VALUES, replace(SIZES, travel=0.0)) == reachable(VALUES, SIZES)
 
 
 def test_fast_reversals_have_samples_enough():
