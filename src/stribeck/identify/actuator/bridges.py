@@ -22,15 +22,12 @@ _DRAWS = 4  # of the interpolation error, with a random sign in each gap
 
 @dataclass(frozen=True)
 class Bridged:
-    """A signal with interpolated gaps: ``x``, and ``others`` (draws, times) with the possible error added in each gap.
-
-    The error has a random sign in each gap and is scaled by 1/``doubt``. ``doubt`` is 0 if nothing is missing.
-    """
+    """A signal with interpolated gaps: ``x``, and ``others`` (draws, times) with the possible error added, its sign random in
+    each gap; none if nothing is missing."""
 
     t: Array
     x: Array
     others: Array
-    doubt: float = 0.0
 
 
 def bridged(t: Array, x: Array) -> Bridged:
@@ -42,23 +39,21 @@ def bridged(t: Array, x: Array) -> Bridged:
     step = float(np.median(gaps)) if len(gaps) else 1.0
     before = np.flatnonzero(gaps > GAP * step).tolist()
     if not before or len(t) < 3 * _LEAST:
-        return Bridged(t, x, x[None])
+        return Bridged(t, x, x[None][:0])
     number = np.rint((t - t[0]) / step).astype(np.int64)
     even = np.full(int(number[-1]) + 1, np.nan)
     even[number] = x
     times, values, errors = zip(*(_across(t, x, i, step, number, even) for i in before), strict=True)
     order = np.argsort(new := np.concatenate([t, *times]))
     whole = np.concatenate([x, *values])[order]
-    doubt = float(max(errors))
-    if not doubt > 0:
-        return Bridged(new[order], whole, whole[None])
+    if not max(errors) > 0:
+        return Bridged(new[order], whole, whole[None][:0])
     sides = np.random.default_rng(0).choice([-1.0, 1.0], (_DRAWS, len(before)))
-    size = float(np.sqrt(np.mean(x**2)))  # largest error of the draws: far above the solver's error
     added = [np.zeros((_DRAWS, len(t)))]
     for i, inner, error, side in zip(before, times, errors, sides.T, strict=True):
         parabola = (inner - t[i]) * (t[i + 1] - inner)
-        added.append(size * error / doubt * side[:, None] * (parabola / np.sqrt(np.mean(parabola**2))))
-    return Bridged(new[order], whole, whole + np.concatenate(added, axis=1)[:, order], doubt / size)
+        added.append(error * side[:, None] * (parabola / np.sqrt(np.mean(parabola**2))))
+    return Bridged(new[order], whole, whole + np.concatenate(added, axis=1)[:, order])
 
 
 def _across(

@@ -12,6 +12,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator.recordings import Logs, Sought
+from stribeck.recorded import listed
 from stribeck.scenario import Scenario
 
 _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
@@ -142,7 +143,7 @@ def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
         with suppress(InputError):  # a constant that is off, such as an omitted backlash
             places = scenario.with_changes({path: values[-1]}).places
     if path not in places:
-        return f"no such number of the machine{nearest(path, places) or f' (it has {_like(path, [*places])})'}"
+        return f"no such number of the machine{nearest(path, places) or f' (it has {listed([*places])})'}"
     for x in values:
         try:
             scenario.with_changes({path: x})
@@ -151,15 +152,6 @@ def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
             if mine and "F_c" not in mine[0].partition(": ")[2]:  # the search maintains relations to other numbers
                 return f"{x:g}: {mine[0].partition(': ')[2]}"
     return None
-
-
-def _like(path: str, places: Sequence[str]) -> str:
-    """Suggestions for an unknown path: the machine's numbers of the same element, or of the same kind."""
-    words = path.split(".")
-    for most in (2, 1):
-        if same := [x for x in places if x.split(".")[:most] == words[:most]]:
-            return ", ".join([*same[:5], *["..."] * (len(same) > 5)])
-    return ", ".join([*places[:3], "..."])
 
 
 class Relations:

@@ -29,7 +29,7 @@ _MOST = 0.49  # largest relative change: the extrapolation is singular at one ha
 def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
     """The changes of the residuals by each relevant source of errors, (draws, residuals); ``J``: the Jacobian."""
     r = problem.residuals(u[None])[0]
-    draws = [_by_gaps(problem, u, r), *_fitted_again(problem, u, J)]
+    draws: list[Array | None] = [*_fitted_again(problem, u, J)]
     pilot = _by_noise(problem, u, r, _PILOT)
     if pilot is not None and np.mean(pilot**2) * problem.size > _LITTLE * float(r @ r):
         draws.append(_by_noise(problem, u, r, _DRAWS))
@@ -40,7 +40,7 @@ def carried(problem: MachineProblem, u: Array) -> Array:
     """The rms effect of these errors on each residual at a point, without fitting again."""
     r = problem.residuals(u[None])[0]
     draws = [np.array([change_by(problem, u, r, runs) for runs in same]) for same in _alternatives(problem)]
-    every = [*draws, _by_gaps(problem, u, r), _by_noise(problem, u, r, _PILOT)]
+    every = [*draws, _by_noise(problem, u, r, _PILOT)]
     square = sum((np.mean(x**2, axis=0) for x in every if x is not None and np.isfinite(x).all()), np.zeros(len(r)))
     return np.asarray(np.sqrt(square))
 
@@ -55,8 +55,11 @@ def change_by(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRu
 def _alternatives(problem: MachineProblem) -> Iterator[list[list[RecordedRun]]]:
     """By cause, the alternative recordings."""
     for cause in dict.fromkeys(cause for run in problem.runs for cause in run.as_well):
-        count = max(len(run.as_well[cause]) for run in problem.runs)
-        yield [[run.instead(run.as_well[cause][n]) for run in problem.runs] for n in range(count)]
+        count = max(len(run.as_well.get(cause, ())) for run in problem.runs)
+        yield [
+            [run.instead(run.as_well[cause][n]) if cause in run.as_well else run for run in problem.runs]
+            for n in range(count)
+        ]
 
 
 def _fitted_again(problem: MachineProblem, u: Array, J: Array) -> Iterator[Array]:
@@ -110,17 +113,3 @@ def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array 
     for (_, target, rows), x in zip(problem.pieces, columns, strict=True):
         off[:, rows] = (x - target.x) / problem.noise[target.column] - r[rows]
     return off
-
-
-def _by_gaps(problem: MachineProblem, u: Array, r: Array) -> Array | None:
-    """Changes of the residuals by the interpolation error of inputs in their gaps."""
-    draws = max(len(run.bridged) for run in problem.runs)
-    if not draws:
-        return None
-    every = np.zeros((draws, len(r)))
-    for k, run in enumerate(problem.runs):
-        for off, drives in zip(every, run.bridged, strict=False):
-            runs = [*problem.runs]
-            runs[k] = run.driven(drives)
-            off += run.doubt * change_by(problem, u, r, runs)
-    return every

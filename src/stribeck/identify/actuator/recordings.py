@@ -78,6 +78,18 @@ class Recording:
     notes: tuple[str, ...] = ()
     as_well: Mapping[str, Sequence[Recording]] = field(default_factory=dict)
 
+    def crossed(self) -> list[Recording]:
+        """The run with inputs that cross their gaps otherwise; none if no input lacks samples."""
+        draws = max((len(c.bridged.others) for c in self.inputs.values()), default=0)
+        inputs = [
+            {
+                path: replace(c, t=c.bridged.t, x=[*c.bridged.others, *[c.bridged.x] * draws][n])
+                for path, c in self.inputs.items()
+            }
+            for n in range(draws)
+        ]
+        return [replace(self, inputs=each) for each in inputs]
+
 
 @dataclass(frozen=True)
 class Sought:

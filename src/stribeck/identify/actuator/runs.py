@@ -45,7 +45,6 @@ class RecordedRun:
     Attributes:
         piece: when the stretch begins, as in the names of its coordinates; None: the whole recording.
         inputs: the recorded inputs, by path.
-        bridged: draws of the inputs with the interpolation error of gaps, scaled by 1/``doubt``.
         as_well: alternative measurements by cause of error.
         start: initial values that differ from the file's; ``shift``: added to other initial states of a stretch.
         played: by name, a term's unit in each signal.
@@ -58,8 +57,6 @@ class RecordedRun:
     scenario: Scenario
     targets: list[Channel]
     inputs: dict[str, RecordedInput] = field(default_factory=dict)
-    bridged: Sequence[Mapping[str, RecordedInput]] = ()
-    doubt: float = 0.0
     as_well: Mapping[str, Sequence[MeasuredRun]] = field(default_factory=dict)
     start: dict[str, float] = field(default_factory=dict)
     shift: dict[str, float] = field(default_factory=dict)
@@ -209,7 +206,7 @@ def recorded_run(
     if scenario.elements.unnamed:
         raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
     begin, end = span or (0.0, float(recording.t[-1]))
-    drives, bridged, doubt = driven_by(scenario, recording, (begin, end))
+    drives = driven_by(scenario, recording, (begin, end))
     problems = [
         f"log.{log}.inputs.{path}.held: true: must be false: a feedforward needs a smooth command"
         for path, each in drives.items() if each.held and each.spline
@@ -232,12 +229,12 @@ def recorded_run(
         raise InputError([f"log.{log} ({recording.file}): {line}" for line in error.problems]) from None
     until = min(end, new.end + begin)
     as_well = {
-        cause: [MeasuredRun(driven_by(scenario, x, (begin, end))[0], compared(x, begin, until)) for x in same]
-        for cause, same in recording.as_well.items()
-    }
+        cause: [MeasuredRun(driven_by(scenario, x, (begin, end)), compared(x, begin, until)) for x in same]
+        for cause, same in {**recording.as_well, "missing samples": recording.crossed()}.items() if same
+    }  # fmt: skip
     piece = None if span is None else f"{begin:g}"
     targets = compared(recording, begin, until)
-    return RecordedRun(recording.file, log, piece, new, targets, drives, bridged, doubt, as_well)
+    return RecordedRun(recording.file, log, piece, new, targets, drives, as_well)
 
 
 def compared(recording: Recording, begin: float, end: float) -> list[Channel]:
@@ -250,21 +247,10 @@ def compared(recording: Recording, begin: float, end: float) -> list[Channel]:
     return targets
 
 
-def driven_by(
-    scenario: Scenario, recording: Recording, span: tuple[float, float]
-) -> tuple[dict[str, RecordedInput], list[dict[str, RecordedInput]], float]:
-    """The recorded inputs by path, draws of those with gaps, and the factor to scale their interpolation error."""
-    drives, draws = dict[str, RecordedInput](), list[dict[str, RecordedInput]]()
-    doubt = max((c.bridged.doubt for c in recording.inputs.values()), default=0.0)
-    for path, channel in recording.inputs.items():
-        whole = channel.bridged
-        drives[path] = recorded_input(scenario, path, whole.t, whole.x, span, channel)
-        if whole.doubt > 0:
-            draws = draws or [{} for _ in whole.others]
-            for draw, other in zip(draws, whole.others, strict=True):
-                x = whole.x + whole.doubt / doubt * (other - whole.x)
-                draw[path] = recorded_input(scenario, path, whole.t, x, span, channel)
-    return drives, draws, doubt
+def driven_by(scenario: Scenario, recording: Recording, span: tuple[float, float]) -> dict[str, RecordedInput]:
+    """The recorded inputs by path."""
+    whole = {path: (c, c.bridged) for path, c in recording.inputs.items()}
+    return {path: recorded_input(scenario, path, b.t, b.x, span, c) for path, (c, b) in whole.items()}
 
 
 def _step(recording: Recording) -> float:

@@ -21,9 +21,6 @@ RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # of factors 2 and 5: stages
 MOST_ROWS = 25_000  # of a fit: more tell nothing new behind the filter
 _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
 _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sign, by which they differ
-_FEWEST = 150  # rows that a band lowered for the mass's sake leaves
-_MOVES = 0.015  # of the mass: what half the band may change it by
-_HEAVY = 0.05  # of the force: less inertia tells nothing of the band
 _LITTLE_REST = 0.02  # of the rows: less rest stays in
 _SMEARED = 4.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
 _BEFORE = 10  # a stretch of a long record begins this part of its length before it moves
@@ -71,7 +68,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
         notes.append(
             f"the body rests in {share:.0%} of the rows: they are left out, as friction takes any value there up to break-away"
         )
-    q, why = _by_effect(log, *decimation(log, _FEW_TO_CHOOSE if to_choose else FEW_ROWS), rest)
+    q, why = decimation(log, _FEW_TO_CHOOSE if to_choose else FEW_ROWS)
     kept = kept_rows(log, q)
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
@@ -110,40 +107,6 @@ def decimation(log: Log, few: int = FEW_ROWS) -> tuple[int, str]:
     while len(log) / q > MOST_ROWS and q < RATES[-1]:
         q = next(r for r in RATES if r > q)
     return q, f"{100 * _POWER_KEPT:g} % of the force's power lies below {band:.3g} Hz: one row in {q} is fitted"
-
-
-def _by_effect(log: Log, q: int, why: str, rest: NDArray[np.bool_]) -> tuple[int, str]:
-    """A lower band where the mass hangs on it: noise of the acceleration makes the mass too small.
-
-    Force and motion pass the same filter, so that a band that is too low costs rows and biases nothing. A mass that becomes
-    smaller in a lower band is no such noise: the law, or the start of a run, does that.
-    """
-    shortest = min(r.stop - r.start for r in log.runs())
-    allowed = [r for r in RATES if r >= q and len(log) / r >= _FEWEST and shortest >= 30 * r]
-    before: tuple[int, float] | None = None
-    for rate in allowed:
-        mass, share = _mass_at(log, rate, rest)
-        if before is not None and (share < _HEAVY or abs(mass) - abs(before[1]) <= _MOVES * abs(mass)):
-            break
-        before = rate, mass
-    if before is None or before[0] == q:
-        return q, why
-    band = filters.HIGHEST / (before[0] * log.step)
-    return before[0], (
-        f"below {band:.3g} Hz the mass no longer hangs on the filter (noise of the acceleration makes it too small above): "
-        f"force and motion pass that filter, and one row in {before[0]} is fitted"
-    )
-
-
-def _mass_at(log: Log, q: int, rest: NDArray[np.bool_]) -> tuple[float, float]:
-    """The mass of a plain regression in a band, and what share of the force it makes."""
-    reduce = thinning(log, q)
-    columns = [log.acceleration, np.sign(log.velocity), log.velocity, np.ones(len(log)), np.where(rest, log.force, 0.0)]
-    matrix = np.column_stack([reduce(x) for x in columns])
-    size = np.maximum(np.sqrt(np.mean(matrix**2, axis=0)), 1e-300)
-    force = reduce(log.force)
-    coefficients = np.linalg.lstsq(matrix / size, force, rcond=1e-10)[0] / size
-    return float(coefficients[0]), float(abs(coefficients[0]) * size[0] / max(np.sqrt(np.mean(force**2)), 1e-300))
 
 
 def thinning(log: Log, q: int) -> Reduce:
