@@ -24,11 +24,12 @@ LOOPS = [loop(size, rate) for size in (8e-6, 2e-5) for rate in (4.0, 20.0)]
 STROKES = [stroke(speed) for speed in (5e-4, 2e-3, 5e-3, 1e-2, 3e-2, 0.1)]
 
 
-def measured(tests, law="lugre", noise=0.1, body=None, seed=1, **own):
-    """The log of a rig that plays the tests."""
-    made = find(law)({**TRUTH, **own})
-    sensors = Sensors(force_noise=noise)
-    return experiment(made, motion(tests, STEP / FINER), sensors, body, seed, FINER).log
+def measured(tests, law="lugre", noise=0.1, mass=0.0, stiffness=0.0, offset=0.0, **own):
+    """The log of a rig that plays the tests, with a mass (kg), a spring (N/m) and a constant force (N)."""
+    made, moves = find(law)({**TRUTH, **own}), motion(tests, STEP / FINER)
+    log = experiment(made, moves, Sensors(force_noise=noise), 1, FINER).log
+    more = mass * np.gradient(moves[1][::FINER], STEP) + stiffness * log.position + offset
+    return log.with_columns(force=log.force + more)
 
 
 def held_at(speed, seconds=2.0, noise=0.1):

@@ -8,7 +8,6 @@ from stribeck.errors import InputError
 from stribeck.identify.log import Log
 from stribeck.identify.onebody import fit_simulated, initial_deflections, parts
 from stribeck.identify.options import FitOptions
-from stribeck.identify.synthetic import Slider
 from tests.identify import rig
 
 MACHINE = {"sigma_0": 1e5, "sigma_1": 3e2, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
@@ -66,7 +65,7 @@ def test_every_parameter_of_lugre_is_found(full):
 
 
 def test_mass_spring_and_offset_are_told_apart():
-    log = rig.measured([*rig.LOOPS, *rig.STROKES], body=Slider(mass=2.0, stiffness=500.0, offset=3.0))
+    log = rig.measured([*rig.LOOPS, *rig.STROKES], mass=2.0, stiffness=500.0, offset=3.0)
     fit = fitted(log, terms=("stiffness",))
     for name, truth in (("mass", 2.0), ("stiffness", 500.0), ("offset", 3.0)):
         assert fit.body[name].value == pytest.approx(truth, rel=0.03), name
@@ -170,7 +169,7 @@ def test_noise_and_filter_of_the_motion_are_known_noise_of_the_force(tmp_path):
 
 def test_starts_that_were_given_up_on_their_way_are_no_disagreement():
     """A spring that the model lacks leaves much more than noise, at a minimum that every start comes to."""
-    log = rig.measured(rig.STROKES, body=Slider(mass=2.0, stiffness=500.0))
+    log = rig.measured(rig.STROKES, mass=2.0, stiffness=500.0)
     held = {n: rig.TRUTH[n] for n in ("sigma_1", "v_s")} | {"offset": 0.0}
     fit = fitted(log, mass=2.0, constants=held, starts=6)
     assert not any("few starts" in note for note in fit.notes), fit.notes

@@ -29,15 +29,6 @@ class Sensors:
 
 
 @dataclass(frozen=True)
-class Slider:
-    """What moves with the contact: mass (kg), spring to ground (N/m), constant force (N)."""
-
-    mass: float = 0.0
-    stiffness: float = 0.0
-    offset: float = 0.0
-
-
-@dataclass(frozen=True)
 class Experiment:
     """A synthetic log and the truth behind it."""
 
@@ -50,25 +41,22 @@ def experiment(
     law: Law,
     velocity: tuple[Array, Array],
     sensors: Sensors | None = None,
-    body: Slider | None = None,
     seed: int = 0,
     every: int = 1,
 ) -> Experiment:
-    """A log of a rig that moves the body as prescribed and measures its position and the force that it takes.
+    """A log of a rig that moves a contact as prescribed and measures its position and its friction.
 
     Args:
         law: the friction, with its true constants.
         velocity: times (s, evenly spaced, from 0) and the velocity there (m/s), straight between.
         sensors: what they do; by default an encoder of 5 nm and a perfect force sensor.
-        body: what moves with the contact; nothing by default.
         seed: of the noise.
         every: the sensors see one of so many samples of the velocity.
 
     Raises:
         StribeckError: the law cannot be simulated on this motion.
     """
-    sensors, body = sensors or Sensors(), body or Slider()
-    t, v = velocity
+    sensors, (t, v) = sensors or Sensors(), velocity
     step = float(t[every] - t[0])
     solution = simulate(
         Scenario(
@@ -81,9 +69,8 @@ def experiment(
     if solution.reason is not None:
         raise StribeckError(f"the synthetic rig failed: {solution.reason}")
     noise = np.random.default_rng(seed)
-    t, v, y = solution.t, v[::every], solution["y"]
-    force = body.mass * np.gradient(v, step) + solution["F"] + body.stiffness * y + body.offset
-    force = force + sensors.force_noise * noise.standard_normal(len(t))
+    t, y = solution.t, solution["y"]
+    force = solution["F"] + sensors.force_noise * noise.standard_normal(len(t))
     position = y if not (tick := sensors.position_resolution) else tick * np.round(y / tick)
     log = Log(
         time=t, position=position,

@@ -79,24 +79,18 @@ def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
     return replace(logs, sought=(*(s for s in logs.sought if s.path not in unknown), *more))
 
 
-def wrong_recordings(scenario: Scenario, logs: Logs) -> list[str]:
-    """Mistakes in all references of the recordings to the machine."""
-    problems: list[str] = []
-    for i, recording in enumerate(logs.recordings):
-        try:
-            recorded_run(scenario, recording, i)
-        except InputError as error:
-            problems += error.problems
-    return list(dict.fromkeys(problems))
-
-
 def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
     """The coordinates to fit, after all references of the recordings to the machine are checked.
 
     Raises:
         InputError: a line for each mistake.
     """
-    problems = wrong_recordings(scenario, logs)
+    problems: list[str] = []
+    for i, recording in enumerate(logs.recordings):
+        try:
+            recorded_run(scenario, recording, i)
+        except InputError as error:
+            problems += error.problems
     sought: list[MachineCoordinate] = []
     if not scenario.elements.unnamed:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_opening
 
 from stribeck.arrays import Array
 from stribeck.identify.features.filtering import typical_roughness
@@ -36,7 +37,7 @@ def at_rest(log: Log) -> Mask:
         limit = min(_NOISES * noise, _SLOW * fastest)
         still = (peak <= limit) & (abs(mean) <= _NOISES * noise / np.sqrt(window) + noise / 3)
         still |= peak == 0
-        long = np.repeat(_long(still), window)
+        long = np.repeat(binary_opening(still, np.ones(_WINDOWS, bool)), window)  # those in a row
         out[rows.start : rows.start + len(long)] = long
         if long.any():
             _to_its_ends(out[rows], log.velocity[rows], limit, 2 * window)
@@ -67,16 +68,6 @@ def _to_its_ends(rest: Mask, v: Array, limit: float, window: int) -> None:
         before, behind = abs(v[max(first - window, 0) : first])[::-1] > limit, abs(v[last : last + window]) > limit
         rest[first - (int(np.argmax(before)) if before.any() else len(before)) : first] = True
         rest[last : last + (int(np.argmax(behind)) if behind.any() else len(behind))] = True
-
-
-def _long(still: Mask) -> Mask:
-    """The looks of one kind that stand in a row of at least three."""
-    edges = np.flatnonzero(np.diff(still, prepend=False, append=False))
-    out = np.zeros(len(still), bool)
-    for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        if last - first >= _WINDOWS:
-            out[first:last] = True
-    return out
 
 
 def _noise(log: Log) -> float:
