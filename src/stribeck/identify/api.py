@@ -24,7 +24,7 @@ from stribeck.identify.required import with_requirements
 from stribeck.identify.result import Fit, LogFit, RecordReading
 from stribeck.recorded import is_table
 
-_READ = 0.05  # of the work
+_READ = 0.05  # of the work: reading takes about a tenth of a static fit, and nothing beside a simulation
 Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
 Progress = Callable[[float], None]
 Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None

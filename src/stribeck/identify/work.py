@@ -12,7 +12,7 @@ from stribeck.simulation.lanes import threads_of_this_machine
 
 T = TypeVar("T")
 S = TypeVar("S")
-_TYPICAL = 300  # simulations
+_TYPICAL = 300  # simulations of a fit with a handful of numbers: only the bar hangs on it
 
 
 class Stopped(KeyboardInterrupt):

@@ -11,10 +11,8 @@ from stribeck.arrays import Array
 
 GAP = 1.6  # sampling periods: a longer interval lacks a sample
 _INSIDE = 50  # interpolated points in a gap, at most: a cubic needs no more
-_NEAR = (
-    4.5,
-    12.5,
-)  # sampling periods from which the slope at an end of a gap is estimated: against motion, against noise
+# Sampling periods from which the slope at an end of a gap is estimated: few follow the motion, many average the noise.
+_NEAR = (4.5, 12.5)
 _LEAST, _MOST = 4, 12  # samples for such a slope
 _TESTS = 24  # artificial gaps of the same length elsewhere, from which the error is estimated to 15 %
 _DRAWS = 4  # of the interpolation error, with a random sign in each gap

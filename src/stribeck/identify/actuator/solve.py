@@ -17,11 +17,13 @@ from stribeck.identify.work import Stopped
 
 _DAMPINGS = np.array([1e-4, 1e-2, 1.0, 30.0, 1e3])  # of the present one: a search may both slow down and speed up
 _KEEP = (10, 10, 6, 4, 3, 2, 2, 1)  # starts that take each step: a poor one seldom wins later
-_WIDE = 4  # starts that a comparison converges
+_WIDE = 4  # starts that a comparison converges: the next best may lead to a better minimum
 _STEPS, ROUGH_STEPS = 40, 12  # of a search, and of one that only compares
 SMALL, ROUGHLY = 1e-7, 1e-4  # relative reduction of the cost below which a search ends; far from the optimum
 _HUGE = 1e300  # the cost of a point that cannot be simulated: it compares, and is no infinity
-_CHANGE = 3.0  # change of the residuals by a step of differences, their deviation being 1
+_CHANGE = (
+    3.0  # change of the residuals by a step of differences, their deviation being 1: where the cost still is a parabola
+)
 _SHORTEST, _LONGEST = 1e-5, 2e-2  # steps of a coordinate: above the solver's noise, below the next minimum
 _SETTLING, _PARTS = 20, (1.0, 0.25, 0.06)  # final steps; tried parts of each
 # Dampings: parameters correlated to within 1e-6 form a valley, along which only small dampings step.

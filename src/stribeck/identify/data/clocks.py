@@ -15,9 +15,9 @@ from stribeck.identify.data.filters import HIGHEST, low_pass
 from stribeck.identify.data.quality import FEWEST, Clean
 
 _ALIKE = 1e-3  # of the step: files that differ by less share a grid
-_ANOTHER = 1.5  # between steps: more is another rate
-_WINDOW = 25  # rows that tell the rate
-_REGULAR = 0.8  # of the changes of a held column stand at one distance
+_ANOTHER = 1.5  # between steps: more is another rate, as a lost sample doubles a step
+_WINDOW = 25  # rows whose median step tells the rate, whatever twelve of them do
+_REGULAR = 0.8  # of the changes of a held column stand at one distance: where the value does not change, one is missed
 _LATE, _DRIFTS = 1.2, 0.3  # rows: what samples of a clock may be late by, more or less; from when on it is not locked
 _KNOWN = 0.8  # rows: samples that come late by so much more or less are known to a tenth of one
 _ENOUGH = 4  # times the fewest rows: samples that are a log of their own

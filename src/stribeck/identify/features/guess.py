@@ -13,17 +13,13 @@ from stribeck.laws.base import Law
 
 _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 % of their number
 RISE = 0.3  # of the friction level: less is noise or inertia
-_FEWEST_AT_REST = 8  # samples
+_FEWEST_AT_REST = 8  # samples, of which a quarter at the edges is left out: a slope takes the rest
 HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
-_BENDS, _PLACES = (
-    (1e-3, HALF),
-    9,
-)  # of the fastest speed: tried v_s, a factor of 2 apart, as its error squared then fits
-_SIGN, _WITHIN = (
-    0.01,
-    0.3,
-)  # of the fastest speed, and of v_s, whose bend it must not hide: the width of the smooth sign
-_TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
+# Of the fastest speed: tried v_s, a factor of 2 apart, as its error squared then fits.
+_BENDS, _PLACES = (1e-3, HALF), 9
+# Of the fastest speed, and of v_s, whose bend it must not hide: the width of the smooth sign.
+_SIGN, _WITHIN = 0.01, 0.3
+_TYPICAL_BREAK_AWAY = 1e-4  # of the travel, where a log shows no reversal: some 10 um of an axis of 0.1 m
 
 
 @dataclass(frozen=True)

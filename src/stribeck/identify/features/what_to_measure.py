@@ -30,10 +30,10 @@ _WORDS = {
     "offset": "the same constant speeds in both directions",
 }
 _UNITS = {**dict.fromkeys(("small", "large", "fine"), "m"), **dict.fromkeys(("rate", "gentle"), "N/s"), "half": "N"}
-_BOTH = 10.0  # factor between the fit's length and the record's, up to which the fit's is taken
-_OF_TRAVEL = 0.1  # what presliding can be at most
+_BOTH = 10.0  # factor between the fit's length and the record's, beyond which one of them is of loops that slide
+_OF_TRAVEL = 0.1  # of the travel: what presliding can be at most, as a stroke of some times its length must slide
 _GUESSED = 1e-4  # of the largest speed: a v_s below it that the data leave open is no scale
-_IN_A_LOOP = 20  # samples, at the rate of the record
+_IN_A_LOOP = 20  # samples of a loop at the record's rate: five for each of its four branches
 
 
 def presliding_length(values: Mapping[str, float], sizes: Sizes, open_: Collection[str] = ()) -> float:

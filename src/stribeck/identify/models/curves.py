@@ -19,10 +19,10 @@ BENT, FLAT = 100.0, 2.0  # k_v times the slowest and fastest speed: tanh is 1 to
 IMPOSSIBLE, WRONG, ODD = 100.0, 4.0, 2.0  # factors on the squared residual: never, hardly ever, rarely reported
 HIGHEST = 3.0  # times the largest force: a level above it is balanced by another one
 STEP = 0.02  # of a shape's logarithm, for its slopes: their error is its square
-SPEEDS = 25  # at which the highest level of a curve is looked for, over three decades
+SPEEDS = 25  # at which the highest level of a curve is looked for, over three decades: a third apart
 ANCHORED = 0.1  # of the level: the least coefficient with which slopes by a shape are taken; of 0 they are 0
 MOST_FORCE = 1e100  # N: squares of what is more overflow
-TABLE = 4001  # speeds of either sign in a table of a steady force
+TABLE = 4001  # speeds of either sign in a table of a steady force: half a percent apart over nine decades
 _FORCE_LIKE = ("N", "N s/m")  # constants of these units may multiply
 ROUGH = 5.0  # times a law's example value, up and down: the range of a shape without a unit of speed
 

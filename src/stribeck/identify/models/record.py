@@ -18,7 +18,7 @@ BLOCKS = 24  # of time: the jackknife's variance is then known to 15 %, and most
 FEWEST, ROWS = 6, 12  # blocks of a short record; rows of a block
 RINGS = 4  # kept rows about a reversal in which the thinning filter rings (its order is 8): the sign is not known there
 RISE = 0.35  # periods of the cut-off: the rise time of the motion's filter
-LEFT = 0.6  # of the rows in motion: if leaving out the ringing ones leaves fewer, they stay
+LEFT = 0.6  # of the rows in motion: a record that rings more often has no others, and keeps them
 
 
 class LawColumns:

@@ -16,12 +16,15 @@ from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import ENOUGH_ROWS, Log
 
 Reduce = Callable[[Array], Array]
-_POWER_KEPT = 0.999  # of the force's, by the band that is fitted
+_POWER_KEPT = 0.999  # of the force's, by the band that is fitted: what is cut off is 3 % of its deviation
 RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # of factors 2 and 5: stages of decimation stay few
-MOST_ROWS = 25_000  # of a fit: more tell nothing new behind the filter
-_BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
+MOST_ROWS = 25_000  # of a fit, whose columns then take some 50 MB: neighbours behind the filter are alike
+_BLOCKS, _SHORTEST_BLOCK = (
+    24,
+    600,
+)  # stretches of a run, as many as the jackknife's blocks; rows of one, behind a filter 30
 _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sign, by which they differ
-_LITTLE_REST = 0.02  # of the rows: less rest stays in
+_LITTLE_REST = 0.02  # of the rows: less rest moves no estimate, and stays in
 _SMEARED = 4.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
 _BEFORE = 10  # a stretch of a long record begins this part of its length before it moves
 
