@@ -11,13 +11,10 @@ from stribeck.arrays import Array
 from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg
 
-_LOOPS, _SPEEDS, _RATES = (
-    4,
-    8,
-    3,
-)  # tests of each kind: by factors of 2.5 in size and speed, and 10 in the rate of a ramp
+# Tests of each kind: sizes and speeds by factors of 2.5, rates of a ramp by 10.
+_LOOPS, _SPEEDS, _RATES = 4, 8, 3
 _CYCLES = 3  # of a loop: the first begins in another state than it ends
-_SLOWEST = 1e-3  # of the speed limit: Stribeck velocities of greased guides are some hundredths of it
+_SLOWEST = 1e-3  # of the speed limit: Stribeck velocities are some thousandths of it
 _PUSH = 0.9  # of the force limit, so that no drive saturates
 SMALLEST, _LARGEST = 1e-12, 1e12  # in SI units: no rig is beyond, and squares and ratios are numbers
 

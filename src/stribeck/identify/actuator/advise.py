@@ -21,7 +21,7 @@ from stribeck.identify.actuator.runs import RecordedRun
 
 _BETTER = 1.3  # times narrower interval than from a repeated recording: a smaller gain is not worth an experiment
 _LINEAR = 10.0  # times: an interval that shrinks by more spanned most of what was searched
-_MOST = 28  # simulated candidates: all changes of seven loads or drives
+_MOST = 28  # simulated candidates: all changes of seven drives
 _NOISE = 0.01  # of a column's changes: assumed noise of a sensor that is not installed yet
 _LOADS = ("mass", "inertia", "amplitude")
 _NONE = "none of the recordings that were tried on paper (other loads, drives, speeds, sensors) would tell it"

@@ -21,9 +21,7 @@ _WIDE = 4  # starts that a comparison converges: the next best may lead to a bet
 _STEPS, ROUGH_STEPS = 40, 12  # of a search, and of one that only compares
 SMALL, ROUGHLY = 1e-7, 1e-4  # relative reduction of the cost below which a search ends; far from the optimum
 _HUGE = 1e300  # the cost of a point that cannot be simulated: it compares, and is no infinity
-_CHANGE = (
-    3.0  # change of the residuals by a step of differences, their deviation being 1: where the cost still is a parabola
-)
+_CHANGE = 3.0  # deviations, by which a step of differences changes the residuals: there the cost is still a parabola
 _SHORTEST, _LONGEST = 1e-5, 2e-2  # steps of a coordinate: above the solver's noise, below the next minimum
 _SETTLING, _PARTS = 20, (1.0, 0.25, 0.06)  # final steps; tried parts of each
 # Dampings: parameters correlated to within 1e-6 form a valley, along which only small dampings step.

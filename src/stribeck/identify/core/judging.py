@@ -22,10 +22,7 @@ from stribeck.identify.core.states import Estimate, EstimateState, ends, state_o
 DRAWS = 40  # replicates: a quantile of 95 % is then known to 15 %
 SHARE = 0.5  # of the forms is withheld in a replicate: each form is missing in half of them
 WORSE = 2.0  # largest ratio of a replicate's squared residual to the reported model's: a worse one is no model of the record
-AGAIN, WITHHELD = (
-    0.95,
-    0.9,
-)  # quantiles of the shifts: of 40 draws the 38th and the 36th largest; round numbers, not tuned
+AGAIN, WITHHELD = 0.95, 0.9  # quantiles of the shifts, round numbers: of 40 draws the 38th and the 36th largest
 LAGS = 4.0  # times the correlated rows: Bartlett's weights then keep nine tenths of the correlation
 EXPLAINED = 0.25  # of the force's standard deviation: with a larger residual, nothing is identified
 

@@ -14,9 +14,7 @@ from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import SteadyCurve
 from stribeck.identify.models.record import LawColumns, Record
 
-RIDGE = (
-    1e-10  # added to a scaled diagonal of 1: above the rounding of a Gram matrix, below every correlation that counts
-)
+RIDGE = 1e-10  # added to a scaled diagonal of 1: above the rounding of a Gram matrix, below correlations that count
 DEAD = 1e-16  # relative square below which a column counts as 0: the rounding of double precision
 LEVELS = ("level slow", "level middle", "level half", "level fast")  # friction at four recorded speeds
 SEEN = (0.02, 0.98)  # quantiles of the recorded speeds: the slowest and the fastest level, without single rows

@@ -10,9 +10,7 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import ASTRAY, HIGHEST, SETTLED, low_pass
 from stribeck.identify.log import ENOUGH_ROWS
 
-_RAISE = (
-    2.5  # from one cut-off that is tried to the next: the filter's bias, which goes with its square, falls to a sixth
-)
+_RAISE = 2.5  # from one cut-off that is tried to the next: a filter's bias goes with its square, and falls to a sixth
 _CLEARLY = 0.92  # of what is missed with the lower cut-off: less is worth a higher one
 _AS_GOOD = 1.05  # of the least that is missed
 _NO_WORSE = 1.03  # of what a lower cut-off misses over all frequencies, where noise of the acceleration shows
@@ -21,9 +19,8 @@ _SLOWED, _REST = 0.1, 0.1  # of a period, in which less than this share of the f
 _BAND = 2.5  # lowest cut-offs, in which the force is compared: above, its own noise hides what the filter does
 _BENDS = (0, 1 / 128, 1 / 64, 1 / 32, 1 / 16, *np.linspace(1 / 8, 1, 8))  # of the free curve: closest where it turns
 OF_REGRESSION = (2e-4, 3e-3)  # of the largest speed and acceleration: noise that biases nothing
-OF_SIMULATION = (
-    1e-3,
-)  # of the largest speed: noise that a simulation averages out; the acceleration keeps its cut-off
+# Of the largest speed: noise that a simulation averages out. The acceleration keeps its cut-off.
+OF_SIMULATION = (1e-3,)
 RAISED = 4.0  # times at most: the filter's bias is then a sixteenth
 _WORTH_RAISING = 1.7  # times at least: less changes little but where a record begins and ends
 LONGEST_LOOK = 1 << 18  # samples from which a spectrum or a noise is taken: 64 segments of the spectrum, known to 12 %

@@ -16,11 +16,9 @@ from stribeck.identify.log import MANY_ROWS
 HIGHEST = 0.4  # of the sampling rate: the highest cut-off; nearer to half of it a digital filter's edge is squeezed
 SETTLED = 5.0  # periods of the cut-off at the start of a run, in which a filter is not settled
 ASTRAY = 1.5  # periods of the cut-off at the end of a run in motion: there the filter continues the motion wrongly
-_STAGE = (
-    13  # the most that one Chebyshev filter of order 8 reduces the rate by: beyond, its coefficients lose their digits
-)
+_STAGE = 13  # the most that one Chebyshev filter of order 8 reduces the rate by, as MATLAB advises for its decimate
 _FORGOTTEN = 1e-10  # what is left of a filter's state where pieces meet: below the sensors' last bit
-_ENDS = 1.2  # periods of the cut-off that a run is continued by: the filter has forgotten nine tenths of an edge there
+_ENDS = 1.2  # periods of the cut-off that a run is continued by: a twentieth of an edge is left there
 
 
 class Filter(NamedTuple):

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.models.curves import SteadyCurve
-from stribeck.identify.models.static_problem import Rows, thinning
+from stribeck.identify.models.static_problem import BLOCKS, Rows, thinning
 from stribeck.identify.models.terms import TERMS, column
 
-BLOCKS = 24  # of time: the jackknife's variance is then known to 15 %, and most blocks still hold a reversal
 FEWEST, ROWS = 6, 12  # blocks of a short record; rows of a block
 RINGS = 4  # kept rows about a reversal in which the thinning filter rings (its order is 8): the sign is not known there
 RISE = 0.35  # periods of the cut-off: the rise time of the motion's filter

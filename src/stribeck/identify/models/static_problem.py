@@ -19,10 +19,8 @@ Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted: what is cut off is 3 % of its deviation
 RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # of factors 2 and 5: stages of decimation stay few
 MOST_ROWS = 25_000  # of a fit, whose columns then take some 50 MB: neighbours behind the filter are alike
-_BLOCKS, _SHORTEST_BLOCK = (
-    24,
-    600,
-)  # stretches of a run, as many as the jackknife's blocks; rows of one, behind a filter 30
+BLOCKS = 24  # of time: the jackknife's variance is then known to 15 %, and most blocks still hold a reversal
+_SHORTEST_BLOCK = 600  # rows of a stretch of a long run
 _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sign, by which they differ
 _LITTLE_REST = 0.02  # of the rows: less rest moves no estimate, and stays in
 _SMEARED = 4.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
@@ -149,7 +147,7 @@ def in_stretches(log: Log, rest: NDArray[np.bool_]) -> tuple[Log, NDArray[np.int
     parts, owner = [], []
     runs = list(log.runs())
     shares = [max(int(ENOUGH_ROWS * (r.stop - r.start) / len(log)), 1) for r in runs]
-    counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, _BLOCKS)) for share in shares]
+    counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, BLOCKS)) for share in shares]
     usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
     for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):
         length = min(usual, rows.stop - rows.start)  # of one length where it can be: they are filtered together
