@@ -90,13 +90,11 @@ class Simulated:
 
     Attributes:
         log: the fitted record; ``model``: given and fitted parameters.
-        names: the name of each of the machine's paths.
         fitting, best: the fit as that of a machine, and its best point.
     """
 
     log: Log
     model: OneBody
-    names: Mapping[str, str]
     fitting: Fitting
     best: BestPoint
 
@@ -109,7 +107,7 @@ class Simulated:
     def residual(self) -> Array:
         """The force of the fitted record less that of the law, N."""
         values = self.best.values()
-        used = {**self.model.fixed, **self.model.held, **{n: values[path] for path, n in self.names.items()}}
+        used = {**self.model.fixed, **self.model.held, **{n: values[n] for n in self.model.first}}
         friction, beside = parts(self.model.name, used, self.log, _deflections(values, self.log))
         return self.log.force - friction - beside
 
@@ -123,7 +121,7 @@ class Simulated:
         with threadpool_limits(1):
             machine_fit = self.fitting.reported(self.best, [])
         self.fitting.work.section(1.0)
-        return _finished(self.log, self.model, machine_fit, self.names)
+        return _finished(self.log, self.model, machine_fit)
 
 
 def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> LogFit:
@@ -149,13 +147,13 @@ def simulated(
     """
     log = log if len(log) <= ENOUGH_ROWS else in_stretches(log, at_rest(log))[0]
     model = _model(log, name, options)
-    sought, names = _sought(model, log, options)
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
-    logs = Logs(tuple(recordings if rough else _doubted(recordings, log, model)), sought)
+    doubted = tuple(recordings if rough else _doubted(recordings, log, model))
+    logs = Logs(doubted, _sought(model, log, options), words=_words(model))
     scenario = _scenario(model, log.rotary)
     fitting = Fitting(scenario, logs, options.starts, options.seed, progress, advised=False)
     with threadpool_limits(1):
-        return Simulated(log, model, names, fitting, fitting.estimated(rough))
+        return Simulated(log, model, fitting, fitting.estimated(rough))
 
 
 def _scenario(model: OneBody, rotary: bool) -> Scenario:
@@ -304,22 +302,20 @@ def raw(log: Log, output: str) -> Array:
     return np.asarray(getattr(log, output) if kept is None else kept)
 
 
-def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought, ...], dict[str, str]]:
-    """The parameters of the machine fit, and the name of each path."""
-    sought, names = list[Sought](), dict[str, str]()
+def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]:
+    """The parameters of the machine fit, each with its name as label."""
+    sought = list[Sought]()
     for n, guess in model.first.items():
         path = model.path(n)
         if n == "mass" and model.output != "force":
             path = f"bodies.body.{'inertia' if log.rotary else 'mass'}"
-        names[path] = n
         given = options.sought.get(n)
         if given is None:
-            sought.append(Sought(path, guess.low, guess.high, guess.value))
+            sought.append(Sought(path, guess.low, guess.high, guess.value, label=n))
         else:
             begin = min(max(guess.value, given.low), given.high)
-            sought.append(
-                replace(given, path=path, start=begin if given.start is None and given.prior is None else given.start)
-            )
+            start = begin if given.start is None and given.prior is None else given.start
+            sought.append(replace(given, path=path, start=start, label=n))
     if model.law.has_z:
         known = {**model.fixed, **{n: g.value for n, g in model.first.items()}}
         law = model.law({n: x for n, x in known.items() if n in model.law.constants()})
@@ -328,34 +324,30 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[tuple[Sought
             slid = float(law.steady_deflection(float(log.velocity[rows.start])))
             path = f"log.{i}.contacts.contact.initial.z"
             sought.append(Sought(path, -way, way, min(max(slid, -way), way), nuisance=True))
-    return tuple(sought), names
+    return tuple(sought)
 
 
 # -- the fit -------------------------------------------------------------------------------------------------------------
 
 
-def _finished(log: Log, model: OneBody, machine_fit: MachineFit, names: Mapping[str, str]) -> LogFit:
+def _finished(log: Log, model: OneBody, machine_fit: MachineFit) -> LogFit:
     """The machine's fit as a fit of the log."""
-    values = {n: machine_fit.parameters[path].value for path, n in names.items()}
     constants = model.law.constants()
-    used = {**model.fixed, **model.held, **values}
-    estimates = _without_sliding(_estimates(log, model, machine_fit, names), log, used)
+    used = {**model.fixed, **model.held, **{n: e.value for n, e in machine_fit.estimates.items()}}
+    estimates = _without_sliding(_estimates(log, model, machine_fit), log, used)
     friction, beside = parts(model.name, used, log, _deflections(machine_fit.nuisance, log))
     left = log.force - friction - beside
     missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)
-    words = _words(model, names)
-    notes = [
-        _in_names(text, words) for text in (*([machine_fit.reason] if machine_fit.reason else []), *machine_fit.notes)
-    ]
+    notes = *([machine_fit.reason] if machine_fit.reason else []), *machine_fit.notes
     return LogFit(
         law_name=model.name, method="dynamic", estimates={n: estimates[n] for n in constants if n in estimates} | estimates,
         levels={n.removeprefix("contact "): e for n, e in machine_fit.levels.items()},
         speeds={n.removeprefix("contact "): v for n, v in machine_fit.speeds.items()},
-        values=used, given=(*model.fixed, *model.held), relation=_relation(machine_fit, names),
+        values=used, given=(*model.fixed, *model.held), relation=machine_fit.relation,
         relative_force_error=float(np.linalg.norm(left)) / max(float(np.linalg.norm(log.force)), 1e-300), missed=missed,
         friction=FrictionRows(log.time, log.velocity, log.force - beside, friction), data_hash=log.hash,
         output=_output(model.output, [result.traces[0] for result in machine_fit.logs]), seen=seen(log, np.ones(len(log), bool)),
-        notes=tuple(notes), status="stopped" if machine_fit.status == "stopped" else "done", log=log,
+        notes=notes, status="stopped" if machine_fit.status == "stopped" else "done", log=log,
     )  # fmt: skip
 
 
@@ -372,19 +364,15 @@ def _deflections(values: Mapping[str, float], log: Log) -> list[float | None]:
     return [values.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
 
 
-def _estimates(log: Log, model: OneBody, machine_fit: MachineFit, names: Mapping[str, str]) -> dict[str, Estimate]:
-    """The machine fit's estimates by name, each with the experiment that would determine the parameter."""
+def _estimates(log: Log, model: OneBody, machine_fit: MachineFit) -> dict[str, Estimate]:
+    """The machine fit's estimates, each with the experiment that would determine the parameter."""
     constants, sizes, out = model.law.constants(), sizes_of(log), dict[str, Estimate]()
-    values = {n: machine_fit.parameters[path].value for path, n in names.items()}
-    open_ = [n for path, n in names.items() if not machine_fit.parameters[path].identifiable]
-    words = _words(model, names)
-    for path, n in names.items():
-        e, unit = machine_fit.parameters[path], constants[n].unit if n in constants else TERMS[n].unit
+    values = {n: e.value for n, e in machine_fit.estimates.items()}
+    open_ = machine_fit.unidentified
+    for n, e in machine_fit.estimates.items():
+        unit = constants[n].unit if n in constants else TERMS[n].unit
         experiment = "" if e.usable else experiment_for(n, values, sizes, open_, rotary=log.rotary)
-        out[n] = replace(
-            e, value=float(e.value), unit=rotary_unit(unit) if log.rotary else unit, why=_in_names(e.why, words),
-            depends_on=_in_names(e.depends_on, words), experiment=experiment,
-        )  # fmt: skip
+        out[n] = replace(e, unit=rotary_unit(unit) if log.rotary else unit, experiment=experiment)
     return out
 
 
@@ -415,27 +403,11 @@ def _doubted(recordings: Sequence[Recording], log: Log, model: OneBody) -> Itera
         yield replace(recording, as_well=same)
 
 
-def _words(model: OneBody, names: Mapping[str, str]) -> dict[str, str]:
-    """Names in a log's fit for the machine's paths: parameters, and errors of the output's sensor."""
+def _words(model: OneBody) -> dict[str, str]:
+    """What errors of the output's sensor are called in a log's fit. The contact is the only one, and is not named."""
     errors = {"clock": "clock drift", "delay": "delay", "gain": "gain", "offset": "offset"}
     of_output = {f"outputs.{OUTPUTS[model.output]}.{n}": f"{text} of the {model.output}" for n, text in errors.items()}
-    return {**of_output, **names, "contact: ": ""}
-
-
-def _in_names(text: str, words: Mapping[str, str]) -> str:
-    """A text of the machine fit with the names of a log's fit."""
-    for path, word in words.items():
-        text = text.replace(path, word)
-    return text
-
-
-def _relation(machine_fit: MachineFit, names: Mapping[str, str]) -> tuple[list[str], Array] | None:
-    """The correlation of the parameters' estimates."""
-    if machine_fit.relation is None:
-        return None
-    paths, matrix = machine_fit.relation
-    which = [paths.index(path) for path in names]
-    return list(names.values()), matrix[np.ix_(which, which)]
+    return {**of_output, "contact": ""}
 
 
 # -- the force of a model along a record -----------------------------------------------------------------------------------

@@ -134,7 +134,7 @@ def arms_problem(window=None, data=None):
 def slopes(problem):
     """Of all forms, by name and, of forms with several columns, which."""
     u, found = problem.start(), {}
-    for x in missing_forms(problem, u, RunMotion.of(problem, u)):
+    for x in missing_forms(problem, u, RunMotion.of(problem, u), {}):
         found[x.name, sum(x.name == n for n, _ in found)] = x.slopes
     return found
 

@@ -171,7 +171,7 @@ class Fitting:
             else:
                 doubts = [] if missed else self.doubts(best)
                 notes += doubts
-                judged = judge.judged(best, self.scenario, not (missed or doubts), self.advised)
+                judged = judge.judged(best, self.scenario, not (missed or doubts), self.advised, self.logs.words)
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
             status, reason = "stopped", "Ctrl-C: the best numbers, without intervals"

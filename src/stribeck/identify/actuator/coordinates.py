@@ -30,7 +30,7 @@ class MachineCoordinate:
     """A fitted number.
 
     Attributes:
-        name: its path as the user wrote it (with the log's number).
+        name: its label, or its path as the user wrote it (with the log's number).
         targets: the machine's paths that it sets, each with a factor; empty for a sensor's number.
         output: the column and the sensor's parameter: offset, gain, delay (s), clock drift (s of delay per s), or the
             coefficient of a further term.
@@ -113,7 +113,7 @@ def _coordinate(scenario: Scenario, logs: Logs, s: Sought, rest: str, log: int |
     Raises:
         InputError: the path is wrong.
     """
-    name = rest if log is None else f"log.{log}.{rest}"
+    name = s.label or (rest if log is None else f"log.{log}.{rest}")
     if output := _OUTPUT.fullmatch(rest):
         channels = [r.outputs[output[1]] for r in logs.recordings if output[1] in r.outputs]
         if not channels:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 
@@ -38,27 +39,31 @@ class JudgedParameters:
     notes: list[str] = field(default_factory=list)
 
 
-def judged(best: BestPoint, scenario: Scenario, trusted: bool, advised: bool = True) -> JudgedParameters:
+def judged(
+    best: BestPoint, scenario: Scenario, trusted: bool, advised: bool = True, words: Mapping[str, str] | None = None
+) -> JudgedParameters:
     """The estimates of a converged fit.
 
     Args:
         advised: whether recordings that would identify open parameters are looked for.
         trusted: whether the model describes the recordings and no better minimum is suspected; if not, nothing is
             identified.
+        words: for paths and contacts in the result.
     """
     problem, u = best.problem, best.u
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     if not asked:
         return JudgedParameters({})
-    choice = regressed(problem, u)
+    choice = regressed(problem, u, words)
     lib = choice.library
     estimates = by_core(choice, trusted=trusted, lower=lib.parameters(choice.model, lib.left))
     units = {c.name: unit(scenario, c) for c in lib.sought}
     columns = {c.name: c.unit for c in scenario.system.columns}
     units |= {name: columns.get(f"{name.partition(' ')[0]}.F", "") for name in lib.speeds}
+    labels = {form.name: form.label for form in lib.forms}
     for name, e in estimates.items():
         state = EstimateState.NOT_IDENTIFIABLE if _crept(e) else e.state
-        estimates[name] = replace(e, state=state, unit=units[name])
+        estimates[name] = replace(e, state=state, unit=units[name], depends_on=labels.get(e.depends_on, ""))
     names, relation = [c.name for c in lib.sought], _relation(lib)
     open_ = [i for i in asked if not estimates[problem.sought[i].name].identifiable]
     texts = advise.experiments(problem, u, lib.J, open_ if advised else [])

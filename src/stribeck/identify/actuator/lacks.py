@@ -37,7 +37,7 @@ class MissingForm:
     """An effect that the model may lack.
 
     Attributes:
-        name: forms of one name are used together, such as sine and cosine.
+        name: forms of one name are used together, such as sine and cosine; ``label``: what it is called in the result.
         slopes: of all residuals, by one unit.
         largest: the largest coefficient that may go unnoticed in a record.
         tell: a function that describes a coefficient in words.
@@ -48,6 +48,7 @@ class MissingForm:
     slopes: Array
     largest: float
     tell: Callable[[float], str] = field(repr=False)
+    label: str
     contact: str = ""
     at: AtSpeed | None = None
 
@@ -80,13 +81,13 @@ class RunMotion:
         return np.concatenate(self.each(name))
 
 
-def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion) -> list[MissingForm]:
-    """All possibly missing forms that move the residuals."""
+def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion, words: Mapping[str, str]) -> list[MissingForm]:
+    """All possibly missing forms that move the residuals; ``words``: for paths and contacts in their labels."""
     r = problem.residuals(u[None])[0]
     every = [
-        *_friction(problem, u, motion),
+        *_friction(problem, u, motion, words),
         *_fixed(problem, u),
-        *_sensors(problem, u),
+        *_sensors(problem, u, words),
         *_inputs(problem, u, r),
         *_begun(problem, u, r),
     ]
@@ -101,7 +102,7 @@ def forms_in_words(chosen: Mapping[str, float], every: Sequence[MissingForm]) ->
 # -- friction --------------------------------------------------------------------------------------------------------------
 
 
-def _friction(problem: MachineProblem, u: Array, motion: RunMotion) -> Iterator[MissingForm]:
+def _friction(problem: MachineProblem, u: Array, motion: RunMotion, words: Mapping[str, str]) -> Iterator[MissingForm]:
     """The friction terms that a machine's contacts may lack. A unit has the rms of the contact's friction."""
     contacts = problem.runs[0].scenario.data.get("contacts", {})
     terms: list[tuple[str, str, list[Array], AtSpeed | None]] = []
@@ -133,8 +134,9 @@ def _friction(problem: MachineProblem, u: Array, motion: RunMotion) -> Iterator[
         points[i + 1, len(u) + i] = c.inner(_STEP * c.high)
     r = whole.residuals(points)
     for c, (contact, term, _, at), slopes in zip(added, terms, (r[1:] - r[0]) / _STEP, strict=True):
-        group = f"{contact}: {term.removesuffix(' sin').removesuffix(' cos')}"
-        yield MissingForm(group, slopes, LARGEST, _of_friction(contact, term), contact, at and _times(at, c.high))
+        kind, at_speed = term.removesuffix(" sin").removesuffix(" cos"), at and _times(at, c.high)
+        group, label = f"{contact}: {kind}", words.get(contact, f"{contact}: ") + kind
+        yield MissingForm(group, slopes, LARGEST, _of_friction(contact, term), label, contact, at_speed)
 
 
 def _times(at: AtSpeed, size: float) -> AtSpeed:
@@ -175,7 +177,7 @@ def _terms(
     d = [ratio * x - z for x, z in zip(y, other, strict=True)]
     path = f"contacts.{contact}.law"
     given = scenario.elements.values.get((path, "sigma_2"), 0.0)
-    viscous = problem.values(u).get(f"{path}.parameters.sigma_2", given) or 0.0
+    viscous = problem.numbers(u).get(f"{path}.parameters.sigma_2", given) or 0.0
     level = [x - viscous * v for x, v in zip(motion.each(f"{contact}.F"), w, strict=True)]
     fastest = max(float(np.max(abs(x))) for x in w)
     if not (np.isfinite(fastest) and fastest > 0 and all(np.isfinite(x).all() for x in level)):
@@ -230,14 +232,14 @@ def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
     J = whole.slopes(there[None], np.full(len(there), whole.step), range(len(u), len(there)))[1][0]
     for c, slopes in zip(added, J.T, strict=True):
         x = fixed[c.name]
-        yield MissingForm(c.name, slopes / c.slope(c.inner(x)) * x, LARGEST, _of_number(c.name, x))
+        yield MissingForm(c.name, slopes / c.slope(c.inner(x)) * x, LARGEST, _of_number(c.name, x), c.name)
 
 
 def _of_number(path: str, now: float) -> Callable[[float], str]:
     return lambda x: f"{path} fixed at {now:.4g} and rather {now * float(np.exp(np.clip(x, -3, 3))):.4g}"
 
 
-def _sensors(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
+def _sensors(problem: MachineProblem, u: Array, words: Mapping[str, str]) -> Iterator[MissingForm]:
     """Delay (s), clock (s/s), gain and offset of each column, of all recordings and of each."""
     slopes: dict[tuple[str, str], Array] = {}
     step, span = dict.fromkeys(problem.noise, 0.0), dict.fromkeys(problem.noise, 0.0)
@@ -261,7 +263,9 @@ def _sensors(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
         for log, file in names.items():
             if ((name, what), log) not in sought:
                 path = f"outputs.{name}.{what}" if log is None else f"log.{log}.outputs.{name}.{what}"
-                yield MissingForm(path, np.where(rows_of(problem, log), x, 0.0), largest, _of_sensor(path, file, unit))
+                label, neutral = words.get(path, path), 1.0 if what == "gain" else 0.0
+                tell = _of_sensor(label, neutral, file, unit)
+                yield MissingForm(path, np.where(rows_of(problem, log), x, 0.0), largest, tell, label)
 
 
 def _files(problem: MachineProblem) -> dict[int | None, str]:
@@ -270,9 +274,8 @@ def _files(problem: MachineProblem) -> dict[int | None, str]:
     return {None: ""} | (names if len(names) > 1 else {})
 
 
-def _of_sensor(path: str, file: str, unit: str) -> Callable[[float], str]:
-    neutral = 1.0 if path.endswith(".gain") else 0.0
-    return lambda x: f"{path}{f' ({file})' if file else ''} {x + neutral:.3g} {unit}".rstrip()
+def _of_sensor(label: str, neutral: float, file: str, unit: str) -> Callable[[float], str]:
+    return lambda x: f"{label}{f' ({file})' if file else ''} {x + neutral:.3g} {unit}".rstrip()
 
 
 def rows_of(problem: MachineProblem, log: int | None) -> Array:
@@ -295,10 +298,10 @@ def _inputs(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm
         held = not all(x.held for x in every if not x.spline)
         words = "held from sample to sample (held = true)" if held else "straight from sample to sample (held = false)"
         off = instead(lambda x: replace(x, held=held and not x.spline))
-        yield MissingForm("inputs", off, 1.0, lambda x: f"inputs {words}, {x:.2g} of the way")
+        yield MissingForm("inputs", off, 1.0, lambda x: f"inputs {words}, {x:.2g} of the way", "inputs")
     if any(x.smooth() is not x for x in every):
         bend, off = "inputs that bend between their samples", instead(RecordedInput.smooth)
-        yield MissingForm("inputs smooth", off, 1.0, lambda x: f"{bend}, {x:.2g} of the way")
+        yield MissingForm("inputs smooth", off, 1.0, lambda x: f"{bend}, {x:.2g} of the way", "inputs smooth")
 
 
 def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]:
@@ -307,4 +310,4 @@ def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]
         return
     off = replace(problem, runs=problem.handed_on(u)).residuals(u[None])[0] - r
     words = "stretches that begin as those before end"
-    yield MissingForm("stretches", off, 1.0, lambda x: f"{words}, {x:.2g} of the way")
+    yield MissingForm("stretches", off, 1.0, lambda x: f"{words}, {x:.2g} of the way", "stretches")

@@ -279,6 +279,10 @@ class MachineProblem:
                 u[i] = c.inner(values[c.name])
         return np.asarray(self.repaired(u[None])[0])
 
+    def numbers(self, u: Array) -> dict[str, float]:
+        """The machine's fitted numbers at a point, by path."""
+        return {p: s * c.outer(x) for c, x in zip(self.sought, u, strict=True) for p, s in c.targets.items()}
+
     def values(self, u: Array) -> dict[str, float]:
         """The values at a point, by name."""
         return {c.name: c.outer(x) for c, x in zip(self.sought, u, strict=True)}

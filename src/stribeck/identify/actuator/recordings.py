@@ -95,7 +95,8 @@ class Recording:
 class Sought:
     """A parameter to fit, by path: its bounds, initial value, and prior (mean and standard deviation).
 
-    ``nuisance``: an initial state of a recording, which is fitted and not reported.
+    ``nuisance``: an initial state of a recording, which is fitted and not reported. ``label``: its name in the result; the
+    path unless given.
     """
 
     path: str
@@ -104,16 +105,18 @@ class Sought:
     start: float | None = None
     prior: tuple[float, float] | None = None
     nuisance: bool = False
+    label: str = ""
 
 
 @dataclass(frozen=True)
 class Logs:
-    """The content of LOGS.toml; ``path``: the file, if there is one."""
+    """The content of LOGS.toml; ``path``: the file, if there is one. ``words``: for paths and contacts in the result."""
 
     recordings: tuple[Recording, ...]
     sought: tuple[Sought, ...]
     laws: dict[str, tuple[str, ...]] = field(default_factory=dict)
     path: Path | None = None
+    words: Mapping[str, str] = field(default_factory=dict)
 
 
 # -- the tables of the file ----------------------------------------------------------------------------------------------

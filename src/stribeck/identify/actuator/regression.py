@@ -114,26 +114,28 @@ class MachineLibrary(ModelLibrary):
         """
         for c in self.sought:
             estimates[c.name] = estimates[c.name].within(c.low, c.high)
+        of_path = {path: c.name for c in self.sought for path in c.targets}
         for contact, slowest in self.slow.items():
             law = f"contacts.{contact}.law.parameters."
-            F_s, v_s = estimates.get(f"{law}F_s"), estimates.get(f"{law}v_s")
+            level, static, speed = (of_path.get(f"{law}{n}", "") for n in ("F_c", "F_s", "v_s"))
+            F_s, v_s = estimates.get(static), estimates.get(speed)
             if F_s is None or v_s is None or v_s.identifiable:
                 continue
             if slowest <= REACHED * v_s.value:  # no speed tells where the curve ends
-                estimates[f"{law}F_s"] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE)
+                estimates[static] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE)
                 continue
-            levels = [estimates[n] for n in (f"{contact} {LEVELS[0]}", f"{law}F_c") if n in estimates]
-            estimates[f"{law}F_s"], estimates[f"{law}v_s"] = one_sided(F_s, v_s, levels)
+            levels = [estimates[n] for n in (f"{contact} {LEVELS[0]}", level) if n in estimates]
+            estimates[static], estimates[speed] = one_sided(F_s, v_s, levels)
         return estimates
 
 
-def regressed(problem: MachineProblem, u: Array) -> Selection[MachineLibrary]:
-    """The law alone and its models with forms, linearized at a converged point."""
+def regressed(problem: MachineProblem, u: Array, words: Mapping[str, str] | None = None) -> Selection[MachineLibrary]:
+    """The law alone and its models with forms, linearized at a converged point; ``words`` as of :class:`Logs`."""
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
     motion = RunMotion.of(problem, u)
-    forms = missing_forms(problem, u, motion)
+    forms = missing_forms(problem, u, motion, words or {})
     room = (problem.high - problem.low)[starts] * WIDE
     clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked], *(x.slopes for x in forms)]))
     drawn = [_without(J[:, starts] * room, x.T).T for x in input_errors(problem, u, J)]
@@ -210,8 +212,7 @@ def _levels(
     v = np.array(list(speeds.values()))
 
     def levels(point: Array) -> Array:
-        inside = problem.repaired(point[None])[0].tolist()
-        numbers = {p: s * c.outer(x) for c, x in zip(problem.sought, inside, strict=True) for p, s in c.targets.items()}
+        numbers = problem.numbers(problem.repaired(point[None])[0])
         parts = [_steady(problem, contact, numbers, v[rows]) for contact, rows in spans.items()]
         return np.concatenate(parts) if parts else np.zeros(0)
 

@@ -39,7 +39,6 @@ def prepared(
     window: float | None = None,
 ) -> tuple[list[RecordedRun], list[MachineCoordinate]]:  # fmt: skip
     """The runs, whole or in stretches, and the coordinates of their initial states."""
-    named = {c.name for c in sought} | paths(sought)
     runs: list[RecordedRun] = []
     starts: list[MachineCoordinate] = []
     for log, recording in recordings:
@@ -48,7 +47,7 @@ def prepared(
         if length is not None and length < _WHOLE * recording.t[-1]:
             spans = stretches(recording, length)
         for span in spans:
-            run, begins = _Beginning(scenario, recording, log, named, span).states()
+            run, begins = _Beginning(scenario, recording, log, sought, span).states()
             if run.size:
                 runs.append(run)
                 starts += begins
@@ -103,22 +102,21 @@ class _Beginning:
     scenario: Scenario
     recording: Recording
     log: int
-    named: set[str]
+    sought: Sequence[MachineCoordinate]
     span: tuple[float, float] | None
 
     def states(self) -> tuple[RecordedRun, list[MachineCoordinate]]:
         """The run to simulate, and the coordinates of its initial state."""
-        late = any(
-            (n.startswith("outputs.") and n.endswith((".delay", ".clock"))) or ".outputs." in n for n in self.named
-        )
+        sensors = {(c.output, c.log) for c in self.sought if c.output is not None}
+        late = any(what in ("delay", "clock") or log is not None for (_, what), log in sensors)
         run = recorded_run(self.scenario, self.recording, self.log, self.span, late)
         starts: list[MachineCoordinate] = []
         known: set[str] = set()
         outputs = sorted(self.recording.outputs.items(), key=lambda each: each[0].endswith(".v"))
         for column, channel in outputs:
             name, _, what = column.rpartition(".")
-            offsets = {f"outputs.{column}.offset", f"log.{self.log}.outputs.{column}.offset"}
-            if what not in ("y", "v") or not self._free(name) or offsets & self.named:
+            offsets = {((column, "offset"), log) for log in (None, self.log)}
+            if what not in ("y", "v") or not self._free(name) or offsets & sensors:
                 continue
             carried = {b: f for b, f in self.scenario.elements.carried(name).items() if b not in known}
             known |= set(carried)
@@ -140,8 +138,7 @@ class _Beginning:
         if self.span is not None and self.span[0] > 0:
             return False
         inside = self.scenario.data["bodies"].get(body, {}).get("initial", {})
-        fitted = {path, f"log.{self.log}.initial.{body}.{kind}"} & self.named
-        return kind in inside or path in self.recording.known or bool(fitted)
+        return kind in inside or path in self.recording.known or path in paths(self.sought)
 
     def _differs(self, channel: Channel, what: str, kind: str, value: float) -> bool:
         """Whether the first samples of a whole recording may tell the state from 0, the machine's own."""

@@ -94,12 +94,12 @@ def _bic(fit: Simulated) -> float:
     """Of the force along the measured motion; rows that err alike count once."""
     r = fit.residual
     rows = len(r) / rows_together(r)
-    return float(rows * np.log(max(float(np.mean(r**2)), 1e-300)) + len(fit.names) * np.log(rows))
+    return float(rows * np.log(max(float(np.mean(r**2)), 1e-300)) + len(fit.model.first) * np.log(rows))
 
 
 def _candidate(name: str, fit: Simulated, chosen: bool) -> Candidate:
     return {
-        "name": name, "law": name, "forms": [], "numbers": len(fit.names), "relative_force_error": fit.error,
+        "name": name, "law": name, "forms": [], "numbers": len(fit.model.first), "relative_force_error": fit.error,
         "cross_validated_error": None, "chosen": chosen,
     }  # fmt: skip
 
