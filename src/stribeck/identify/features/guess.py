@@ -125,6 +125,7 @@ def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array
         found.append((float(left @ left), of_beside, {"F_c": F_c, "F_s": F_c + bend, "v_s": v_s, "sigma_2": sigma_2}))
     falling = [each for each in found if each[2]["F_s"] > each[2]["F_c"] > 0]
     _, of_beside, values = min(falling or found, key=lambda each: each[0])
+    values["F_s"] = max(values["F_s"], values["F_c"])  # no law has a curve that rises from rest
     return np.array(of_beside), {n: float(x) for n, x in values.items()}
 
 
