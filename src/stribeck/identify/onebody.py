@@ -18,7 +18,6 @@ from threadpoolctl import threadpool_limits
 
 from stribeck import laws
 from stribeck.arrays import Array
-from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.actuator.api import Fitting
 from stribeck.identify.actuator.estimate import BestPoint
@@ -36,7 +35,7 @@ from stribeck.identify.models import terms
 from stribeck.identify.models.static_problem import in_stretches
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import FrictionRows, LogFit
+from stribeck.identify.result import FrictionRows, LogFit, with_units
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
@@ -332,15 +331,14 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
 
 def _finished(log: Log, model: OneBody, machine_fit: MachineFit) -> LogFit:
     """The machine's fit as a fit of the log."""
-    constants = model.law.constants()
     used = {**model.fixed, **model.held, **{n: e.value for n, e in machine_fit.estimates.items()}}
-    estimates = _without_sliding(_estimates(log, model, machine_fit), log, used)
+    estimates = _without_sliding(with_units(machine_fit.estimates, model.name, model.fixed, log), log, used)
     friction, beside = parts(model.name, used, log, _deflections(machine_fit.nuisance, log))
     left = log.force - friction - beside
     missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)
     notes = *([machine_fit.reason] if machine_fit.reason else []), *machine_fit.notes
     return LogFit(
-        law_name=model.name, method="dynamic", estimates={n: estimates[n] for n in constants if n in estimates} | estimates,
+        law_name=model.name, method="dynamic", estimates=estimates,
         levels={n.removeprefix("contact "): e for n, e in machine_fit.levels.items()},
         speeds={n.removeprefix("contact "): v for n, v in machine_fit.speeds.items()},
         values=used, given=(*model.fixed, *model.held), relation=machine_fit.relation,
@@ -362,18 +360,6 @@ def _output(name: str, runs: Sequence[Trace]) -> Trace | None:
 def _deflections(values: Mapping[str, float], log: Log) -> list[float | None]:
     """The fitted deflection of the bristles at the start of each run, m; None of a law without bristles."""
     return [values.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
-
-
-def _estimates(log: Log, model: OneBody, machine_fit: MachineFit) -> dict[str, Estimate]:
-    """The machine fit's estimates, each with the experiment that would determine the parameter."""
-    constants, sizes, out = model.law.constants(), sizes_of(log), dict[str, Estimate]()
-    values = {n: e.value for n, e in machine_fit.estimates.items()}
-    open_ = machine_fit.unidentified
-    for n, e in machine_fit.estimates.items():
-        unit = constants[n].unit if n in constants else TERMS[n].unit
-        experiment = "" if e.usable else experiment_for(n, values, sizes, open_, rotary=log.rotary)
-        out[n] = replace(e, unit=rotary_unit(unit) if log.rotary else unit, experiment=experiment)
-    return out
 
 
 def _without_sliding(estimates: dict[str, Estimate], log: Log, used: Values) -> dict[str, Estimate]:

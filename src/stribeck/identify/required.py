@@ -82,7 +82,7 @@ def _judged(e: Estimate, share: float) -> Estimate:
 
 def _experiment(fit: Fit, name: str) -> str:
     """The motion that would identify a number of a log."""
-    if not isinstance(fit, LogFit) or fit.log is None or name in fit.levels:
+    if not isinstance(fit, LogFit) or fit.log is None:
         return ""
     known = {n: x for n, x in fit.values.items() if isinstance(x, int | float)}
     return experiment_for(name, known, sizes_of(fit.log), fit.unidentified, rotary=fit.log.rotary)

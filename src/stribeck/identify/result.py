@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
@@ -12,10 +12,15 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
+from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.predictor import EXPECTED, Predictor
 from stribeck.identify.core.states import Estimate as Estimate
-from stribeck.identify.log import Log
+from stribeck.identify.core.states import EstimateState
+from stribeck.identify.features.guess import sizes_of
+from stribeck.identify.features.what_to_measure import experiment_for
+from stribeck.identify.log import Log, thinned
+from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
 from stribeck.mouth.cells import percent
@@ -79,6 +84,34 @@ class FrictionRows:
     velocity: Array
     measured: Array
     fitted: Array
+
+
+def with_units(
+    estimates: Mapping[str, Estimate], law: str, given: Mapping[str, float], log: Log
+) -> dict[str, Estimate]:
+    """The estimates of a log's fit, the law's first, with units, and with the experiment that would determine open ones.
+
+    Args:
+        given: constants of the law.
+    """
+    constants, sizes, out = laws.find(law).constants(), sizes_of(thinned(log)), dict[str, Estimate]()
+    values = {**given, **{n: e.value for n, e in estimates.items()}}
+    open_ = [n for n, e in estimates.items() if not e.identifiable]
+    for name in [*(n for n in constants if n in estimates), *(n for n in estimates if n not in constants)]:
+        e, of = estimates[name], constants if name in constants else TERMS
+        unit = of[name].unit if name in of else "N"
+        e = replace(e, unit=rotary_unit(unit) if log.rotary else unit)
+        if not e.usable or e.state is EstimateState.AT_LEAST:
+            experiment = experiment_for(name, values, sizes, open_, rotary=log.rotary)
+            e = replace(e, why=e.why or _why(e.state), experiment=experiment)
+        out[name] = e
+    return out
+
+
+def _why(state: EstimateState) -> str:
+    if state is EstimateState.NOT_IDENTIFIABLE:
+        return "its interval spans more than a factor of two"
+    return f"no speed below {REACHED:g} v_s was seen"
 
 
 class Fit(Told, ABC):

@@ -72,7 +72,9 @@ def reachable(values: Mapping[str, float], sizes: Sizes, open_: Collection[str] 
 def experiment_for(
     name: str, values: Mapping[str, float], sizes: Sizes, open_: Collection[str] = (), rotary: bool = False
 ) -> str:
-    """What to measure, in words and numbers (:func:`reachable`)."""
+    """What to measure, in words and numbers (:func:`reachable`); nothing for a level, whose speed was seen."""
+    if name.startswith("level"):
+        return ""
     if "_by_" in name and name not in _WORDS:
         return f"the same motions at three levels of {name.partition('_by_')[2]} or more, evenly over its range"
     words = _WORDS.get(name, "motions in which the force depends on it: reversals of several sizes and speeds")

@@ -24,16 +24,14 @@ from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
 from stribeck.identify.core.states import Estimate, EstimateState, hanging
 from stribeck.identify.features.filtering import smoother_log
-from stribeck.identify.features.guess import Sizes, sizes_of
-from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.models import terms
-from stribeck.identify.models.curves import REACHED, SteadyCurve, curve_of
+from stribeck.identify.models.curves import SteadyCurve, curve_of
 from stribeck.identify.models.record import Record, record_of
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
-from stribeck.identify.result import Candidate, FrictionRows, LogFit
+from stribeck.identify.result import Candidate, FrictionRows, LogFit, with_units
 
 LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates where no law is named
 PLAIN = "coulomb_viscous"
@@ -177,7 +175,7 @@ def _finished(
     """The fit with what a report shows."""
     lib, log, curve = choice.library, rows.log, choice.library.curve
     known = laws.find(curve.law).constants()
-    estimates = _with_units(choice, judged_estimates, log)
+    estimates = with_units(judged_estimates, curve.law, curve.given, log)
     fixed = {n: x for n, x in (dict(options.numbers) | _sharp_sign(curve, log)).items() if n in known or n in TERMS}
     body = {n: e.value for n, e in estimates.items() if n in TERMS}
     forms = _rms_of_forms(choice)
@@ -194,38 +192,6 @@ def _finished(
         log=rows.source, rest=float(np.mean(rows.rest)), seen=seen(log, ~rows.rest), forms=forms,
         nearest_stribeck=nearest_stribeck(choice) or None if of_bends else None,
     )  # fmt: skip
-
-
-def _with_units(choice: Selection[SteadyLibrary], estimates: Mapping[str, Estimate], log: Log) -> dict[str, Estimate]:
-    """Estimates with units, and with the experiment that would determine those that are open."""
-    constants, sizes = laws.find(choice.library.curve.law).constants(), sizes_of(thinned(log))
-    values = {**choice.library.curve.given, **{n: e.value for n, e in estimates.items()}}
-    order = [n for n in constants if n in estimates] + [n for n in estimates if n not in constants]
-    out = {}
-    for name in order:
-        e, unit = (
-            estimates[name],
-            constants[name].unit if name in constants else TERMS[name].unit if name in TERMS else "N",
-        )
-        e = replace(e, unit=rotary_unit(unit) if log.rotary else unit)
-        if not e.usable or e.state is EstimateState.AT_LEAST:
-            e = replace(e, why=e.why or _why(e.state), experiment=_experiment(name, values, sizes, log.rotary))
-        out[name] = e
-    return out
-
-
-def _why(state: EstimateState) -> str:
-    if state is EstimateState.NOT_IDENTIFIABLE:
-        return "its interval spans more than a factor of two"
-    return f"no speed below {REACHED:g} v_s was seen"
-
-
-def _experiment(name: str, values: Mapping[str, float], sizes: Sizes, turns: bool) -> str:
-    if name in ("F_s", "v_s"):
-        unit = rotary_unit("m/s") if turns else "m/s"
-        slow = float(f"{REACHED * values['v_s']:.2g}")
-        return f"speeds below {slow:g} {unit} in both directions, or force ramps from rest"
-    return "" if name.startswith("level") else experiment_for(name, values, sizes, rotary=turns)
 
 
 def _used(choice: Selection[SteadyLibrary], estimates: Mapping[str, Estimate], largest: float) -> dict[str, float]:
