@@ -9,6 +9,8 @@ import sys
 import numpy as np
 import pytest
 
+from stribeck import InputError, examples, export
+
 COLUMNS = ("--time", "t", "--position", "y", "--force", "F")
 
 
@@ -70,6 +72,20 @@ def test_a_controller_that_nothing_asks_for(words, stribeck, tmp_path):
     assert (found.status, found.out) == (2, "")
     assert found.err == f"--controller: 'x': must be left out: part '{part}' has no choice of controllers\n"
     assert not out.exists()
+
+
+@pytest.mark.parametrize("part", ["machine", "controller"])
+def test_a_contact_that_nothing_asks_for(part, tmp_path):
+    with pytest.raises(InputError, match=f"contact: 'x': must be left out: part '{part}' has no choice of contacts"):
+        export(examples.path("machine"), "c", tmp_path / "out", part=part, contact="x")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_contact_alone_asks_for_its_law(tmp_path):
+    with pytest.raises(InputError, match="contact: 'x': "):
+        export(examples.path("machine"), "c", tmp_path / "out", contact="x")
+    export(examples.path("machine"), "c", tmp_path / "law", contact="guide")
+    assert (tmp_path / "law" / "lugre_majorant.h").exists()
 
 
 @pytest.mark.parametrize("words", [("--law", "dahl"), ("--seed", "3"), ("--law", "lugr")])

@@ -130,6 +130,20 @@ def test_a_row_of_missing_numbers_below_the_names_is_a_row(tmp_path, monkeypatch
     assert np.array_equal(read, [np.nan, 2, 3], equal_nan=True)
 
 
+@pytest.mark.parametrize("arrow", [True, False])
+@pytest.mark.parametrize("mark", ["\v", "\f", "\x1c", "\x1d", "\x1e", "\x85", "\u2028", "\u2029"])
+def test_marks_of_unicode_end_no_line(tmp_path, monkeypatch, arrow, mark):
+    """Readers of rows end lines at CR and LF alone; a head that is counted otherwise loses rows."""
+    if not arrow:
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    path = tmp_path / "log.csv"
+    path.write_text(f"# made{mark} by me\nt,v{mark}a\n0,5\n1,6\n", encoding="utf-8", newline="")
+    names = {"t": "t", "v": f"v{mark}a"}
+    x = opened(path).columns(names)
+    assert x["t"].tolist() == [0, 1]
+    assert x["v"].tolist() == [5, 6]
+
+
 def test_a_quote_that_is_never_closed_is_named(tmp_path):
     """It swallowed the rows below it, without a word."""
     rows = [f"{i},{2 * i},x" for i in range(400)]

@@ -65,7 +65,8 @@ def export(
         law: the law with its constants; None for the scenario's own; or in its place a scenario, its file or its tables.
         target: one of :data:`TARGETS`.
         out: folder of the files (``c``, ``mujoco``), or the file itself.
-        part: one of :data:`PARTS`; not every target has every part. "machine" of a machine, else "law", unless given.
+        part: one of :data:`PARTS`; not every target has every part. Unless given, "law" of a ``contact``, "machine" of a machine,
+            else "law".
         scenario: the machine, or the scenario that gives the body's mass, the controller and all else that is not the law's;
             its file or its tables.
         step: time step of the tool, s.
@@ -86,8 +87,9 @@ def export(
     out = Path(out)
     law, scenario = _law_and_scenario(law, scenario)
     if part is None:
-        part = "machine" if law is None and scenario is not None and not scenario.elements.unnamed else "law"
-    problems = _problems(target, part, self_test, step, fmi, controller, platforms)
+        whole = law is None and contact is None and scenario is not None and not scenario.elements.unnamed
+        part = "machine" if whole else "law"
+    problems = _problems(target, part, self_test, step, fmi, controller, contact, platforms)
     if problems:
         raise InputError(problems)
     chosen = TARGETS[target]
@@ -197,7 +199,8 @@ def _encode(data: str | bytes) -> bytes:
 
 
 def _problems(
-    target: str, part: str, self_test: bool, step: float | None, fmi: int, controller: str | None, platforms: str
+    target: str, part: str, self_test: bool, step: float | None, fmi: int, controller: str | None, contact: str | None,
+    platforms: str,
 ) -> list[str]:  # fmt: skip
     if target not in TARGETS:
         guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
@@ -219,7 +222,9 @@ def _problems(
         problems.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
     if platforms not in ("here", "all"):
         problems.append(f"{arg('platforms')}: {show(platforms)}: must be here or all")
-    if controller is not None and part in PARTS and part not in SAMPLED:
-        text = f"must be left out: part '{part}' has no choice of controllers"
-        problems.append(f"{arg('controller')}: {show(controller)}: {text}")
+    choices = {"controller": (controller, part in SAMPLED), "contact": (contact, part not in (*SAMPLED, "machine"))}
+    problems += [
+        f"{arg(name)}: {show(chosen)}: must be left out: part '{part}' has no choice of {name}s"
+        for name, (chosen, has) in choices.items() if chosen is not None and part in PARTS and not has
+    ]  # fmt: skip
     return problems

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -39,7 +40,8 @@ from stribeck.recorded.layout import (
 Numbers = NDArray[Any]  # of any type
 
 _WIDEST = 1000  # columns of a matrix: more are an image or a result, not signals
-_NUMBERS = ("int", "uint", "float", "double", "halffloat", "bool")  # Arrow's types that are numbers
+_NUMBERS = ("int", "uint", "float", "double", "halffloat", "decimal", "bool")  # Arrow's types that are numbers
+_LINE_END = re.compile(r"\r\n?|\n")  # as readers of rows have it: other marks of Unicode are part of a line
 _LINKS = 16  # HDF5 follows no more soft links to one object
 _HEAD = 1 << 16  # bytes of an array's file in which its shape stands; NumPy takes heads of 10 000
 _SCALARS = 1  # size of a variable that is a constant of the file, not a column
@@ -251,7 +253,7 @@ class CsvSource(Source):
             text = file.read(1 << 16)  # so much because the first decimal comma may come late
             while text.count("\n") < 3 and (more := file.read(len(text))):  # a head of very many names
                 text += more
-        every = text.splitlines()
+        every = _LINE_END.split(text)
         places = [i for i, line in enumerate(every) if not is_blank(line)]
         lines = [every[i] for i in places]
         if not lines:
