@@ -25,7 +25,7 @@ import stribeck
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.core.states import Estimate
-from stribeck.identify.onebody import fit_simulated
+from stribeck.identify.onebody import simulated
 from stribeck.identify.options import FitOptions
 
 Found = tuple[Mapping[str, Estimate], dict[str, float]]  # estimates and their truth
@@ -53,7 +53,7 @@ TERMS = ("gravity_sin", "gravity_cos", "area", "stiffness", "sigma_2_by_directio
 def presliding(law: str, seed: int) -> Found:
     """A rig that makes small reversals and strokes of several speeds."""
     made = records.presliding(law, seed)
-    fit = fit_simulated(made.log, law, FitOptions(mass=0.0, constants=records.RIG_LAWS[law], starts=4, seed=seed))
+    fit = simulated(made.log, law, FitOptions(mass=0.0, constants=records.RIG_LAWS[law], starts=4, seed=seed)).judged()
     return {**fit.estimates, **fit.body}, {**made.law.values, "offset": 0.0}
 
 

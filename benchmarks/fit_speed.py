@@ -24,7 +24,7 @@ from stribeck import fit
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.log import Log
-from stribeck.identify.onebody import fit_simulated
+from stribeck.identify.onebody import simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.plan import motion
 from stribeck.identify.synthetic import Sensors, experiment
@@ -49,7 +49,7 @@ def lugre_log(seconds: float) -> Log:
 def lugre(seconds: float) -> Callable[[], object]:
     """A fit of LuGre's law."""
     log = lugre_log(seconds)
-    return lambda: fit_simulated(log, "lugre", FitOptions(mass=0.0))
+    return lambda: simulated(log, "lugre", FitOptions(mass=0.0)).judged()
 
 
 def positions(seconds: float) -> Callable[[], object]:

@@ -6,7 +6,7 @@ import pytest
 import stribeck
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
-from stribeck.identify.onebody import fit_simulated, initial_deflections, parts
+from stribeck.identify.onebody import initial_deflections, parts, simulated
 from stribeck.identify.options import FitOptions
 from tests.identify import rig
 
@@ -17,7 +17,7 @@ STEP = 2e-3
 def fitted(log, law="lugre", **options):
     asked = FitOptions(**{"method": "dynamic", "starts": 1, **options})
     asked.check(law)
-    return fit_simulated(log, law, asked)
+    return simulated(log, law, asked).judged()
 
 
 @pytest.fixture(scope="module")
@@ -205,7 +205,7 @@ def test_ctrl_c_leaves_what_was_found(full):
         if len(shares) == 15:
             raise KeyboardInterrupt
 
-    fit = fit_simulated(full, "lugre", FitOptions(mass=0.0), tell)
+    fit = simulated(full, "lugre", FitOptions(mass=0.0), tell).judged()
     assert fit.status == "stopped"
     assert shares == sorted(shares)
     assert any("Ctrl-C" in note for note in fit.notes)

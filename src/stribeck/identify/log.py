@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
+from stribeck.constants import rotary_unit
 
 _COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "unfiltered", "run")
 INTEGRAL = "the integral of the velocity"  # the source of a position that nobody measured
@@ -72,6 +73,10 @@ class Log:
             digest.update(name.encode())
             digest.update(np.ascontiguousarray(column).view(np.uint8).data)
         return digest.hexdigest()
+
+    def unit(self, of_line: str) -> str:
+        """The unit of a quantity of this machine, from that of one that moves on a line."""
+        return rotary_unit(of_line) if self.rotary else of_line
 
     def columns(self) -> dict[str, Array | NDArray[np.int32]]:
         """The columns that are there, by name."""

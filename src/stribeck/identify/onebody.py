@@ -123,11 +123,6 @@ class Simulated:
         return _finished(self.log, self.model, machine_fit)
 
 
-def fit_simulated(log: Log, name: str, options: FitOptions, progress: Progress | None = None) -> LogFit:
-    """Fit a law's constants, and further terms, by simulation; arguments and errors as of :func:`simulated`."""
-    return simulated(log, name, options, progress).judged()
-
-
 def simulated(
     log: Log, name: str, options: FitOptions, progress: Progress | None = None, rough: bool = False
 ) -> Simulated:

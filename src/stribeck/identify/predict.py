@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg
 from stribeck.identify import api
 from stribeck.identify.actuator.result import Trace
@@ -163,7 +162,7 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
     force = modeled_friction + not_friction
     rows = np.ones(len(log), bool) if simulated else ~rest
     left = log.force - not_friction
-    unit = rotary_unit("N") if log.rotary else "N"
+    unit = log.unit("N")
     friction_error = float(np.linalg.norm((log.force - force)[rows])) / max(float(np.linalg.norm(left[rows])), 1e-300)
     mean = np.full(len(log), float(np.mean(log.force[rows])))
     return Predicted(

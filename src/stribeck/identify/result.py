@@ -12,7 +12,6 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
-from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg
 from stribeck.identify.core.predictor import EXPECTED, Predictor
 from stribeck.identify.core.states import Estimate as Estimate
@@ -96,11 +95,11 @@ def with_units(
     """
     constants, sizes, out = laws.find(law).constants(), sizes_of(thinned(log)), dict[str, Estimate]()
     values = {**given, **{n: e.value for n, e in estimates.items()}}
-    open_ = [n for n, e in estimates.items() if not e.identifiable]
+    open_ = [n for n, e in estimates.items() if not e.usable]
     for name in [*(n for n in constants if n in estimates), *(n for n in estimates if n not in constants)]:
         e, of = estimates[name], constants if name in constants else TERMS
         unit = of[name].unit if name in of else "N"
-        e = replace(e, unit=rotary_unit(unit) if log.rotary else unit)
+        e = replace(e, unit=log.unit(unit))
         if not e.usable or e.state is EstimateState.AT_LEAST:
             experiment = experiment_for(name, values, sizes, open_, rotary=log.rotary)
             e = replace(e, why=e.why or _why(e.state), experiment=experiment)

@@ -59,7 +59,7 @@ def judged(
     estimates = by_core(choice, trusted=trusted, lower=lib.parameters(choice.model, lib.left))
     units = {c.name: unit(scenario, c) for c in lib.sought}
     columns = {c.name: c.unit for c in scenario.system.columns}
-    units |= {name: columns.get(f"{name.partition(' ')[0]}.F", "") for name in lib.speeds}
+    units |= {name: columns.get(f"{name.partition(' ')[0]}.F", "") for name in lib.friction.speeds}
     labels = {form.name: form.label for form in lib.forms}
     for name, e in estimates.items():
         state = EstimateState.NOT_IDENTIFIABLE if _crept(e) else e.state
@@ -71,9 +71,9 @@ def judged(
         name = problem.sought[i].name
         e = estimates[name]
         estimates[name] = replace(e, why=e.why or _why(e, name, names, relation), experiment=texts.get(i, e.experiment))
-    levels = {n: estimates.pop(n) for n in lib.speeds}
+    levels = {n: estimates.pop(n) for n in lib.friction.speeds}
     notes = [*_explained(choice), *hanging(estimates)]
-    return JudgedParameters(estimates, levels, lib.speeds, _groups(names, relation), (names, relation), notes)
+    return JudgedParameters(estimates, levels, lib.friction.speeds, _groups(names, relation), (names, relation), notes)
 
 
 def blank(best: BestPoint, scenario: Scenario, why: str) -> JudgedParameters:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +26,20 @@ SLIDING = 1e-3  # of the fastest speed: a slower contact counts as stuck
 WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
 
+@dataclass(frozen=True)
+class Levels:
+    """Friction at recorded ``speeds``, by name; ``slow``: by contact, the slowest recorded speed.
+
+    ``values`` have ``slopes`` by the coordinates, and ``of_forms`` by the column of a form.
+    """
+
+    speeds: dict[str, float]
+    slow: dict[str, float]
+    values: Array
+    slopes: Array
+    of_forms: dict[int, Array]
+
+
 @dataclass(kw_only=True)
 class MachineLibrary(ModelLibrary):
     """Columns: residuals, and their derivatives by the coordinates and by all forms, in units of the noise.
@@ -34,20 +47,15 @@ class MachineLibrary(ModelLibrary):
     Attributes:
         sought: the reported coordinates; ``u``: their point.
         J: derivatives of all residuals by all coordinates; ``left``: the step to the linearized problem's optimum.
-        speeds: of the levels; ``levels``: values there, with ``slopes`` by the coordinates and ``of_forms`` by column.
+        friction: of the contacts with fitted laws, at recorded speeds.
         measured: the changes of the measured columns.
-        slow: by contact, the slowest recorded speed.
         unit: the rms of each column before it was scaled to 1.
     """
 
     sought: list[MachineCoordinate]
     u: Array
     forms: list[MissingForm]
-    speeds: dict[str, float]
-    slow: dict[str, float]
-    levels: Array
-    slopes: Array
-    of_forms: dict[int, Array]
+    friction: Levels
     measured: Array
     unit: Array
     J: Array
@@ -87,11 +95,11 @@ class MachineLibrary(ModelLibrary):
         """The fitted parameters and the levels."""
         at = self.u + np.clip(x[: self.k], -20.0, 20.0)
         out = {c.name: c.outer(z) for c, z in zip(self.sought, at.tolist(), strict=True)}
-        level = self.levels + self.slopes @ x[: self.k]
+        level = self.friction.values + self.friction.slopes @ x[: self.k]
         for place, column in enumerate(self.index(model)[self.k :], self.k):
-            if column in self.of_forms and place < len(x):
-                level = level + x[place] * self.of_forms[column]
-        return out | dict(zip(self.speeds, level.tolist(), strict=True))
+            if column in self.friction.of_forms and place < len(x):
+                level = level + x[place] * self.friction.of_forms[column]
+        return out | dict(zip(self.friction.speeds, level.tolist(), strict=True))
 
     def fault(self, x: Array) -> Array:
         """A factor above 1 for steps beyond a cell, where the linearization is not valid."""
@@ -115,7 +123,7 @@ class MachineLibrary(ModelLibrary):
         for c in self.sought:
             estimates[c.name] = estimates[c.name].within(c.low, c.high)
         of_path = {path: c.name for c in self.sought for path in c.targets}
-        for contact, slowest in self.slow.items():
+        for contact, slowest in self.friction.slow.items():
             law = f"contacts.{contact}.law.parameters."
             level, static, speed = (of_path.get(f"{law}{n}", "") for n in ("F_c", "F_s", "v_s"))
             F_s, v_s = estimates.get(static), estimates.get(speed)
@@ -157,7 +165,8 @@ def regressed(problem: MachineProblem, u: Array, words: Mapping[str, str] | None
         columns=columns, gram=gram, groups=groups, targets=[0], starts=[1], natural=[1.0] * columns.shape[1],
         sought=[problem.sought[i] for i in asked], u=u[asked], forms=forms, measured=np.concatenate(measured),
         unit=unit, J=J, drawn=drawn,
-        left=left_step(problem, u, r, J)[asked], **_levels(problem, u, asked, motion, dict(enumerate(forms, first)), unit),
+        left=left_step(problem, u, r, J)[asked],
+        friction=_levels(problem, u, asked, motion, dict(enumerate(forms, first)), unit),
     )  # fmt: skip
     beam.search(lib)
     solved, sse = lib.solve(gram.sum(0))
@@ -185,19 +194,9 @@ def _blocks(problem: MachineProblem) -> NDArray[np.intp]:
     return block
 
 
-class _Levels(TypedDict):
-    """The friction levels of the contacts with fitted laws, as of :class:`MachineLibrary`."""
-
-    speeds: dict[str, float]
-    slow: dict[str, float]
-    levels: Array
-    slopes: Array
-    of_forms: dict[int, Array]
-
-
 def _levels(
     problem: MachineProblem, u: Array, asked: Sequence[int], motion: RunMotion, forms: Mapping[int, MissingForm], unit: Array
-) -> _Levels:  # fmt: skip
+) -> Levels:  # fmt: skip
     """The levels at four recorded speeds, and their derivatives by the coordinates and by each form's column."""
     speeds, slow, spans = dict[str, float](), dict[str, float](), dict[str, slice]()
     for contact in problem.runs[0].scenario.data.get("contacts", {}):
@@ -225,7 +224,7 @@ def _levels(
         if form.at is not None and form.contact in spans:
             rows, of_forms[place] = spans[form.contact], np.zeros(len(v))
             of_forms[place][rows] = form.at(base[rows], v[rows]) / unit[place]
-    return {"speeds": speeds, "slow": slow, "levels": base, "slopes": slopes, "of_forms": of_forms}
+    return Levels(speeds, slow, base, slopes, of_forms)
 
 
 def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:

@@ -14,7 +14,6 @@ from threadpoolctl import threadpool_limits
 
 from stribeck import laws
 from stribeck.arrays import Array
-from stribeck.constants import rotary_unit
 from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.choice import Selection, chosen
@@ -139,14 +138,12 @@ def check_motion(log: Log) -> None:
         raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
     low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
-        unit = rotary_unit("m/s") if log.rotary else "m/s"
         raise InputError(
-            f"{arg('velocity')}: constant ({middle:.4g} {unit} within {high - low:.1g}): friction, offset and inertia cannot be "
-            "separated; measure several speeds in both directions"
+            f"{arg('velocity')}: constant ({middle:.4g} {log.unit('m/s')} within {high - low:.1g}): friction, offset and "
+            "inertia cannot be separated; measure several speeds in both directions"
         )
     if not np.ptp(log.force) > 0:
-        unit = rotary_unit("N") if log.rotary else "N"
-        raise InputError(f"{arg('force')}: {log.force[0]:.6g} {unit} throughout: there is no friction to fit")
+        raise InputError(f"{arg('force')}: {log.force[0]:.6g} {log.unit('N')} throughout: there is no friction to fit")
     few = thinned(log)
     thin, y = few.velocity, few.position
     beside = [np.ones(len(thin)), y, np.sin(y), np.cos(y)]
@@ -320,8 +317,7 @@ def _notes(
         if e.state in (EstimateState.NOT_IDENTIFIABLE, EstimateState.AT_LEAST) and e.experiment:
             out.append(f"{name}: {e.experiment}.")
     if forms:
-        unit = rotary_unit("N") if log.rotary else "N"
-        form_sizes = ", ".join(f"{name} ({size:.2g} {unit})" for name, size in forms.items())
+        form_sizes = ", ".join(f"{name} ({size:.2g} {log.unit('N')})" for name, size in forms.items())
         out.append(f"Beside the law the force holds: {form_sizes}.")
     if len(set(log.files)) < 2:
         out.append("The intervals are of this one file: another day or another motion may differ by more.")
