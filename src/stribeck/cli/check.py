@@ -42,7 +42,7 @@ class SteepnessOptions:
     ] = None
     share: Annotated[
         float | None,
-        _tolerance("X", "Load of --creep and --presliding-error over F_s; 0.95 unless given."),
+        _tolerance("X", "Load of --creep and --presliding-error, as a share of F_s; 0.95 unless given."),
     ] = None
     steady_error: Annotated[
         float | None, _tolerance("X", "Find k_v for this relative error of the steady force at --speed.")
@@ -64,7 +64,9 @@ class SteepnessOptions:
     sample_time: Annotated[
         float | None, _tolerance("S", "Find k_v with which explicit Euler is stable at this step (s).")
     ] = None
-    mass: Annotated[float | None, _tolerance("KG", "Mass of the body for --presliding-error (kg).")] = None
+    mass: Annotated[
+        float | None, _tolerance("KG", "Mass of the body for --presliding-error (kg); negligible unless given.")
+    ] = None
 
     def given(self) -> dict[str, object]:
         """Those that were given."""
@@ -106,7 +108,11 @@ def check(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
-    """Decide five properties of a law or machine: a proof, or a counterexample that 'run' replays."""
+    """Prove or refute properties of a law, or of each contact of a machine.
+
+    They are: unique, bounded, smooth, passive, drift-free. A refuted property has a counterexample that 'run' replays.
+    A property may remain undecided.
+    """
     from stribeck.constants import require_positive
     from stribeck.parameter_sets.assignments import parse_assignments
 

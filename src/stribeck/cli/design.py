@@ -51,7 +51,9 @@ def design(
         typer.Option("--seed", metavar="N", rich_help_panel=ADVANCED, help="Seed of the random friction samples."),
     ] = 0,
 ) -> int:  # fmt: skip
-    """Report whether an axis hunts: by how much, from which gain on, and which remedy helps.
+    """Report whether an axis hunts, and by how much.
+
+    --vary finds the gain at which hunting begins; --compensate compares remedies.
 
     For a pneumatic servo: report whether its Lyapunov function decreases.
     """

@@ -38,7 +38,7 @@ def explore(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
-    """Write a page that simulates the scenario in a browser while you change its parameters."""
+    """Write a page that simulates a scenario in the browser. Sliders change its parameters."""
     from stribeck.explore import explore as write
     from stribeck.explore.variants import subject
     from stribeck.scenario import parse_assignments

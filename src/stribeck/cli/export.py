@@ -37,7 +37,7 @@ class PartOptions:
         typer.Option(
             "--part",
             metavar="PART",
-            help="law, body, observer, controller, compensator or machine; law unless given, of a machine file machine.",
+            help="law, body, observer, controller, compensator or machine; law unless given (machine for a machine file).",
         ),
     ] = None
     scenario: Annotated[
@@ -117,7 +117,7 @@ def export(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
-    """Write a law, a controller or a machine for another tool: C, FMU, MuJoCo, Isaac Lab, Newton, a table."""
+    """Write a law, a controller or a machine for another tool. --target names the tool."""
     from stribeck.exports import TARGETS
 
     scenario = selection.scenario

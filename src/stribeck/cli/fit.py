@@ -157,8 +157,10 @@ def fit(
     out: Out = None,
     json: Json = False,
 ) -> int:
-    """Fit a law to a measured log, or a machine to its recordings (--logs), with a 95 % interval, a model
-    range and a state for each parameter."""
+    """Fit a law to a log, or a machine to its recordings (--logs).
+
+    Each parameter gets a 95 % interval, a model range and a state, such as identified.
+    """
     from stribeck.scenario import parse_assignments
 
     laws, assignments = law or [], how.set_ or []

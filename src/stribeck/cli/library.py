@@ -29,7 +29,7 @@ def library(
     ] = None,
     json: Json = False,
 ) -> int:
-    """List friction laws, parameter sets and machines with their sources; a NAME shows its details."""
+    """List friction laws, parameter sets and machines. With a NAME, show its details and source."""
     from stribeck.laws import library as shelf
 
     selection = shelf.library(*(name or ()))

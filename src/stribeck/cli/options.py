@@ -126,7 +126,7 @@ Undetermined = Annotated[
     bool,
     typer.Option(
         "--allow-undetermined", callback=_allow, rich_help_panel=ADVANCED,
-        help="Accept values of a fit that its data do not determine.",
+        help="Accept fitted values that are not identifiable.",
     ),
 ]  # fmt: skip
 
@@ -147,7 +147,7 @@ Backend = Annotated[
     str | None,
     typer.Option(
         "--backend", metavar="NAME", callback=_solve_by, rich_help_panel=ADVANCED,
-        help="Solver backend: c (needs a compiler), wasm (the same bits on every processor), or auto: c if there is a compiler.",
+        help="Solver backend: c (needs a compiler), wasm (the same bits on every processor), auto (default): c with a compiler.",
     ),
 ]  # fmt: skip
 Set = Annotated[

@@ -47,7 +47,7 @@ def predict(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
-    """Predict another recording with a fit or a machine file: error, overlay and report."""
+    """Predict another recording with a fit or a machine file. Print the error; with --out, also write an overlay and a report."""
     _refuse_mixed(given_options(context), fit, machine)
     from stribeck.scenario import parse_assignments
 

@@ -47,7 +47,7 @@ def run(
     out: Out = None,
     json: Json = False,
 ) -> int:  # fmt: skip
-    """Simulate a scenario or a machine; without --out, print the summary and write nothing."""
+    """Simulate a scenario or a machine. Without --out, print the summary and write nothing."""
     laws = law or []
     given = source.load(lambda: read_pairs(_law, laws, "--law"))
     if draw:

@@ -50,7 +50,7 @@ def sweep(
     ] = None,
     json: Json = False,
 ) -> int:  # fmt: skip
-    """Simulate a scenario over ranges of its parameters; the same command continues after an interruption."""
+    """Simulate a scenario over ranges of its parameters. The same command continues after an interruption."""
     from time import perf_counter
 
     from stribeck.simulation.ensemble import inaccurate_lanes

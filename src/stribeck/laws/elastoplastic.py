@@ -67,7 +67,7 @@ class ElastoPlastic(_ElastoPlastic):
 
 
 class ElastoPlasticSobczyk(_ElastoPlastic):
-    """The smooth elasto-plastic law that the paper's Remark 1 names; it drifts, and it is not passive."""
+    """The smooth elasto-plastic law of Sobczyk's Remark 1; it drifts, and it is not passive."""
 
     name = "elastoplastic_sobczyk"
     source = "Sobczyk, Perondi, Cunha, A continuous approximation of the LuGre friction model, Remark 1"

@@ -85,7 +85,7 @@ class Creep(Tolerance):
             return self._requirement(law, name, x / v, FORMULA, detail)
         # carried at the tolerated speed: then the creep is slower
         k_v, _ = smallest(lambda k: 0.0 if _carries(with_k_v(law, k), v, load) else inf, 0.0, 1 / v, _ACCURACY)
-        return self._requirement(law, name, k_v, STEADY, "steady friction at the tolerated speed is the load")
+        return self._requirement(law, name, k_v, STEADY, "at the tolerated speed, steady friction equals the load")
 
     @staticmethod
     def _elastic(law: Law, load: float) -> bool:
