@@ -9,8 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stribeck
-from stribeck.exports.c.ccode import LawCode
+from stribeck.exports.c.ccode import LawCode, statements
 from stribeck.exports.c.selftest import terms
+from stribeck.expressions.graph import symbol
+from stribeck.expressions.names import Names
+from stribeck.expressions.ops import sqrt
 from stribeck.laws import BristleLaw, Claims, builtin
 from stribeck.loops.proof import derive
 from tests.exports.harness import (
@@ -440,3 +443,9 @@ def test_laws_have_a_time_derivative_where_they_claim_or_show_it():
     assert not Unclaimed(own).differentiable
     found = {name: make(each).differentiable for name, each in builtin().items()}
     assert {name for name, smooth in found.items() if not smooth} == {"lugre", "elastoplastic", "dahl"}
+
+
+def test_every_number_is_of_the_kind_that_the_code_is_compiled_for():
+    v = symbol("v")
+    written = statements([("F", -25.5 * v + 0.125 * sqrt(v) - 1e300 * v**2)], {"v": "v"}, Names())
+    assert written == "    F = -R(25.5) * v + R(0.125) * FN(sqrt)(v) - R(1e+300) * (v * v);"

@@ -64,6 +64,14 @@ def test_solver_follows_a_bristle_that_is_smaller_than_scipys_tolerance():
     assert got.y[0, -1] == pytest.approx(float(law.steady_force(5e-4)), rel=1e-6)
 
 
+def test_the_tolerance_is_that_of_the_smallest_bristle_of_a_system(monkeypatch):
+    stiff, soft = (stribeck.law("lugre", "canudas1995", sigma_0=sigma_0) for sigma_0 in (1e5, 1e3))
+    bodies = [to_control(x, mass=1.0) for x in (soft, stiff)]
+    pair = ct.interconnect(bodies, check_unused=False, warn_duplicate=False)
+    monkeypatch.setattr(ct, "input_output_response", lambda *given, solve_ivp_kwargs: solve_ivp_kwargs)
+    assert response(pair, [0.0, 1.0])["atol"] == pytest.approx(1e-9 * 1.5 / 1e5)
+
+
 def test_linearised_stuck_body_rings_on_its_bristles():
     body = to_control(stribeck.law("lugre_majorant", "canudas1995", k_v=1e8), mass=1.0)
     poles = ct.linearize(body, [0, 0, 0], [0], eps=1e-14).poles()
