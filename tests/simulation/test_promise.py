@@ -226,6 +226,8 @@ def test_readings_that_no_tolerance_settles_are_said(monkeypatch):
     with pytest.warns(StribeckNote, match="less differ by more than 1e-06 of the peak; counts of an encoder"):
         found = stribeck.simulate(stribeck.load(EDGE))
     assert "counts of an encoder" in found.message
+    finest = stribeck.simulate(stribeck.load(EDGE), rtol=1e-9)  # none is finer, and a looser one says nothing of it
+    assert "counts of an encoder" not in finest.message
 
 
 def test_lanes_go_over_no_narrow_peak():
