@@ -70,7 +70,7 @@ def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
         (("stroke=1,speed=1,speed=2,force=1",), "--plan speed: given 2 times; must be given once"),
         (("stroke=1,speed=1",), "--plan force: missing"),
         (("stroke=1,way=1",), "--plan: 'way=1': must be one of stroke, speed, force, deflection"),
-        ((f"{LIMITS},deflection=1",), "--plan deflection: 1.0: must be at most a tenth of the stroke (0.05)"),
+        ((f"{LIMITS},deflection=5.02e-3",), "--plan deflection: 0.00502: must be at most a tenth of the stroke (0.05)"),
         ((LIMITS, "--simulate"), "--simulate: needs --out DIR, where the synthetic log goes"),
         ((LIMITS, "--set", "F_c=1"), "--set: goes with --simulate, which is not given"),
         ((LIMITS, "--mass", "1"), "--mass: must be left out with --plan"),

@@ -111,6 +111,8 @@ def test_fmu(fmi, tmp_path):
     shown = np.asarray(found["u"])[1:]
     expected = np.asarray(run["axis.u"])[1 : len(shown) + 1]
     assert np.abs(shown - expected).max() <= 1e-9 * np.abs(expected).max()
+    with pytest.raises(fmpy.fmi1.FMICallException):  # what is computed cannot be set
+        fmpy.simulate_fmu(str(path), stop_time=0.01, output_interval=1e-3, start_values={"u": 1.0})
 
 
 def test_a_table_of_the_compensation(tmp_path):
