@@ -65,6 +65,7 @@ def test_valid(name, part, fmi, folder):
     expected = {n: x for n, x in law(name).values.items() if x is not None} | ({"mass": 1.0} if part == "body" else {})
     assert {n: float(v.start) for n, v in parameters.items()} == expected
     assert all(v.variability == "tunable" for v in parameters.values())
+    assert {float(parameters[n].min) for n in ("F_c", "sigma_2") if n in parameters} <= {0.0}
     constants = law(name).constants()
     assert all(v.unit == constants[n].unit for n, v in parameters.items() if n != "mass" and constants[n].unit)
 
