@@ -15,13 +15,14 @@ from stribeck.properties.model import SIGNS, Model
 from stribeck.properties.plain import Json
 
 METHOD = (
-    "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 N, where dz/dt = v - q z with 0 <= N q <= sigma_0 (|v| + m(0)): the dissipated power "
-    "is never negative, for every z, with the elastic energy as storage S"
+    "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 F_min, the lowest friction level, where dz/dt = v - q z with "
+    "0 <= F_min q <= sigma_0 (|v| + m(0)): the dissipated power is never negative, for every z, with the elastic energy as "
+    "storage S"
 )
 _FINER = (
-    "a^2 (|v| + m(0)) <= 4 N (a + sigma_2) for every v, with a = sigma_1 exp(-(v/v_d)^2), where dz/dt = v - q z with "
-    "0 <= N q <= sigma_0 (|v| + m(0)): the dissipated power is never negative, for every z, with the elastic energy as "
-    "storage S"
+    "a^2 (|v| + m(0)) <= 4 F_min (a + sigma_2) for every v, with a = sigma_1 exp(-(v/v_d)^2) and F_min the lowest friction "
+    "level, where dz/dt = v - q z with 0 <= F_min q <= sigma_0 (|v| + m(0)): the dissipated power is never negative, for "
+    "every z, with the elastic energy as storage S"
 )
 _NEEDED = ("sigma_0", "sigma_1", "sigma_2", "v_d", "F_c", "F_s")
 _ROUNDING = Fraction(1, 2**44)  # more than that of m(0)
