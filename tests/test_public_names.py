@@ -165,3 +165,21 @@ def test_a_fit_as_a_table(law):
     assert "coulomb_viscous, relative residual" in html
     assert repr(fit).startswith("<LogFit of the record: coulomb_viscous, relative residual ")
     assert "array" not in repr(fit)
+
+
+WRONG = (None, 1, 1.5, True, b"x", [], object())
+
+
+@pytest.mark.parametrize("given", WRONG, ids=[type(x).__name__ for x in WRONG])
+def test_arguments_of_a_wrong_kind_are_named(given, tmp_path):
+    rows = {"t": [0.0, 1.0], "y": [0.0, 1.0], "F": [0.0, 1.0]}
+    calls = [
+        lambda: st.load(given), lambda: st.Fit.load(given), lambda: st.import_("bam", given),
+        lambda: st.import_(given, "x"), lambda: st.fit(given), lambda: st.fit(rows, given),
+        lambda: st.export(st.law("lugre", "canudas1995"), given, tmp_path / "x"),
+    ]  # fmt: skip
+    calls += [] if given is None else [lambda: st.simulate(examples.path("stick_slip"), vary=given)]
+    for call in calls:
+        with pytest.raises(st.InputError):
+            call()
+    assert not list(tmp_path.iterdir())

@@ -6,10 +6,12 @@ Validation, the JSON Schema, the listings and the documentation use these declar
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
+from pathlib import Path
 
 from stribeck.errors import InputError, arg, nearest
 
@@ -135,6 +137,17 @@ def rotary_words(text: str) -> str:
 
 
 DECIDED = {True: "yes", False: "no", None: "undecided"}  # a verdict in one word
+
+
+def path_of(given: object, name: str) -> Path:
+    """The path that an argument of this name is.
+
+    Raises:
+        InputError: it is no text and no path.
+    """
+    if not isinstance(given, str | os.PathLike) or isinstance(given, bytes):
+        raise InputError(f"{arg(name)}: {show(given)}: must be a path, not {kind_of(given)}")
+    return Path(given)
 
 
 def kind_of(value: object) -> str:

@@ -232,3 +232,22 @@ def test_servos_and_moves_along_paths_are_lanes_too():
     lanes = simulate(Scenario(moved), {"plant.mass": [1.0, 2.0]})
     assert lanes.status == ["done", "done"]
     assert lanes["y"].shape == (2, 201)
+
+
+@pytest.mark.parametrize("path", ["output.step", "solve.t_end"])
+def test_lanes_share_their_times(path):
+    """A lane with steps of its own would be shown at the times of another."""
+    arm = Scenario.load(examples.path("arm"))
+    for scenario in (arm, Scenario(PULLED)):
+        with pytest.raises(InputError, match=f"{path}: cannot be varied"):
+            simulate(scenario, {path: [0.1, 0.2]})
+
+
+def test_whole_numbers_of_the_solver_and_masked_values_are_lanes():
+    arm = Scenario.load(examples.path("arm"), {"solve.t_end": 0.02})
+    found = simulate(arm, {"solve.max_steps": [5, 100_000]})
+    assert found.reason[0].startswith("gave up")
+    assert found.reason[1] is None
+    found = simulate(Scenario(PULLED), {"plant.mass": np.ma.array([1.0, 2.0], mask=[False, True])})
+    assert found.reason[0] is None
+    assert found.reason[1].startswith("plant.mass: nan: ")

@@ -202,6 +202,8 @@ def _problems(
     target: str, part: str, self_test: bool, step: float | None, fmi: int, controller: str | None, contact: str | None,
     platforms: str,
 ) -> list[str]:  # fmt: skip
+    if not isinstance(target, str):
+        return [f"{arg('target')}: {show(target)}: must be one of {', '.join(TARGETS)}"]
     if target not in TARGETS:
         guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
         return [f"{arg('target')}: {target!r}: no such target{guess}"]

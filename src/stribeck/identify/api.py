@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from stribeck import laws
-from stribeck.constants import show
+from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.api import fit_machine
 from stribeck.identify.actuator.recordings import Logs
@@ -109,6 +109,8 @@ def _fit_read(
     """Read a log and fit it, with the share of both."""
     if isinstance(law, Mapping):
         raise InputError(f"{arg('law')}: {show(law)}: laws by contact need {arg('logs')}")
+    if law is not None and (not isinstance(law, Iterable) or isinstance(law, bytes)):
+        raise InputError(f"{arg('law')}: {show(law)}: must be a law's name or several, not {kind_of(law)}")
     names = [] if law is None else [law] if isinstance(law, str) else list(law)
     how = preparation(names, options, cutoff)
     log = read_log(data, named, how)
@@ -203,5 +205,11 @@ def read_log(data: Data, columns: ColumnNames, how: Preparation | None = None) -
                 [f"{arg(n)}: {show(asked[n])}: is for columns of a file; a Log is taken as it is" for n in given]
             )
         return data
+    if not (isinstance(data, str | Path) or is_table(data) or isinstance(data, Iterable)) or isinstance(data, bytes):
+        raise InputError(
+            f"{arg('data')}: {show(data)}: must be a file, a table or several of these, not {kind_of(data)}"
+        )
     sources = [data] if isinstance(data, str | Path) or is_table(data) else list(data)
+    if not sources:
+        raise InputError(f"{arg('data')}: missing: must be a file, a table or several of these")
     return load_log(sources, columns, how)

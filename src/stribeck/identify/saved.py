@@ -11,7 +11,7 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import Field, PlainValidator, ValidationError
 
 from stribeck import laws
-from stribeck.constants import show
+from stribeck.constants import path_of, show
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.files import finite, json_of, seen_from
 from stribeck.identify.actuator.result import LogResult, MachineFit
@@ -168,10 +168,11 @@ class SavedMachineFit(SavedFit):
 
 def load(folder: Path | str, trust: bool = False) -> Fit:
     """The fit in a folder; as :meth:`stribeck.Fit.load` says."""
-    path = Path(folder)
-    path = path / FILE if path.is_dir() else path
+    path = path_of(folder, "fit")
     place = f"{arg('fit')}: '{path}'"
     try:
+        path = path / FILE if path.is_dir() else path
+        place = f"{arg('fit')}: '{path}'"
         data = json_of(path)
     except OSError as error:
         raise InputError(f"{place}: cannot be read: {error.strerror} ('stribeck fit' writes it)") from None

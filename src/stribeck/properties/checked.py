@@ -424,14 +424,19 @@ def _swung(nominal: Law, swing: cycles.Swing, drawn: tuple[float, float]) -> Ver
 def thresholds(varied: Varied) -> dict[str, float | None]:
     """Limits within which the contact is passive at every level.
 
-    They are the least sigma_2, the largest v_d, and the highest level over the lowest with the constants as they are."""
+    They are the least sigma_2, the largest v_d, and the largest F_s with the constants as they are: None where F_c alone is
+    too large."""
     low, high = varied.newtons
     sigma_1, sigma_2 = varied.range("sigma_1")[1], varied.range("sigma_2")[0]
     limits: dict[str, float | None] = {"largest_v_d": largest_v_d(varied)}
     if sigma_1 is None or not sigma_1:
         return {**limits, "sigma_2_needed": 0.0 if sigma_1 == 0 else None}
     limits["sigma_2_needed"] = None if high is None else float(sigma_1 * (high - low) / low)
-    limits["largest_F_s"] = float(low * (1 + sigma_2 / sigma_1))
+    most, F_c = (
+        low * (1 + sigma_2 / sigma_1),
+        varied.range("F_c")[1] if varied.law.values.get("F_c") is not None else low,
+    )
+    limits["largest_F_s"] = None if F_c is None or F_c > most else float(most)
     return limits
 
 

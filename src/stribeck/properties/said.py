@@ -47,7 +47,7 @@ _QUANTITIES = {
     "F_s": ("static friction F_s", "N"), "cycles": ("cycles of the load", ""), "distance": ("distance moved", "m"),
     "elastic_displacement": ("elastic deflection", "m"), "largest_v_d": ("passive with v_d up to", "m/s"),
     "F": ("force", "N"), "sigma_2_needed": ("passive with sigma_2 from", "N s/m"),
-    "largest_F_s": ("passive if no level exceeds", "N"),
+    "largest_F_s": ("passive with F_s up to", "N"),
 }  # fmt: skip
 _IN_STEPS = {
     **_QUANTITIES, "F_c": ("F_c", "N"), "F_s": ("F_s", "N"), "z_end": ("z at the end", "m"), "duration": ("duration", "s"),

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.constants import kind_of, show
+from stribeck.constants import kind_of, path_of, show
 from stribeck.errors import InputError, arg, printable
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
@@ -114,7 +114,7 @@ class Scenario:
         Raises:
             InputError: the file cannot be read, is not TOML, or is no valid scenario; one line for each problem.
         """
-        path = Path(path)
+        path = path_of(path, "path")
         data = read_toml(path)
         if not data:
             raise InputError(f"{path}: is empty; 'stribeck new' writes a scenario to start from")

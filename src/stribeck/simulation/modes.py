@@ -108,6 +108,7 @@ def _excited(
     for i, t in enumerate(pieces.start):
         if t >= scenario.end or (i and pieces.restart[i] == SMOOTH):
             continue
+        t = max(t, 0.0)  # a first piece may begin before the run
         x = states[min(int(t / scenario.output.step), len(states) - 1)]
         f, f_t, matrix = of_piece(i, t, x)
         if i:

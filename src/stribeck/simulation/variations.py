@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.constants import Constant, kind_of
-from stribeck.errors import InputError, nearest
+from stribeck.constants import Constant, kind_of, show
+from stribeck.errors import InputError, arg, nearest
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
 from stribeck.machine.machine import INITIAL, Elements, signal_events
 from stribeck.machine.signal import SignalUse
@@ -52,6 +52,8 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
         InputError: a path cannot be varied, or its values are not arrays of numbers of equal length.
     """
     given, unnamed = arrays(values), scenario.elements.unnamed
+    if shared := [path for path in given if path.startswith("output.") or path == "solve.t_end"]:
+        raise InputError([f"{path}: cannot be varied: the lanes share their times" for path in shared])
     if any(each.follows_others for each in scenario.elements):
         return LaneByLane(scenario, values)  # the controller's model of the plant changes with the plant
     known = scenario.places
@@ -275,12 +277,12 @@ class LaneByLane:
         return {path: self._number(path, float(x[lane])) for path, x in self.values.items()}
 
     def _number(self, path: str, x: float) -> float:
-        """The number as an integer if the scenario has an integer there, such as a seed."""
+        """The number as an integer where the scenario has one, such as a seed."""
         now: object = self.scenario.data
         for name in path.split("."):
             now = now.get(name) if isinstance(now, dict) else None
-        seed = path.endswith(".seed") or (isinstance(now, int) and not isinstance(now, bool))
-        return int(x) if seed and x.is_integer() else x
+        whole = path.endswith((".seed", ".max_steps")) or (isinstance(now, int) and not isinstance(now, bool))
+        return int(x) if whole and x.is_integer() else x
 
     def problems(self) -> list[str | None]:
         """The error of each lane's values; None for a valid lane."""
@@ -296,12 +298,14 @@ class LaneByLane:
 
 def arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:
     """The values as arrays of one length."""
+    if not isinstance(values, Mapping):
+        raise InputError(f"{arg('vary')}: {show(values)}: must be a mapping of paths to values, not {kind_of(values)}")
     if not values:
         raise InputError("nothing is varied: give a path with its values, such as {'law.k_v': [1e6, 1e7]}")
     columns, problems = {}, []
     for path, given in values.items():
         try:
-            x = np.asarray(given)
+            x = np.asarray(np.ma.filled(given, np.nan) if np.ma.isMaskedArray(given) else given)
         except ValueError:  # lists of several lengths
             x = np.zeros((0, 0))
         if x.dtype.kind not in "iuf" or x.ndim > 1 or x.size == 0:

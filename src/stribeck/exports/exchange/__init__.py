@@ -5,7 +5,7 @@ from __future__ import annotations
 from copy import deepcopy
 from pathlib import Path
 
-from stribeck.constants import show
+from stribeck.constants import path_of, show
 from stribeck.errors import InputError
 from stribeck.exports.exchange.bam import from_bam, to_bam
 from stribeck.exports.exchange.mjcf import Tables, from_mujoco_file, to_mujoco
@@ -40,4 +40,5 @@ def import_(kind: str, file: str | Path) -> Scenario:
     """
     if kind not in ("bam", "mujoco"):
         raise InputError(f"kind: {show(kind)}: must be bam or mujoco")
-    return Scenario(from_bam(Path(file)) if kind == "bam" else from_mujoco_file(Path(file)))
+    path = path_of(file, "file")
+    return Scenario(from_bam(path) if kind == "bam" else from_mujoco_file(path))

@@ -96,7 +96,7 @@ class Estimate:
         """
         interval, wide = _ends(data["interval"]), data["range"]
         unit, form, why, experiment = (str(data.get(key, "")) for key in ("unit", "depends_on", "why", "experiment"))
-        value = np.nan if data["estimate"] is None else float(data["estimate"])
+        value = np.nan if data["estimate"] is None else _double(data["estimate"])
         state = EstimateState(data["state"])
         return cls(value, interval, wide and _ends(wide), state, unit, form, why=why, experiment=experiment)
 
@@ -104,7 +104,15 @@ class Estimate:
 def _ends(pair: Sequence[float | None]) -> tuple[float, float]:
     """The ends of an interval, infinite for an open end."""
     low, high = pair
-    return -np.inf if low is None else float(low), np.inf if high is None else float(high)
+    return -np.inf if low is None else _double(low), np.inf if high is None else _double(high)
+
+
+def _double(x: float) -> float:
+    """A number of a file, which may be whole and have any number of digits."""
+    try:
+        return float(x)
+    except OverflowError:
+        raise ValueError("a number beyond those of floats") from None
 
 
 def _open(pair: tuple[float, float]) -> list[float | None]:
