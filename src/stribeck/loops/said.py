@@ -91,7 +91,8 @@ def _boundaries(result: Design) -> Chapter:
 
 def along_sentences(line: PathVerdicts) -> list[str]:
     """Boundaries and mixed intervals along one varied path, one sentence each, in order."""
-    varied, missed = line.turned, f"stretches narrower than {100 * line.resolution:.1g} % of the value may be missed"
+    varied, width = line.turned, float(f"{100 * line.resolution:.1g}")
+    missed = f"stretches narrower than {width:g} % of the value may be missed"
     if not line.boundaries and not line.mixed:
         return [f"{line.judgements[0].verdict} from {varied.path} = {varied.low:g} to {varied.high:g}; {missed}"]
     sentences = [

@@ -79,9 +79,10 @@ def better(
 def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: Progress | None) -> Simulated:
     """A law's fit; a rough one, if that leaves too much to be chosen beside ``left``."""
     if np.isfinite(left):
-        rough = simulated(log, name, options, progress, rough=True)
+        rough = simulated(log, name, options, _part(progress, 0, 2), rough=True)
         if rough.stopped or not rough.error < HALF * left:
             return rough
+        progress = _part(progress, 1, 2)
     return simulated(log, name, options, progress)
 
 
