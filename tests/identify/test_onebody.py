@@ -210,3 +210,10 @@ def test_ctrl_c_leaves_what_was_found(full):
     assert shares == sorted(shares)
     assert any("Ctrl-C" in note for note in fit.notes)
     assert all(not e.identifiable and np.isfinite(e.value) for e in fit.estimates.values())
+
+
+def test_loops_short_of_gross_sliding_leave_F_c_open():
+    """The level of a slow motion is then F_s, and nothing shows where the curve ends."""
+    found = fitted(rig.measured(rig.LOOPS)).estimates["F_c"]
+    assert found.state == "not identifiable"
+    assert found.why.startswith("no stroke is much longer than the way to break-away")

@@ -25,11 +25,9 @@ from stribeck.identify.actuator.recordings import FEWEST, Channel, Logs, Recordi
 from stribeck.identify.actuator.result import MachineFit, Trace
 from stribeck.identify.actuator.traces import BEGIN
 from stribeck.identify.beyond import seen
-from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of, steady_curve
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import ENOUGH_ROWS, Log
 from stribeck.identify.models import terms
 from stribeck.identify.models.static_problem import in_stretches
@@ -44,7 +42,6 @@ Progress = Callable[[float], None]
 Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit
-_STROKE = 5.0  # break-away distances: gross sliding begins after two or three
 _BENT = 5.0  # break-away distances: largest deflection of the bristles at the start of a run
 _HELD = {"kind": "points", "t": [0.0, 1.0], "value": [-1.0, -1.0]}  # the signal of a constant force against the motion
 _WEIGHT = {"gravity_sin": 0.0, "gravity_cos": float(np.pi / 2)}  # the phase of a pendulum
@@ -327,7 +324,7 @@ def _sought(model: OneBody, log: Log, options: FitOptions) -> tuple[Sought, ...]
 def _finished(log: Log, model: OneBody, machine_fit: MachineFit) -> LogFit:
     """The machine's fit as a fit of the log."""
     used = {**model.fixed, **model.held, **{n: e.value for n, e in machine_fit.estimates.items()}}
-    estimates = _without_sliding(with_units(machine_fit.estimates, model.name, model.fixed, log), log, used)
+    estimates = with_units(machine_fit.estimates, model.name, model.fixed, log)
     friction, beside = parts(model.name, used, log, _deflections(machine_fit.nuisance, log))
     left = log.force - friction - beside
     missed = float(np.std(left)) / max(float(np.std(log.force)), 1e-300)
@@ -355,18 +352,6 @@ def _output(name: str, runs: Sequence[Trace]) -> Trace | None:
 def _deflections(values: Mapping[str, float], log: Log) -> list[float | None]:
     """The fitted deflection of the bristles at the start of each run, m; None of a law without bristles."""
     return [values.get(f"log.{i}.contacts.contact.initial.z") for i in range(len(_runs(log)))]
-
-
-def _without_sliding(estimates: dict[str, Estimate], log: Log, used: Values) -> dict[str, Estimate]:
-    """Withhold F_c if v_s is open and no stroke reaches gross sliding."""
-    way, longest = used.get("F_c", 0.0) / used.get("sigma_0", np.inf), max(np.ptp(log.position[r]) for r in _runs(log))
-    if "F_c" not in estimates or "v_s" not in estimates or estimates["v_s"].identifiable or longest >= _STROKE * way:
-        return estimates
-    sizes, values = sizes_of(log), {n: e.value for n, e in estimates.items()}
-    why = "no stroke is much longer than the way to break-away: the level of slow motion may be F_s"
-    text = experiment_for("F_c", values, sizes, ["v_s", "F_s", "F_c"], rotary=log.rotary)
-    F_c = replace(estimates["F_c"], state=EstimateState.NOT_IDENTIFIABLE, why=why, experiment=text)
-    return estimates | {"F_c": F_c}
 
 
 def _doubted(recordings: Sequence[Recording], log: Log, model: OneBody) -> Iterator[Recording]:

@@ -6,6 +6,7 @@ from scipy.integrate import odeint
 
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+from tests.identify.actuator.recorded import body, logs, record
 
 T, STEEP = 0.005 * np.arange(301), 1e3
 LAW = "contacts.guide.law.parameters."
@@ -56,3 +57,17 @@ def test_a_curve_that_nobody_has_seen_tells_no_F_s(noise):
         assert low < next(x for n, x in TRUTH.items() if n.endswith(name)) < high
     if F_s.state == "at least":
         assert (F_s.high, v_s.low) == (None, 0.0)
+
+
+def test_a_machine_that_never_slides_far_shows_one_level(tmp_path):
+    """Which of F_c and F_s it is stays open, since v_s does; the reasons say so."""
+    law = "contacts.guide.law.parameters."
+    bounds = {"F_c": (0.1, 10.0), "F_s": (0.1, 10.0), "v_s": (1e-4, 1.0), "sigma_0": (1e3, 1e6)}
+    record(tmp_path / "run.csv", body(amplitude=0.5), noise=3e-7)
+    wanted = {f"{law}{name}": {"low": low, "high": high} for name, (low, high) in bounds.items()}
+    found = fit_machine(body(amplitude=0.5, F_c=0.7), logs(tmp_path, ["run.csv"], wanted), starts=4, baselines=False)
+    told = {name: found.estimates[f"{law}{name}"] for name in bounds}
+    assert {name for name, e in told.items() if e.identifiable} == {"sigma_0"}
+    assert told["sigma_0"].low < 2e4 < told["sigma_0"].high
+    assert told["F_c"].why.startswith("no stroke is much longer")
+    assert told["F_s"].why == "v_s is open: the level of slow motion may be F_c"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
@@ -21,20 +22,26 @@ from stribeck.identify.core.states import Estimate, EstimateState, one_sided
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.record import ROWS
 from stribeck.identify.models.static_problem import BLOCKS
+from stribeck.laws.base import Law
 
 SLIDING = 1e-3  # of the fastest speed: a slower contact counts as stuck
+_STROKE = 5.0  # break-away distances: gross sliding begins after two or three
+_ONE_LEVEL = "v_s is open: the level of slow motion may be F_c"
+_NO_SLIDING = "no stroke is much longer than the way to break-away: the level of slow motion may be F_s"
 WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
 
 @dataclass(frozen=True)
 class Levels:
-    """Friction at recorded ``speeds``, by name; ``slow``: by contact, the slowest recorded speed.
+    """Friction at recorded ``speeds``, by name; ``slow``, ``strokes``: by contact, the slowest recorded speed, and the
+    longest way within a run in distances F_c/sigma_0.
 
     ``values`` have ``slopes`` by the coordinates, and ``of_forms`` by the column of a form.
     """
 
     speeds: dict[str, float]
     slow: dict[str, float]
+    strokes: dict[str, float]
     values: Array
     slopes: Array
     of_forms: dict[int, Array]
@@ -118,7 +125,7 @@ class MachineLibrary(ModelLibrary):
     def concluded(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """Clip estimates to their bounds, and withhold those whose interval is outside.
 
-        Without slow rows, F_s and v_s become one-sided bounds.
+        Without slow rows, F_s and v_s become one-sided bounds. Without long strokes, F_c is withheld beside an open v_s.
         """
         for c in self.sought:
             estimates[c.name] = estimates[c.name].within(c.low, c.high)
@@ -127,10 +134,15 @@ class MachineLibrary(ModelLibrary):
             law = f"contacts.{contact}.law.parameters."
             level, static, speed = (of_path.get(f"{law}{n}", "") for n in ("F_c", "F_s", "v_s"))
             F_s, v_s = estimates.get(static), estimates.get(speed)
-            if F_s is None or v_s is None or v_s.identifiable:
+            if v_s is None or v_s.identifiable:
+                continue
+            if level in estimates and self.friction.strokes[contact] < _STROKE:
+                withheld = replace(estimates[level], state=EstimateState.NOT_IDENTIFIABLE, why=_NO_SLIDING)
+                estimates[level] = withheld
+            if F_s is None:
                 continue
             if slowest <= REACHED * v_s.value:  # no speed tells where the curve ends
-                estimates[static] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE)
+                estimates[static] = replace(F_s, state=EstimateState.NOT_IDENTIFIABLE, why=_ONE_LEVEL)
                 continue
             levels = [estimates[n] for n in (f"{contact} {LEVELS[0]}", level) if n in estimates]
             estimates[static], estimates[speed] = one_sided(F_s, v_s, levels)
@@ -198,7 +210,9 @@ def _levels(
     problem: MachineProblem, u: Array, asked: Sequence[int], motion: RunMotion, forms: Mapping[int, MissingForm], unit: Array
 ) -> Levels:  # fmt: skip
     """The levels at four recorded speeds, and their derivatives by the coordinates and by each form's column."""
-    speeds, slow, spans = dict[str, float](), dict[str, float](), dict[str, slice]()
+    speeds, spans = dict[str, float](), dict[str, slice]()
+    slow, strokes = dict[str, float](), dict[str, float]()
+    fitted = problem.numbers(problem.repaired(u[None])[0])
     for contact in problem.runs[0].scenario.data.get("contacts", {}):
         law = f"contacts.{contact}.law"
         w = abs(motion.column(f"{contact}.w"))
@@ -206,6 +220,12 @@ def _levels(
         if not any(p.startswith(f"{law}.") for i in asked for p in problem.sought[i].targets) or not len(sliding):
             continue
         slow[contact] = float(np.quantile(w, SEEN[0]))
+        ways = (cumulative_trapezoid(run[f"{contact}.w"], run["t"]) for run in motion.runs)
+        p = _law(problem, contact, fitted).p
+        longest = max(float(np.ptp(way)) for way in ways)
+        strokes[contact] = (
+            longest * p.sigma_0 / max(p.F_c, 1e-300) if {"sigma_0", "F_c"} <= p.numbers.keys() else np.inf
+        )
         spans[contact] = slice(len(speeds), len(speeds) + len(LEVELS))
         speeds |= {f"{contact} {n}": v for n, v in zip(LEVELS, seen_speeds(sliding), strict=True)}
     v = np.array(list(speeds.values()))
@@ -224,12 +244,17 @@ def _levels(
         if form.at is not None and form.contact in spans:
             rows, of_forms[place] = spans[form.contact], np.zeros(len(v))
             of_forms[place][rows] = form.at(base[rows], v[rows]) / unit[place]
-    return Levels(speeds, slow, base, slopes, of_forms)
+    return Levels(speeds, slow, strokes, base, slopes, of_forms)
 
 
 def _steady(problem: MachineProblem, contact: str, numbers: Mapping[str, float], v: Array) -> Array:
     """The friction of a contact at constant speeds, without loads, with some numbers of the machine changed."""
+    return np.asarray(_law(problem, contact, numbers).steady_force(v), float)
+
+
+def _law(problem: MachineProblem, contact: str, numbers: Mapping[str, float]) -> Law:
+    """The law of a contact, with some numbers of the machine changed."""
     path = f"contacts.{contact}.law"
     law, inside = problem.runs[0].scenario.elements.laws[path], f"{path}."
     names = {p.removeprefix(inside).removeprefix("parameters."): x for p, x in numbers.items() if p.startswith(inside)}
-    return np.asarray(law.replace(**{n: x for n, x in names.items() if n in law.constants()}).steady_force(v), float)
+    return law.replace(**{n: x for n, x in names.items() if n in law.constants()})
