@@ -145,7 +145,7 @@ def path_of(given: object, name: str) -> Path:
     Raises:
         InputError: it is no text and no path.
     """
-    if not isinstance(given, str | os.PathLike) or isinstance(given, bytes):
+    if not isinstance(given, str | os.PathLike):
         raise InputError(f"{arg(name)}: {show(given)}: must be a path, not {kind_of(given)}")
     return Path(given)
 

@@ -11,7 +11,7 @@ import shutil
 import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from hashlib import file_digest, sha256
+from hashlib import file_digest
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -163,23 +163,13 @@ def read_file(path: Path) -> bytes:
         return file.read()
 
 
-def json_of(path: Path, sealed: bool = False) -> Any:
+def json_of(path: Path) -> Any:
     """The data of a JSON file.
-
-    Args:
-        path: the file.
-        sealed: read a file of :func:`write_sealed`; None if it is missing or changed.
 
     Raises:
         OSError: as :func:`read_file`.
         ValueError: if it is not JSON, or is nested too deeply.
     """
-    if sealed:
-        try:
-            stored = json_of(path)
-            return stored["data"] if stored["sha256"] == _seal(stored["data"]) else None
-        except (OSError, ValueError, KeyError, TypeError):
-            return None
     try:
         return json.loads(read_file(path))
     except RecursionError as error:
@@ -299,12 +289,3 @@ def write_summary(
     assert isinstance(earlier, list)
     write_json(place / "summary.json", {**summary, "files": [*earlier, *files], **(more or {})})
     return files
-
-
-def write_sealed(path: Path, data: object) -> None:
-    """Write data as JSON with its digest, for :func:`json_of`: the state from which a stopped command continues."""
-    write_text(path, json.dumps({"sha256": _seal(data), "data": data}) + "\n")
-
-
-def _seal(data: object) -> str:
-    return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()

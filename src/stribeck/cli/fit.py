@@ -172,11 +172,10 @@ def fit(
         )
     if simulate:
         raise InputError("--simulate: goes with --plan, which is not given")
-    of_laws = (lambda: record.constants(assignments)) if logs is None else (lambda: _by_contact(laws))
-    check_all(
-        lambda: sought(how.unknown or []), lambda: shares(how.require or []), columns.given,
-        lambda: parse_assignments(assignments) if logs else {}, of_laws,
-    )  # fmt: skip
+    of_log = [lambda: record.constants(assignments)]
+    of_machine = [lambda: parse_assignments(assignments), lambda: _by_contact(laws)]
+    texts = of_log if logs is None else of_machine
+    check_all(lambda: sought(how.unknown or []), lambda: shares(how.require or []), columns.given, *texts)
     recordings = _recordings(data or [], logs)
     given = {**how.given(), **columns.given(), **recordings}
     return _fit(data or [], laws, assignments, given, out, verbose=verbose, json=json)

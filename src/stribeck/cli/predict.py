@@ -48,9 +48,9 @@ def predict(
     _undetermined: Undetermined = False,
 ) -> int:  # fmt: skip
     """Predict another recording with a fit or a machine file. Print the error; with --out, also write an overlay and a report."""
-    _refuse_mixed(given_options(context), fit, machine)
     from stribeck.scenario import parse_assignments
 
+    _refuse_mixed(given_options(context), fit, machine)
     check_all(columns.given, lambda: parse_assignments(set_ or []))
     given = columns.given()
     if fit is not None:

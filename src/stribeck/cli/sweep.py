@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -59,7 +59,7 @@ def sweep(
 
     if out.startswith("memory:"):
         raise InputError(f"--out: {out}: does not outlast the command: must be a folder or a persistent URL")
-    lanes = partial(_lanes, vary or [], samples, seed)
+    lanes = cache(partial(_lanes, vary or [], samples, seed))
     loaded = source.load(lanes)
     check_cluster(cluster, threads)
     job = Sweep(loaded, lanes(), out, summary)

@@ -171,8 +171,8 @@ def load(folder: Path | str, trust: bool = False) -> Fit:
     path = path_of(folder, "fit")
     place = f"{arg('fit')}: '{path}'"
     try:
-        path = path / FILE if path.is_dir() else path
-        place = f"{arg('fit')}: '{path}'"
+        if path.is_dir():
+            path, place = path / FILE, f"{arg('fit')}: '{path / FILE}'"
         data = json_of(path)
     except OSError as error:
         raise InputError(f"{place}: cannot be read: {error.strerror} ('stribeck fit' writes it)") from None

@@ -432,10 +432,8 @@ def thresholds(varied: Varied) -> dict[str, float | None]:
     if sigma_1 is None or not sigma_1:
         return {**limits, "sigma_2_needed": 0.0 if sigma_1 == 0 else None}
     limits["sigma_2_needed"] = None if high is None else float(sigma_1 * (high - low) / low)
-    most, F_c = (
-        low * (1 + sigma_2 / sigma_1),
-        varied.range("F_c")[1] if varied.law.values.get("F_c") is not None else low,
-    )
+    most = low * (1 + sigma_2 / sigma_1)
+    F_c = varied.range("F_c")[1] if varied.law.values.get("F_c") is not None else low
     limits["largest_F_s"] = None if F_c is None or F_c > most else float(most)
     return limits
 

@@ -114,7 +114,7 @@ def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array
         v: the speed, m/s; ``force``: of friction and the columns, N.
     """
     fast = float(np.max(abs(v), initial=1e-300))
-    found = []
+    curves = []
     for v_s in np.geomspace(*_BENDS, _PLACES) * fast:
         sign = np.tanh(v / min(_SIGN * fast, _WITHIN * v_s))
         columns = np.column_stack([*beside, sign, np.exp(-((v / v_s) ** 2)) * sign, v])
@@ -122,9 +122,9 @@ def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array
         x, *_ = np.linalg.lstsq(columns / size, force, rcond=1e-9)
         left = force - columns / size @ x
         *of_beside, F_c, bend, sigma_2 = x / size
-        found.append((float(left @ left), of_beside, {"F_c": F_c, "F_s": F_c + bend, "v_s": v_s, "sigma_2": sigma_2}))
-    falling = [each for each in found if each[2]["F_s"] > each[2]["F_c"] > 0]
-    _, of_beside, values = min(falling or found, key=lambda each: each[0])
+        curves.append((float(left @ left), of_beside, {"F_c": F_c, "F_s": F_c + bend, "v_s": v_s, "sigma_2": sigma_2}))
+    falling = [each for each in curves if each[2]["F_s"] > each[2]["F_c"] > 0]
+    _, of_beside, values = min(falling or curves, key=lambda each: each[0])
     values["F_s"] = max(values["F_s"], values["F_c"])  # no law has a curve that rises from rest
     return np.array(of_beside), {n: float(x) for n, x in values.items()}
 
