@@ -179,6 +179,13 @@ def test_a_first_row_of_another_width_is_named(tmp_path, monkeypatch, arrow, nam
         found.columns({"position": "v"})
 
 
+def test_a_row_of_another_width_without_names_above_is_named(tmp_path):
+    """A search of the table's first line that looked far ahead passed over the rows above."""
+    (tmp_path / "a.csv").write_text("0,1\n1,2\n2,3\n3\n4,5\n5,6\n6,7\n7,8\n")
+    with pytest.raises(InputError, match=r"Row #4: Expected 2 columns, got 1:|row 4 has 1 cells, not 2"):
+        opened(tmp_path / "a.csv").columns({"position": "2"})
+
+
 @pytest.mark.parametrize("cell", ["", "nan", "bad"])
 def test_a_cell_that_is_no_number_makes_its_row_no_line_of_names(tmp_path, cell):
     (tmp_path / "a.csv").write_text(f"0,1\n1,{cell}\n2,3\n")

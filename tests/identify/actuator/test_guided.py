@@ -5,10 +5,13 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
-from stribeck.identify.actuator.guided import Guides
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.guided import GuidedSearch, Guides, Reached
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.residuals import leftovers
+from stribeck.identify.actuator.solve import Found, half_squares
 from stribeck.identify.actuator.starts import problem_of
+from stribeck.identify.work import Work
 from tests.identify.actuator.recorded import NOISE, body
 from tests.reference.apart import solve
 
@@ -57,6 +60,24 @@ def test_the_bandwidths_reach_from_the_motion_to_the_sampling(recording):
     assert guides.bandwidths[0] == 0.0
     assert guides.bandwidths == sorted(guides.bandwidths)
     assert 100.0 / 3 < guides.bandwidths[-1] <= 100.0
+
+
+@pytest.mark.parametrize(("F_c", "followed"), [(1.0, 1), (1.2, 2)])
+def test_another_start_is_followed_where_more_than_noise_is_left(recording, monkeypatch, F_c, followed):
+    level = MachineCoordinate(F_C, 0.5, 5.0, F_c, targets={F_C: 1.0})
+    search = GuidedSearch(Scenario(body(amplitude=5.0, t_end=4.0)), [(0, recording)], [level], {"a.y": NOISE}, Work())
+    whole, ends = search._problem(0), []
+
+    def end(guide, u):
+        ends.append(Reached(whole.values(u), {}, float(half_squares(whole.residuals(u[None]))[0])))
+        return ends[-1]
+
+    monkeypatch.setattr(
+        search, "_compared", lambda *_: (1, Found(whole.start(), 0.0, others=(whole.point({F_C: 1.25}),)))
+    )
+    monkeypatch.setattr(search, "_freed", end)
+    assert search.reached(2, 0, {}).values[F_C] == pytest.approx(F_c, rel=1e-5)
+    assert len(ends) == followed
 
 
 def test_one_start_far_away_suffices(recording):

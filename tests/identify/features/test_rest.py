@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import stribeck
+from stribeck.identify.data.filters import low_pass
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
 from stribeck.identify.models.static_problem import rows_of
@@ -46,6 +47,16 @@ def test_slow_motion_and_reversals_are_no_rest():
     for v in (0.002 * np.sign(np.sin(t)) + (t > 4) * np.sin(9 * t), np.sin(2 * t)):
         log = log_of(v + 1e-5 * rng.standard_normal(len(t)), lambda t, y, v, a: np.sign(v))
         assert np.mean(at_rest(log)) < 0.01
+
+
+def test_noise_that_a_filter_has_smoothed_is_noise():
+    """It changes little from row to row; the spectrum of the measured motion tells how large it is."""
+    rng = np.random.default_rng(0)
+    t, cutoff, noise = np.arange(0, 12, STEP), 20.0, 0.02
+    rests = t % 4 < 2
+    v = np.where(rests, 0.0, np.sin(2 * np.pi * t)) + low_pass(noise * rng.standard_normal(len(t)), cutoff, STEP)
+    told = {"bandwidth": cutoff, "spectrum": (t, t, 2 * STEP * noise**2)}
+    assert np.mean(at_rest(log_of(v, lambda t, y, v, a: np.sign(v), **told)) == rests) > 0.95
 
 
 def from_rest_to_rest(files, seconds=6.0, seed=0):

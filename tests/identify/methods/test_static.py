@@ -1,6 +1,7 @@
 """Static fits as a user asks for them: published numbers, the rules of what is reported, refusals."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -135,6 +136,21 @@ def test_presliding_is_fitted_by_a_law_with_bristles():
     assert fit.law_name == "lugre"
     assert fit["sigma_0"].value == pytest.approx(rig.TRUTH["sigma_0"], rel=0.05)
     assert {"lugre", "stribeck", "coulomb_viscous"} <= {c["law"] for c in fit.candidates}
+
+
+@pytest.mark.parametrize(("error", "looks"), [(0.04, [True, False]), (0.06, [True])])
+def test_a_law_that_leaves_half_of_what_a_static_one_does_is_fitted_in_full(monkeypatch, error, looks):
+    from stribeck.identify.methods import bristles
+
+    asked = []
+
+    def simulated(log, name, options, progress, rough=False):
+        asked.append(rough)
+        return SimpleNamespace(stopped=False, error=error)
+
+    monkeypatch.setattr(bristles, "simulated", simulated)
+    bristles._simulated(None, "lugre", None, 0.1, None)
+    assert asked == looks
 
 
 @pytest.mark.thorough
