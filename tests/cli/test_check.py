@@ -70,6 +70,7 @@ def test_a_machine_s_answer_is_one_sentence(stribeck, tmp_path, monkeypatch):
     assert " bound of |z| 2.5 mrad " in printed
 
 
+@pytest.mark.thorough
 def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
     name = f"{ROOT / 'tests' / 'properties' / 'broken_laws.py'}:NegativeDamping"
     data = json.loads(stribeck("check", name, "--parameters", "canudas1995", "--out", tmp_path, "--json").out)

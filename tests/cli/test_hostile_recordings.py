@@ -117,7 +117,7 @@ def test_work_that_is_ended_while_recordings_are_looked_at(place, stribeck, monk
     def ended(*rest):
         raise Stopped
 
-    monkeypatch.setattr("stribeck.identify.actuator.checks.before", ended)
+    monkeypatch.setattr("stribeck.identify.actuator.api.checked", ended)
     done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--starts", "1")
     assert (done.status, done.out, done.err.splitlines()[-1]) == (130, "", "stribeck: interrupted")  # behind progress
     assert "Traceback" not in done.err

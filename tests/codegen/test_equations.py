@@ -77,7 +77,7 @@ def test_graph(law, form):
             np.testing.assert_allclose(by_all, np.hstack([by_time, by_states]), rtol=1e-6, atol=1e-7)
 
 
-@pytest.mark.share(10)
+@pytest.mark.share(20)
 @needs_compiler
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiled_functions(law, form, tmp_path):

@@ -21,7 +21,7 @@ from tests.simulation.rig import needs_compiler, rig, solved
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror")
 
 
-@pytest.mark.share(10)
+@pytest.mark.share(20)
 @needs_compiler
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiles_without_a_warning(law, form, tmp_path):
@@ -39,7 +39,7 @@ def test_compiles_without_a_warning(law, form, tmp_path):
         assert found.returncode == 0, found.stderr
 
 
-@pytest.mark.share(5)
+@pytest.mark.share(10)
 @needs_compiler
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiles_for_lanes_without_a_warning(law, form, tmp_path):
@@ -53,7 +53,7 @@ def test_compiles_for_lanes_without_a_warning(law, form, tmp_path):
     assert found.returncode == 0, found.stderr
 
 
-@pytest.mark.share(10)
+@pytest.mark.share(20)
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_depends_on_the_system_alone(law, form):
     """Neither on what else there is, nor on what else is being made: or the cache would miss."""

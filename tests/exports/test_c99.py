@@ -168,6 +168,7 @@ def exact_hold(name, z, v, dt):
         return float(grown + driven), float(abs(grown) + abs(driven))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", LINEAR)
 @pytest.mark.parametrize("dt", [1e-7, 4e-3, 10.0])
 @pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
@@ -182,6 +183,7 @@ def test_step_is_the_exact_hold(name, dt, single, folder):
     assert pytest.approx(law(name).force(v, after), rel=0, abs=eps * 16 * np.max(abs(v)) * 1e4) == F
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", ELASTOPLASTIC)
 def test_step_of_order_two(name, folder):
     run, chosen = program(name, folder), law(name)

@@ -132,6 +132,7 @@ def dither(t, y):
     return 0.4 + 0.25 * math.sin(2 * math.pi * 5 * t)
 
 
+@pytest.mark.thorough
 def test_drift_under_dither(tmp_path):
     """theory.md: LuGre drifts by 0.24 mm in 16 s, the elasto-plastic laws not at all below sigma_0 z_ba."""
     model, data, _ = load(LUGRE, tmp_path, 1e-3)

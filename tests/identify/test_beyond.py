@@ -82,6 +82,7 @@ def saved(tmp_path_factory):
     return folder
 
 
+@pytest.mark.thorough
 def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(saved):
     kept = Fit.load(saved)
     assert kept.seen["position"] == pytest.approx((-0.2, 0.2), rel=0.01)

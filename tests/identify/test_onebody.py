@@ -75,7 +75,7 @@ def test_mass_spring_and_offset_are_told_apart():
 
 
 def test_a_log_that_slides_all_the_time_leaves_the_bristles_open():
-    fit = fitted(rig.held_at(1.0), mass=0.0, constants={"offset": 0.0})
+    fit = fitted(rig.held_at(1.0, 1.0), mass=0.0, constants={"offset": 0.0})
     for name in ("sigma_0", "sigma_1"):
         assert not fit[name].identifiable
         assert "reversals" in fit[name].experiment
@@ -100,6 +100,7 @@ def test_a_level_that_is_given_moves_where_the_other_begins(given, other):
     assert fit[other].value == pytest.approx(level if given == "F_c" else MACHINE[other], rel=0.05)
 
 
+@pytest.mark.thorough
 def test_runs_begin_with_bristles_of_their_own(full):
     half = len(full) // 2
     both = full.with_columns(run=np.repeat(np.arange(2, dtype=np.int32), [half, len(full) - half]))

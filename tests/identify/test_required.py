@@ -14,7 +14,7 @@ LAW = stribeck.law("stribeck_tanh", k_v=1e4, F_c=1.0, F_s=1.4, v_s=0.01, sigma_2
 
 @pytest.fixture(scope="module")
 def columns():
-    t = 0.002 * np.arange(10_000)
+    t = 0.008 * np.arange(2500)
     y = 0.05 * np.sin(0.7 * t) + 0.01 * np.sin(2.3 * t)
     v, a = np.gradient(y, t), np.gradient(np.gradient(y, t), t)
     noise = 0.05 * np.random.default_rng(5).standard_normal(len(t))

@@ -45,6 +45,7 @@ def test_built_in_laws_make_sense(name, set_name):
     assert problems(make(builtin()[name], set_name)) == []
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("k_v", [1e2, 1e8])
 @pytest.mark.parametrize("name", [name for name, law in builtin().items() if "k_v" in law.constants()])
 def test_at_any_steepness(name, k_v):

@@ -28,6 +28,7 @@ def test_without_an_integral_it_is_quiet():
     assert only(axis()).verdict == "quiet"
 
 
+@pytest.mark.thorough
 def test_a_majorant_creeps_where_lugre_rests():
     """m(0) > 0: under a held load the contact creeps on at about m(0) F/F_s."""
     found = only(axis(contact=law(sigma_1=30.0, sigma_2=15.0, k_v=1e5)))

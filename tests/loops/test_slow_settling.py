@@ -18,6 +18,7 @@ def loop(name):
     return loop_of(scenario.with_changes({f"controllers.axis.{k}": x for k, x in gains.items()}))
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("name", "rests"), [("slips", (100, 125)), ("creeps", (85, 120))])
 def test_a_loop_that_settles_late_is_quiet(name, rests):
     of = loop(name)

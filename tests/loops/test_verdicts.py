@@ -48,6 +48,7 @@ def test_a_slow_integral_breaks_away_in_the_end():
     assert found.period == pytest.approx(373, rel=0.01)
 
 
+@pytest.mark.thorough
 def test_a_narrow_quiet_stretch_is_found():
     """K_d from 100 to 126: runs at 102, 105, 110 and 120 rest, those at 98 and 130 hunt."""
     made = loop(1.0, law("lugre", **SOFT), [0.5, 1.5], 0.05, 20.0, kind="pid", K_p=300.0, K_i=400.0, K_d=20.0)

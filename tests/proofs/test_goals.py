@@ -79,6 +79,7 @@ def dissipation(name, form=USUAL):
     return cls.friction(p, v, z, rate) * v - p.sigma_0 * z * rate, p
 
 
+@pytest.mark.thorough
 @needs_coq
 def test_a_certificate_of_a_law_is_checked_by_coq(tmp_path):
     """lugre_majorant, Table 1 with sigma_2 = 200: the power lost at the z that loses least, up to the speed at which that z

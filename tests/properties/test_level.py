@@ -144,7 +144,7 @@ def test_no_history_draws_energy_where_the_proof_says_so_and_some_do_where_it_do
         assert most_drawn(at(name, 0.5, low, high, **table), low, high, rng) > 1e-6
 
 
-@pytest.mark.share(3)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["lugre", "elastoplastic_majorant"])
 def test_damping_that_falls_with_speed_is_passive_whatever_the_level_does(name):
     law = stribeck.law(name, {**TABLE, "sigma_2": 0.4}, **OWN[name])

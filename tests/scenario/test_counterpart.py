@@ -23,6 +23,7 @@ def short(name):
     return Scenario(data)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", ENDS)
 def test_the_motion_is_the_same(name, monkeypatch):
     monkeypatch.setattr(compiler, "_FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))  # each is run once

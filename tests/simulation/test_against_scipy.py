@@ -49,7 +49,7 @@ def test_every_law_under_every_drive(law, task):
     assert_agrees(rig(law, drive, signal, t_end))
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("on", ["olsson1998", "direct_drive2016", "liu2015", "valve_graphite", "valve_teflon"])
 @pytest.mark.parametrize("task", [presliding, pulled, positioned, rubbed])
 @pytest.mark.parametrize("law", ["lugre", "lugre_sobczyk", "elastoplastic_majorant"])
@@ -65,6 +65,7 @@ def test_corners_between_long_rests(law):
     assert_agrees(rig(law, "force", {"kind": "points", "t": t, "value": value}, 5e4, rows=1000))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("law", ["lugre", "lugre_sobczyk", "elastoplastic_majorant"])
 def test_slips_that_errors_put_off(law):
     """A slow creep to each break-away, which makes small errors of force large errors of time."""

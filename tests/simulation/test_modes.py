@@ -86,6 +86,7 @@ def test_a_stiff_coupling_that_nothing_excites_is_not_reported():
         assert np.max(abs(found["a.v"] - (1 - np.cos(w * found.t)))) <= 1e-6
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("sigma_0", [1e37, 1e40, 1e60])
 def test_stiff_bristles_without_damping(sigma_0):
     law = {"name": "dahl", "parameters": {"sigma_0": sigma_0, "F_c": 10.0}}

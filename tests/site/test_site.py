@@ -134,7 +134,9 @@ def test_every_block_of_python_is_python_and_names_what_there_is(page):
 
 
 GUIDES = sorted([*(DOCS / "tutorials").glob("*.md"), *(DOCS / "howto").glob("*.md")])
-SLOW = {"hunting", "joint", "fit-a-joint", "fit-a-log", "log-for-identification", "will-it-hunt"}  # they fit or judge
+SLOW = {
+    "hunting", "joint", "fit-a-joint", "fit-a-log", "log-for-identification", "will-it-hunt", "prove-passive", "choose-kv",
+}  # they fit, judge or prove  # fmt: skip
 
 
 @pytest.mark.share(2)

@@ -190,6 +190,7 @@ def test_no_worker_that_can(tmp_path):
             stribeck.sweep(scenario(), LANES, tmp_path / "there", cluster=made.address)
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a full device")  # noqa: PTH110
 def test_a_worker_whose_temporary_folder_takes_nothing_is_left_out_and_named(here, tmp_path):
     with cluster_in(tmp_path / "cluster") as made:

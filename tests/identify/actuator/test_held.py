@@ -20,6 +20,7 @@ def recorded(path, noise):
     record(path, data, noise=noise, change=lambda x: {**x, "u": x["u"][::2]})
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("noise", [2e-5, 3e-4])
 def test_a_held_input_is_followed_as_held_and_told_where_it_is_not_said(tmp_path, noise):
     recorded(tmp_path / "run.csv", noise)
@@ -49,6 +50,7 @@ def test_what_is_wrong_with_held_is_said(tmp_path):
     ]
 
 
+@pytest.mark.thorough
 def test_the_last_samples_of_an_uneven_recording_are_compared_at_their_own_times(tmp_path):
     """The simulation ended up to half a sample before them: recordings whose times jitter left more than noise."""
     rows = np.cumsum(np.random.default_rng(5).choice([6, 7, 7, 9], 140))

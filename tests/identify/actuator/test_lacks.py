@@ -80,7 +80,7 @@ LACKS = {
 }
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(6)
 @pytest.mark.parametrize("what", LACKS)
 def test_ranges_hold_where_a_term_lacks(what):
     """White residuals hide the bump and the drag."""
@@ -167,6 +167,7 @@ def test_stretches_have_the_slopes_of_their_own_starts():
         assert abs(there[name][parts.first[1]]) < 1e-3 * abs(there[name]).max()
 
 
+@pytest.mark.thorough
 def test_a_driven_body_feels_no_term():
     """A belt that is driven: the term acts on the mass alone."""
     belt = {"arm": {"inertia": 0.2, "initial": {"y": 0.0, "v": 0.0}}, "belt": {"velocity": {"signal": STILL}}}

@@ -28,6 +28,7 @@ def recording(motion, rows, column="y", noise=NOISE, **more):
     return Recording("run.csv", t, {f"a.{column}": Channel(column, t, x)}, drive, **more)
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("first", "column"), [(52, "y"), (37, "v")])
 def test_the_speed_at_the_start_is_found(motion, first, column):
     """From row 52 on it moves back and stops within twelve samples: that was taken as rest."""

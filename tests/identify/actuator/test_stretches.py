@@ -40,6 +40,7 @@ def test_a_signal_that_cannot_be_cut_is_none():
     assert later({"kind": "point_to_point", "t": [0.0, 1.0], "value": [0.0, 1.0]}, 0.5) is None
 
 
+@pytest.mark.thorough
 def test_an_unstable_machine_is_fitted_in_windows():
     """An arm held upright: whole, its simulation falls over; a SciPy program records the torque and the angle."""
     J, A, level, viscous, step = 0.05, 2.0, 0.15, 0.03, 0.004

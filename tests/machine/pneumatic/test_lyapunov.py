@@ -126,6 +126,7 @@ def test_the_largest_speed_is_that_of_the_worse_direction():
     assert not gain_verdict(law, gains, (1 + 1e-9) * speed).exact.holds
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("v_max", [0.5, 30.0, 300.0])
 def test_proposed_gains_hold_with_room(v_max):
     scenario = servo()

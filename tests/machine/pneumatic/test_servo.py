@@ -118,7 +118,7 @@ def test_V_never_rises_where_the_argument_is_exact():
     assert V[-1] < 0.7 * V[0]
 
 
-@pytest.mark.share(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("factor", "middle", "late"), [(0.5, 1e-6, 1e-8), (1.5, 5e-6, 3e-7)])
 def test_adaptation_recovers(factor, middle, late):
     """On the sine every parameter is found, and the error goes on falling exponentially."""

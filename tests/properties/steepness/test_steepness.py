@@ -150,6 +150,7 @@ def test_a_load_that_breaks_away_is_no_presliding(set_name, rate):
     advise("lugre_sobczyk", set_name, presliding_error=0.01, force_rate=1e-2 * rate, share=0.5)
 
 
+@pytest.mark.thorough
 def test_position_error_in_the_limit_cycle():
     """Theory.md: 1.06e-1 m at k_v = 1e6 for lugre_sobczyk; the majorant law needs a thousandth for 1 mm."""
     pid = {"kind": "pid", "K_p": 3.0, "K_i": 4.0, "K_d": 6.0}
