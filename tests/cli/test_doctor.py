@@ -5,6 +5,7 @@ import os
 
 import pytest
 
+from stribeck.simulation import wasm
 from tests.simulation.rig import needs_compiler
 
 needs_scripts = pytest.mark.skipif(os.name != "posix", reason="needs scripts that run")
@@ -76,6 +77,22 @@ def test_a_compiler_with_a_blank_in_its_path_and_a_version_that_is_no_text(strib
     path = compiler(answer)
     status, found = told(stribeck)
     assert (status, found["compiler"]["command"], found["compiler"]["version"]) == (0, path, version)
+
+
+@needs_compiler
+def test_a_solver_that_errs_fails(stribeck, monkeypatch):
+    solve = wasm.solve
+
+    def erring(*given):
+        result = solve(*given)
+        result.states[:] *= 1.001
+        return result
+
+    monkeypatch.delenv("STRIBECK_BACKEND", raising=False)
+    monkeypatch.setattr(wasm, "solve", erring)
+    status, found = told(stribeck)
+    assert (status, found["self_test"]["passed"], found["self_test"]["reason"]) == (1, False, None)
+    assert found["self_test"]["deviation"] == pytest.approx(1e-3, rel=1e-2)
 
 
 def test_what_cannot_be_found_out_is_a_line_and_not_the_end(stribeck, monkeypatch):

@@ -59,6 +59,7 @@ def test_valid(name, part, fmi, folder):
 
     path = fmu(name, part, fmi, folder)
     assert validate_fmu(path) == []
+    assert "documentation/index.html" in zipfile.ZipFile(path).namelist()
     description = fmpy.read_model_description(path)
     assert description.fmiVersion == f"{fmi}.0"
     parameters = {v.name: v for v in description.modelVariables if v.causality == "parameter"}

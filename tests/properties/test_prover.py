@@ -64,6 +64,8 @@ def test_signs_of_polynomials():
         (where(W < 1e300, W, -1.0), False),
         (clip((W - 1) / (2 + U), 0.0, 1.0), True),
         ((W - 1) * sign(W - 1), True),
+        ((U - W) ** (2 * (1 + W) / (1 + W)), True),
+        ((U + 1) ** W, True),
         (-sign(W - 1), False),
         (sign(W - 1), False),
         (1e-300 - where(either(U < 1e-200, W > 1e250), 1.0, 0.0), False),

@@ -99,6 +99,15 @@ def test_steps_that_run_out():
     assert np.isfinite(found["y"][:, 0]).all()
 
 
+def test_lanes_that_end_early_count_the_events_up_to_there():
+    few = Scenario({**RUBBED, "solve": {**RUBBED["solve"], "max_steps": 150}})
+    amplitudes = [2e-3, 3e-3]
+    found = simulate(few, {"drive.signal.amplitude": amplitudes})
+    alone = [simulate(few.with_changes({"drive.signal.amplitude": x})).events for x in amplitudes]
+    assert list(found.status) == ["failed", "failed"]
+    assert found.slips.tolist() == [len(events["slip"]) for events in alone] == [1, 1]
+
+
 def test_every_lane_impossible():
     found = simulate(Scenario(PULLED), {"plant.mass": [0.0, -1.0, float("nan")]})
     assert found.reason[0] == "plant.mass: 0.0: must be a finite number > 0"

@@ -94,8 +94,8 @@ def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption
         names = first.scenario.system.compared
         reference, *others = shown.items()
         for label, solution in others:
-            deviation = deviation_rows(reference[1], solution, names)
-            shown[label] = {**solution, **{n: q for n, q in deviation.items() if n != "t"}}
+            deviation = _deviations(reference[1], solution, names)
+            shown[label] = {**solution, **deviation}
         wanted = []
         for panel in panels(first):
             wanted.append(panel)
@@ -142,16 +142,14 @@ def _curve(load: Load, position: Quantity, unit: str) -> dict[str, Quantity]:
     return {f"{load.name}.{name}": quantity for name, quantity in named.items()}
 
 
-def deviation_rows(
-    reference: Mapping[str, Quantity], other: Mapping[str, Quantity], names: Iterable[str] = ("y", "v", "F")
-) -> dict[str, Quantity]:
-    """Deviations of columns from the reference's, over the rows that both reached, and t."""
-    rows = min(len(reference["t"].values), len(other["t"].values))
-    rows_of = {"t": Quantity("t", "s", "time", reference["t"].values[:rows])}
+def _deviations(reference: Quantities, other: Quantities, names: Iterable[str]) -> Quantities:
+    """Deviations of columns from the reference's, over the rows that both reached."""
+    deviations = {}
     for name in names:
         a, b = reference[name], other[name]
-        rows_of[f"Δ{name}"] = Quantity(f"Δ{name}", a.unit, f"deviation of {name}", b.values[:rows] - a.values[:rows])
-    return rows_of
+        rows = min(len(a.values), len(b.values))
+        deviations[f"Δ{name}"] = Quantity(f"Δ{name}", a.unit, f"deviation of {name}", b.values[:rows] - a.values[:rows])
+    return deviations
 
 
 def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tuple[Scale, Scale]:

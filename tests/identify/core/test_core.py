@@ -6,6 +6,7 @@ import pytest
 from stribeck.identify.core.choice import chosen
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.predictor import of_json, predictor
+from stribeck.identify.core.search import library, refine
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import record_of
@@ -108,6 +109,14 @@ def test_the_law_is_chosen_first():
     assert choice.library.curve.law == "stribeck"
     plain = choice_of(record(11, F_s=5.0), laws=("coulomb_viscous", "stribeck"))
     assert plain.library.curve.law == "coulomb_viscous"
+
+
+def test_nodes_at_the_optima_leave_little_of_the_grid_s_error():
+    log = record(3, noise=0.0, end=8.0, extra=lambda t, y, v, a: 25.0 * y)
+    lib = library(record_of(rows_of(log), ("offset",), {}), curve_of("stribeck", {}))
+    before = lib.solve(lib.gram.sum(0))[1].min()
+    refine(lib, len(log))
+    assert lib.solve(lib.gram.sum(0))[1].min() < 0.5 * before
 
 
 def test_the_law_alone_has_no_forms():
