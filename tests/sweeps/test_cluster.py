@@ -297,6 +297,13 @@ def test_parts_of_a_worker_that_refuses_go_to_the_others_only(work):
         asked._send(asked._workers())
 
 
+def test_a_client_that_is_closed_has_no_workers(work):
+    client, asked = work(a=1)
+    client.status = "closed"
+    with pytest.raises(ConnectionError):
+        asked._send(asked._workers())
+
+
 def test_no_worker_is_said_once_until_one_comes(work, recwarn):
     warnings.simplefilter("always")
     client, asked = work()

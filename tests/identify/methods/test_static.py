@@ -138,6 +138,14 @@ def test_presliding_is_fitted_by_a_law_with_bristles():
     assert {"lugre", "stribeck", "coulomb_viscous"} <= {c["law"] for c in fit.candidates}
 
 
+def test_what_a_static_fit_leaves_is_a_share_of_the_force():
+    from stribeck.identify.methods import bristles
+
+    log = record(7)
+    fit = SimpleNamespace(predictor=SimpleNamespace(force=lambda log: 0.9 * log.force))
+    assert bristles._error_everywhere(fit, log) == pytest.approx(0.1)
+
+
 @pytest.mark.parametrize(("error", "looks"), [(0.04, [True, False]), (0.06, [True])])
 def test_a_law_that_leaves_half_of_what_a_static_one_does_is_fitted_in_full(monkeypatch, error, looks):
     from stribeck.identify.methods import bristles
