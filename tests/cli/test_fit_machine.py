@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 
 import pytest
 import tomli_w
@@ -42,6 +43,8 @@ def test_the_command_writes_a_machine_that_runs(stribeck, tmp_path):
     assert read.machine.data["bodies"]["a"]["mass"] == mass["value"]
     with pytest.raises(InputError, match="it holds no recording"):
         read.plot()
+    with pytest.raises(InputError, match="fit: stopped: there is no machine with these numbers"):
+        _ = replace(read, status="stopped", data={}).machine
     assert simulate(Scenario.load(tmp_path / "out" / "machine.toml")).status == "done"
 
 

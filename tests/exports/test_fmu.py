@@ -59,7 +59,9 @@ def test_valid(name, part, fmi, folder):
 
     path = fmu(name, part, fmi, folder)
     assert validate_fmu(path) == []
-    assert "documentation/index.html" in zipfile.ZipFile(path).namelist()
+    with zipfile.ZipFile(path) as archive:
+        assert "documentation/index.html" in archive.namelist()
+        assert {entry.external_attr >> 16 for entry in archive.infolist()} == {0o644}
     description = fmpy.read_model_description(path)
     assert description.fmiVersion == f"{fmi}.0"
     parameters = {v.name: v for v in description.modelVariables if v.causality == "parameter"}

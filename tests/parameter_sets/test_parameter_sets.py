@@ -116,6 +116,10 @@ def test_what_stands_beside_a_number_is_looked_at(content, said, tmp_path):
     assert said in str(error.value)
 
 
+def test_sets_are_told_apart_by_their_hash():
+    assert len({*parameters().values()}) == len(parameters())
+
+
 def test_a_motion_is_linear_or_rotary(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text("motion = 'rotating'\nF_c = 1.0\nmaker = 'words beside the numbers'\n")

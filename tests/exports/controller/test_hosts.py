@@ -34,6 +34,13 @@ def test_the_mujoco_plugin_moves_as_the_simulation(tmp_path):
 import mujoco
 mujoco.mj_loadPluginLibrary({str(tmp_path / "plugin.so")!r})
 model = mujoco.MjModel.from_xml_path({str(tmp_path / "stage_axis.xml")!r})
+other = open({str(tmp_path / "stage_axis.xml")!r}).read().replace('value="own"', 'value="other"')
+try:
+    mujoco.MjData(mujoco.MjModel.from_xml_string(other))
+except Exception:
+    pass
+else:
+    raise SystemExit("a signal that there is not was taken")
 for parts in (10, 40):
     model.opt.timestep = 1e-3 / parts
     data = mujoco.MjData(model)
@@ -42,7 +49,7 @@ for parts in (10, 40):
             print(data.qpos[0])
         mujoco.mj_step(model, data)
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=tmp_path)
     coarse, fine = np.array([float(x) for x in done.stdout.split()]).reshape(2, -1)
     exact = np.asarray(stribeck.simulate(free)["a.y"])[:-1]
     size = np.abs(exact).max()

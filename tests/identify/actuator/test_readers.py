@@ -9,6 +9,7 @@ import pytest
 
 from stribeck.errors import InputError
 from stribeck.identify.actuator import read_logs
+from stribeck.recorded.logs import opened_log
 from tests.identify.actuator.recorded import logs
 
 N = 20
@@ -279,3 +280,13 @@ def test_the_units_that_a_file_states_are_used_unless_others_are_given(tmp_path)
     np.testing.assert_allclose(one.outputs["a.y"].x, np.deg2rad(np.arange(N)), rtol=1e-12)
     assert one.outputs["a.y"].unit == "deg"
     np.testing.assert_allclose(one.inputs["loads.push.signal"].x, 2e-3 * np.arange(N), rtol=1e-12)
+
+
+def test_a_log_of_bam_has_constants_beside_its_columns(tmp_path):
+    rows = [{"position": float(x), "goal_position": 1.0} for x in ELBOW]
+    (tmp_path / "run.json").write_text(json.dumps({"mass": 1.5, "motor": "xl", "dt": 0.01, "entries": rows}))
+    source = opened_log(tmp_path / "run.json", None)
+    assert source.constants == {"mass": 1.5, "dt": 0.01}
+    found = source.columns({"time": "t", "position": "position"})
+    np.testing.assert_allclose(found["time"], T, atol=1e-15)
+    assert found["position"].tolist() == ELBOW.tolist()

@@ -1,13 +1,14 @@
 """What is told beside the numbers: clocks that drift, another unit, the files."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stribeck import Scenario
 from stribeck.identify.actuator import advise, fit_machine, read_logs
-from stribeck.identify.actuator.coordinates import coordinates
+from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.residuals import beyond_noise
@@ -139,3 +140,11 @@ def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     assert not BestPoint(problem, good, 1, False, [], False).missed()
     assert beyond_noise(problem, bad, 1)
     assert BestPoint(problem, bad, 1, False, [], False).missed() == ["a.y: cannot be simulated with the best numbers"]
+
+
+def test_known_masses_may_differ_in_a_recording_that_is_advised():
+    scenario = Scenario(body(mass=3.0))
+    told = dict(advise._loads(SimpleNamespace(sought=[]), SimpleNamespace(scenario=scenario)))
+    assert told["with bodies.a.mass = 6 (it is 3)"] == {"bodies.a.mass": 6.0}
+    sought = MachineCoordinate("bodies.a.mass", 1.0, 9.0, targets={"bodies.a.mass": 1.0})
+    assert not list(advise._loads(SimpleNamespace(sought=[sought]), SimpleNamespace(scenario=scenario)))

@@ -270,7 +270,6 @@ static void refill(const Batch *b, Lanes *l, int lane)
     if (none) /* its outputs would go where those of the last trajectory wait */
         for (int m = 0; m < HELD; m++) l->sampled[m][lane] = l->acted[m][lane] = INT64_MAX / 4;
 #endif
-    l->restart[lane] = 0;
     pass(b, l, lane, 1);
     put_present_rows(b, l, lane, 0);
     l->restart[lane] = JUMP;
