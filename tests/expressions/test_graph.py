@@ -146,8 +146,10 @@ def test_derivatives_at_kinks():
     assert value(derivative(ops.sqrt(abs(X)), X), at_rest) == 0.0
     assert value(derivative(ops.sqrt(X * X), X), at_rest) == 0.0
     assert value(derivative(X**Y, X), {**at_rest, "y": 1.0}) == 1.0
-    for x, slope in ((0.25, 0.5), (0.75, 3.0)):
-        assert value(derivative(ops.where(X < Y, X * X, 3 * X), X), {**at_rest, "x": x}) == slope
+    for x, slope, share in ((0.25, 0.5, 1.0), (0.75, 3.0, 0.0)):
+        cases = ops.where(X < Y, X * X, 3 * X)
+        assert value(derivative(cases, X), {**at_rest, "x": x}) == slope
+        assert [value(each, {**at_rest, "x": x}) for each in graph.partials(cases)] == [0.0, share, 1.0 - share]
     assert value(derivative(X**Y, X), {"x": -2.0, "y": -1.0, "k_v": 0.0}) == -0.25
     assert value(derivative(X**Y, Y), {"x": 2.0, "y": 3.0, "k_v": 0.0}) == pytest.approx(8 * np.log(2))
 

@@ -1,5 +1,6 @@
 """The parts of a proof: numbers that stay exact, signs over whole regions, and the mistakes that were made before."""
 
+import math
 import pickle
 from fractions import Fraction
 
@@ -14,6 +15,7 @@ from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
 from stribeck.properties import WORK, check
 from stribeck.properties.checked import Checked
+from stribeck.properties.prover import atoms
 from stribeck.properties.prover.bernstein import POSITIVE, UNIT, signs
 from stribeck.properties.prover.leaf import Leaf, Rules
 from stribeck.properties.prover.region import Axis, Region
@@ -73,6 +75,15 @@ def test_signs_of_polynomials():
 )
 def test_what_holds_everywhere(expr, holds):
     assert shown(expr) == holds
+
+
+@pytest.mark.parametrize(("op", "function"), [("tanh", math.tanh), ("atan", math.atan)])
+@pytest.mark.parametrize("ends", [(0.1, 0.5), (0.5, 3.0), (2.0, 50.0)])
+def test_the_range_of_a_quotient_that_falls_is_told_by_its_ends(op, function, ends):
+    low, high = atoms._falling(op, ends)
+    left, right = (function(y) / y for y in ends)
+    assert right * (1 - 1e-6) < low <= right * (1 + 1e-15)
+    assert left * (1 - 1e-15) <= high < left * (1 + 1e-6)
 
 
 @pytest.mark.parametrize("name", ["elastoplastic", "elastoplastic_majorant"])
