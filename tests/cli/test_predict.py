@@ -204,11 +204,14 @@ def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
         ("output", "positon", "output: 'positon': must be one of force, position, velocity"),
         ("data_sha256", 3, "data_sha256: 3: must be text"),
         ("cut_off", 3.0, "cut_off: 3.0: unknown key (did you mean 'cutoff'?)"), ("format", True, "is no model of a fit"),
+        ("logs", [{"file": "a", "held_out": False, "errors": {"y": {"rms": 10**400, "relative": 0.1}}}],
+         "a table with file, held_out, errors: must be"),
     ],
 )  # fmt: skip
 def test_a_fit_s_file_that_was_tampered_with_is_refused_in_a_line(stribeck, fitted, tmp_path, part, value, told):
     data = json.loads((fitted / "out" / "fit.json").read_text())
-    (tmp_path / "fit.json").write_text(json.dumps({**data, part: value}))
+    kind = {"kind": "machine"} if part == "logs" else {}
+    (tmp_path / "fit.json").write_text(json.dumps({**data, **kind, part: value}))
     found = stribeck("predict", fitted / "none.csv", "--fit", tmp_path)
     assert (found.status, found.out) == (2, "")
     assert told in found.err

@@ -44,6 +44,21 @@ def test_a_column_that_a_table_has_not_is_named_with_its_argument():
         stribeck.fit(pd.DataFrame(table()), "coulomb_viscous", **{**COLUMNS, "velocity": "w"})
 
 
+def test_arguments_of_a_wrong_kind_are_named():
+    with pytest.raises(InputError, match="force: 3: must be the name of a column, not a number"):
+        stribeck.fit(table(), time="t", velocity="v", force=3)
+    rows = np.stack([T, V, F], 1)
+    for data in (rows, np.rec.fromarrays([T, V, F], names="t,v,F"), b"log.csv"):
+        with pytest.raises(InputError, match=r"^data: .*: must be a file, a table or several of these, not a"):
+            stribeck.fit(data, **COLUMNS)
+    with pytest.raises(InputError, match=r"^data\[1\]: .*: must be a file, a table or several of these, not a ndarray"):
+        stribeck.fit([table(), rows], **COLUMNS)
+
+
+def test_a_column_that_is_none_is_not_given():
+    assert stribeck.fit(table(), law="coulomb_viscous", position=None, **COLUMNS).values["F_c"] > 0
+
+
 def test_a_keyword_that_is_no_role_is_refused_with_a_log_too():
     with pytest.raises(InputError, match=r"^tiem: 't': unknown argument \(did you mean 'time'\?\)$"):
         stribeck.fit(log(), "coulomb_viscous", tiem="t")

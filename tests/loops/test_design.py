@@ -227,6 +227,9 @@ def test_the_intervals_of_a_file_hold_for_each_contact_that_has_the_constant(tmp
         ("[parameters]\nF_c = 1.0\n", "no parameter has both low and high"),
         ("[parameters]\nF_k = {low = 1, high = 2}\n", "F_k: no contact of the machine has it"),
         ("[parameters]\nF_c = {low = 2, high = 1}\n", "F_c: low = 2 must not be above high = 1"),
+        ("[parameters]\nF_c = {low = 2, high = inf}\n", "F_c: inf: must be a finite number"),
+        ("[parameters]\nF_c = {low = -2, high = 1}\n", "F_c: -2: must be a finite number"),
+        ("[parameters]\nF_c = {low = 'a', high = 1}\n", "F_c: 'a': must be a finite number"),
     ],
 )
 def test_a_file_that_holds_no_intervals(text, message, tmp_path):

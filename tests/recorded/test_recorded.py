@@ -7,9 +7,13 @@ import sys
 import tracemalloc
 import zipfile
 import zlib
+from decimal import Decimal
 
 import numpy as np
+import pandas as pd
+import pyarrow as pa
 import pytest
+from scipy.io import savemat
 
 from stribeck import platforms
 from stribeck.errors import InputError, StribeckNote
@@ -262,6 +266,62 @@ def test_lengths_are_compared_before_a_column_is_read(tmp_path, monkeypatch, kin
         source.columns({"force": "other", "time": "time", "position": "position"})
     with pytest.raises(InputError, match=rf"has 200 rows, its times \(other\) have {1 << 20}"):
         source.columns({"time": "time", "force": "position", "t": "other"}, {"force": "t"})
+
+
+def test_a_mat_7_3_file_is_what_matlab_shows(tmp_path):
+    """The columns of a square matrix are those of the same matrix in version 5; text and empty arrays are no numbers."""
+    q = np.arange(float(len(T) ** 2)).reshape(len(T), len(T))
+
+    def fill(h5py, file):
+        file["q"] = q.T  # as MATLAB writes it
+        for name, x, attribute in [
+            ("words", np.arange(200, dtype="u2"), {"MATLAB_class": np.bytes_("char")}),
+            ("nothing", np.array([0, 0], "u8"), {"MATLAB_class": np.bytes_("double"), "MATLAB_empty": np.uint8(1)}),
+        ]:
+            file[name] = x
+            file[name].attrs.update(attribute)
+        file["names"] = np.array([b"a"] * 200)
+
+    path, wanted = mat73(tmp_path / "new.mat", fill), {"time": "time", "position": "q[1]"}
+    savemat(tmp_path / "old.mat", {"time": T, "q": q})
+    for file in (path, tmp_path / "old.mat"):
+        assert read_columns(file, wanted)["position"].tolist() == q[:, 1].tolist()
+    for name, said in [("words", "holds text or dates"), ("names", "holds text or dates"), ("nothing", "is empty")]:
+        with pytest.raises(InputError, match=f"position: '{name}'.*{said}"):
+            read_columns(path, {"time": "time", "position": name})
+
+
+@pytest.mark.parametrize(
+    "of",
+    [
+        lambda x: np.array(x, object), lambda x: pd.Series(x, dtype=object), lambda x: [Decimal(repr(v)) for v in x],
+        lambda x: pd.array(x, dtype="Float64"), lambda x: pa.table({"F": x})["F"],
+    ],
+)  # fmt: skip
+def test_numbers_of_any_kind_in_a_table_are_numbers(of):
+    found = read_columns({"time": T, "F": of((T**2).tolist())}, {"time": "time", "force": "F"})
+    assert found["force"].tolist() == (T**2).tolist()
+
+
+def test_missing_masked_and_huge_cells_of_a_table():
+    x = (T**2).tolist()
+    for column in (
+        [None, *x[1:]], pd.Series([pd.NA, *x[1:]], dtype=object), np.ma.array([1e9, *x[1:]], mask=T == 0),
+        [10**400, *x[1:]],
+    ):  # fmt: skip
+        found = read_columns({"time": T, "F": column}, {"time": "time", "force": "F"})["force"]
+        assert not np.isfinite(found[0])
+        assert found[1:].tolist() == x[1:]
+    for column in (["1.0", *x[1:]], [[1.0], *x[1:]], [1 + 1j, *x[1:]]):
+        with pytest.raises(InputError):
+            read_columns({"time": T, "F": column}, {"time": "time", "force": "F"})
+    with pytest.raises(InputError, match="force: 'F': this variable of the table is one value"):
+        read_columns({"time": T, "F": 3.0}, {"time": "time", "force": "F"})
+
+
+def test_a_table_of_arrow_is_a_table():
+    found = read_columns(pa.table({"time": T, "F": T**2}), {"time": "time", "force": "F"})
+    assert found["force"].tolist() == (T**2).tolist()
 
 
 def test_lengths_of_matrices_and_tables_in_memory_are_compared():

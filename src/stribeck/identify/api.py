@@ -195,9 +195,13 @@ def read_log(data: Data, columns: ColumnNames, how: Preparation | None = None) -
     Raises:
         InputError: a file cannot be read, a column is missing or has no unit; one line for each problem.
     """
-    names, how = columns.names, how or Preparation()
+    names, how = {role: x for role, x in columns.names.items() if x is not None}, how or Preparation()
+    columns = replace(columns, names=names)
     if unknown := [n for n in names if n not in ROLES]:
         raise InputError([f"{n}: {show(names[n])}: unknown argument{nearest(n, ROLES)}" for n in unknown])
+    if wrong := [n for n, x in names.items() if not isinstance(x, str)]:
+        text = "must be the name of a column, not"
+        raise InputError([f"{arg(n)}: {show(names[n])}: {text} {kind_of(names[n])}" for n in wrong])
     if isinstance(data, Log):
         asked = {**names, "units": columns.units or None, "force_gain": columns.force_gain, "cutoff": how.cutoff}
         if given := [name for name, value in asked.items() if value is not None]:
@@ -205,11 +209,12 @@ def read_log(data: Data, columns: ColumnNames, how: Preparation | None = None) -
                 [f"{arg(n)}: {show(asked[n])}: is for columns of a file; a Log is taken as it is" for n in given]
             )
         return data
-    if not (isinstance(data, str | Path) or is_table(data) or isinstance(data, Iterable)) or isinstance(data, bytes):
-        raise InputError(
-            f"{arg('data')}: {show(data)}: must be a file, a table or several of these, not {kind_of(data)}"
-        )
-    sources = [data] if isinstance(data, str | Path) or is_table(data) else list(data)
+    several = isinstance(data, list | tuple)
+    sources = list(data) if several else [data]
     if not sources:
         raise InputError(f"{arg('data')}: missing: must be a file, a table or several of these")
+    for i, each in enumerate(sources):
+        if not (isinstance(each, str | Path) or is_table(each)):
+            name = arg("data") + (f"[{i}]" if several else "")
+            raise InputError(f"{name}: {show(each)}: must be a file, a table or several of these, not {kind_of(each)}")
     return load_log(sources, columns, how)

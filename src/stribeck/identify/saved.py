@@ -78,7 +78,7 @@ def _made_by(make: Callable[[Kept], Some], what: str) -> PlainValidator:
     def read(x: Kept) -> Some:
         try:
             return make(x)
-        except (KeyError, TypeError, ValueError, AttributeError, StribeckError):
+        except (KeyError, TypeError, ValueError, OverflowError, AttributeError, StribeckError):
             raise refused(f"must be {what}", x) from None
 
     return PlainValidator(read)

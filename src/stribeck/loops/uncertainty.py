@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.constants import show
+from stribeck.constants import Constant, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario import Scenario
@@ -41,27 +42,34 @@ def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple
     intervals: dict[str, tuple[float, float]] = {}
     problems = []
     for name, entry in table.items():
-        low, high = _interval(entry)
-        if low is None or high is None:
+        ends = [entry[end] for end in ("low", "high") if end in entry] if isinstance(entry, dict) else []
+        if len(ends) < 2:
             continue
         paths = [name] if name in places else [path for path in nominal if path.rpartition(".")[2] == name]
+        wrong = [f"{name}: {show(x)}: {text}" for x in ends if (text := _problem(scenario, paths, x))]
         if not paths:
-            problems.append(
-                f"{arg('uncertainty')}: {name}: no contact of the machine has it{nearest(name, list(nominal))}"
-            )
-        elif not low <= high:
-            problems.append(f"{arg('uncertainty')}: {name}: low = {low:g} must not be above high = {high:g}")
+            wrong = [f"{name}: no contact of the machine has it{nearest(name, list(nominal))}"]
+        elif not wrong and ends[0] > ends[1]:
+            wrong = [f"{name}: low = {ends[0]:g} must not be above high = {ends[1]:g}"]
+        if wrong:
+            problems += [f"{arg('uncertainty')}: {text}" for text in wrong]
+            continue
+        low, high = map(float, ends)
         intervals |= dict.fromkeys(paths, (low, high))
     if problems or not intervals:
         raise InputError(problems or f"{arg('uncertainty')}: {show(str(file))}: no parameter has both low and high")
     return intervals
 
 
-def _interval(entry: object) -> tuple[float | None, float | None]:
-    if isinstance(entry, dict):
-        ends = (entry.get("low"), entry.get("high"))
-        return tuple(float(x) if isinstance(x, int | float) else None for x in ends)  # type: ignore[return-value]
-    return None, None
+def _problem(scenario: Scenario, paths: Sequence[str], value: object) -> str | None:
+    """The mistake in an end of the interval of a number at these paths, in words."""
+    for path in paths:
+        owner, name = scenario.places[path]
+        law = scenario.elements.laws.get(owner)
+        constants = law.constants() if law is not None else {}
+        if text := constants.get(name, Constant("", "")).problem(value):
+            return text
+    return None
 
 
 def friction_samples(intervals: dict[str, tuple[float, float]], seed: int = 0) -> dict[str, Array]:

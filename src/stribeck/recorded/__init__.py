@@ -10,9 +10,11 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import partial
 from importlib.util import find_spec
 from itertools import islice
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +62,10 @@ def listed(names: Sequence[str]) -> str:
 
 def no_column(role: str, name: str, source: Source) -> str:
     """The message about a column that a table does not have."""
+    if name in getattr(source, "variables", {}):  # a CSV file has none
+        size = math.prod(source.shape_and_kind(name)[0])
+        text = "is empty" if not size else "is one value, no column"
+        return f"{arg(role)}: {name!r}: this variable of {source.path} {text}"
     guess = nearest(name, source.names) or f" (it has {listed(source.names)})"
     return f"{arg(role)}: {name!r}: {source.path} has no such column{guess}"
 
@@ -103,7 +109,7 @@ class Source:
     def __init__(self, path: Path | str, variables: Mapping[str, Any]) -> None:
         self.path = path
         self.variables = {name: x for name, x in variables.items() if not name.startswith(("__", "#"))}
-        stated = {name: self._stated(name) for name in self.variables}
+        stated = {name: self.shape_and_kind(name) for name in self.variables}
         shapes = {name: shape for name, (shape, _) in stated.items()}
         kinds = {name: kind for name, (_, kind) in stated.items()}
         self._parts = {  # the matrix and the column of each name
@@ -120,7 +126,7 @@ class Source:
             if sizes[name] == _SCALARS and kinds[name] in "fiu" and not getattr(x, "refused", "")
         }
 
-    def _stated(self, name: str) -> tuple[tuple[int, ...], str]:
+    def shape_and_kind(self, name: str) -> tuple[tuple[int, ...], str]:
         """A variable's shape and the kind of its numbers, for which it is not read."""
         x = self.variables[name]
         return (x.shape, x.kind) if isinstance(x, Later) else (np.shape(x), np.asarray(x).dtype.kind)
@@ -185,7 +191,7 @@ class Source:
         problems = []
         for role, name in wanted.items():
             matrix, i = self._parts.get(name, (name, None))
-            shape, kind = self._stated(matrix)
+            shape, kind = self.shape_and_kind(matrix)
             size = math.prod(shape)
             if kind not in "fiub":
                 problems.append(self._no_numbers(role, name, kind))
@@ -465,13 +471,16 @@ def _mat(path: Path) -> Source:
 
 
 def _hdf5(path: Path) -> dict[str, Later]:
-    """The numeric variables of a MAT file of version 7.3. Links to other files are not opened."""
+    """The variables of a MAT file of version 7.3. Links to other files are not opened.
+
+    The file holds the transpose of what MATLAB shows, text as numbers, and the shape of an array in place of an empty one.
+    """
     with needed("reading MAT files of version 7.3"):
         import h5py
 
     def read(name: str) -> Numbers:
         with h5py.File(path) as file:
-            return np.asarray(file[name][()])
+            return np.asarray(file[name][()]).T
 
     def resolved(file: h5py.File, name: str) -> tuple[object, str]:
         """What a name of the file leads to, and the reason if that is nothing within the file."""
@@ -494,7 +503,9 @@ def _hdf5(path: Path) -> dict[str, Later]:
         return node, ""
 
     def kind_of(x: h5py.Dataset) -> str:
-        """The kind of its numbers; MATLAB's complex ones have two fields."""
+        """The kind of its numbers; MATLAB's complex ones have two fields, and attributes say what is none."""
+        if x.attrs.get("MATLAB_class", b"") in (b"char", b"cell"):
+            return "O"
         return "c" if x.dtype.names == ("real", "imag") else str(x.dtype.kind)
 
     variables = {}
@@ -505,12 +516,13 @@ def _hdf5(path: Path) -> dict[str, Later]:
             x, refused = resolved(file, name)
             if refused:
                 variables[name] = Later((2,), "f", partial(read, name), refused)
-            elif isinstance(x, h5py.Dataset) and (kind := kind_of(x)) in "fiuc" and x.shape is not None:
+            elif isinstance(x, h5py.Dataset):
                 elsewhere = "a virtual dataset" if x.is_virtual else "external storage" if x.external else ""
                 refused = f"lies in another file ({elsewhere})" if elsewhere else ""
                 if not refused and x.size and x.id.get_space_status() != h5py.h5d.SPACE_STATUS_ALLOCATED:
                     refused = "has rows that were never written"
-                variables[name] = Later(x.shape, kind, partial(read, name), refused)
+                empty = x.shape is None or "MATLAB_empty" in x.attrs
+                variables[name] = Later((0,) if empty else x.shape[::-1], kind_of(x), partial(read, name), refused)
     return variables
 
 
@@ -554,15 +566,32 @@ def opened(data: Any) -> Source:
     """
     if not is_table(data):
         return _open_path(Path(data))
-    names = data.keys() if isinstance(data, Mapping) else data.columns
-    return Source("the table", {str(name): _as_array(data[name]) for name in names})
+    names = data.keys() if isinstance(data, Mapping) else getattr(data, "column_names", data.columns)
+    with _readable("the table"):
+        return Source("the table", {str(name): _as_array(data[name]) for name in names})
 
 
 def _as_array(column: object) -> Numbers:
-    """A column of a data frame as an array; pandas' missing values become nan."""
+    """A column of a table in memory as an array; missing and masked values become nan."""
     if hasattr(column, "to_numpy") and str(getattr(column, "dtype", "")).startswith(("Int", "Float")):
         return np.asarray(column.to_numpy(dtype=float, na_value=np.nan))
-    return np.asarray(column)
+    if isinstance(column, np.ma.MaskedArray) and column.dtype.kind in "fiub":
+        return np.asarray(np.ma.filled(column.astype(float), np.nan))
+    array = np.asarray(column)
+    if array.dtype.kind != "O":
+        return array
+    missing = np.asarray(column.isna() if hasattr(column, "isna") else [x is None for x in array.flat], dtype=bool)
+    if all(isinstance(x, (Real, Decimal)) for x in array.ravel()[~missing]):
+        values = [math.nan if gone else _float(x) for x, gone in zip(array.flat, missing, strict=True)]
+        return np.reshape(values, array.shape)
+    return array
+
+
+def _float(x: Real | Decimal) -> float:
+    try:
+        return float(x)
+    except OverflowError:  # as 1e400 in a file
+        return -math.inf if x < 0 else math.inf
 
 
 def _open_path(path: Path) -> Source:

@@ -397,6 +397,37 @@ def test_a_tachometer_s_zero_and_a_wrapped_angle_do_not_hide_the_unit(wrong, fac
             load_log([log], ColumnNames({**NAMES, "velocity": "v"}))
 
 
+@pytest.mark.parametrize(("unit", "turn"), [("rad", 2 * np.pi), ("deg", 360.0), ("rev", 1.0)])
+@pytest.mark.parametrize("begin", [0.0, -0.5])
+def test_an_angle_that_begins_anew_after_each_turn_goes_on(unit, turn, begin, tmp_path):
+    x = 2.5 * turn * np.sin(8 * T)
+    wrapped = np.round((x / turn - begin) % 1 + begin, 4) * turn
+    names, columns = ColumnNames(NAMES, {"x": unit}), []
+    for name, angle in (("whole", x), ("wrapped", wrapped)):
+        columns.append(load_log([_csv(tmp_path / f"{name}.csv", _rows(x=angle))], names, Preparation(0.0)))
+    whole, again = columns
+    turns = (again.position - whole.position) / (2 * np.pi)
+    assert abs(turns - turns[0]).max() < 1e-3
+    assert abs(turns[0] - round(turns[0])) < 1e-3
+    assert any("begins anew after each turn" in note for note in again.quality)
+    assert not any("begins anew" in note for note in whole.quality)
+
+
+def test_files_of_two_kinds_of_motion_are_refused(tmp_path):
+    for name, unit in (("a", "mm"), ("b", "rad")):
+        _csv(tmp_path / f"{name}.csv", [f"s,{unit},N", *_rows()])
+    said = r"units: b.csv: turns by its units, a.csv moves straight; must be one kind of motion"
+    with pytest.raises(InputError, match=said):
+        load_log([tmp_path / "a.csv", tmp_path / "b.csv"], ColumnNames(NAMES))
+
+
+def test_columns_that_no_row_has_together_are_one_clear_line(tmp_path):
+    x, f = X.copy(), F.copy()
+    x[::2], f[1::2] = np.nan, np.nan
+    with pytest.raises(InputError, match="no row has a number in each of its columns: time, position, force"):
+        load_log([_csv(tmp_path / "log.csv", _rows(x=x, f=f))], ColumnNames(NAMES))
+
+
 def test_every_row_a_run_of_its_own_is_one_clear_line(tmp_path):
     np.savez(tmp_path / "log.npz", t=T, x=X, i=F, r=np.arange(len(T)))
     with pytest.raises(InputError, match="no piece without a gap has 50 rows"):

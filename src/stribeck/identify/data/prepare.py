@@ -17,7 +17,7 @@ from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
 from stribeck.identify.data.effect import LONGEST_LOOK, OF_REGRESSION, OF_SIMULATION, by_effect, quiet
 from stribeck.identify.data.filters import ASTRAY, HIGHEST, SETTLED, low_pass, slope
-from stribeck.identify.data.quality import FEWEST, Clean, clean
+from stribeck.identify.data.quality import FEWEST, Clean, clean, unwrapped
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
 from stribeck.identify.data.units import is_rotary
 from stribeck.identify.log import INTEGRAL, STILL, Log
@@ -62,8 +62,20 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         named = named_in(source, columns)
         motion = (named.names.get(role, "") for role in ("position", "velocity"))
         rotary.append(any(is_rotary(named.units.get(column, "")) for column in motion))
+        if rotary[-1] != rotary[0]:
+            kinds = {True: "turns", False: "moves straight"}
+            text = (
+                f"{name}: {kinds[rotary[-1]]} by its units, {names[0]} {kinds[rotary[0]]}; must be one kind of motion"
+            )
+            raise InputError(f"{arg('units')}: {text}")
         notes: list[str] = []
         for part in steady_stretches(read_named(source, named), name, notes):
+            if rotary[-1] and "position" in part:
+                part["position"], turns = unwrapped(part["position"])
+                if turns:
+                    notes.append(
+                        f"{name}: position: begins anew after each turn, {turns} times; read as one that goes on"
+                    )
             own_samples = released(part, name, notes, how.simulated)
             if len(own_samples["time"]) < len(part["time"]):  # no published log: far fewer rows move than were recorded
                 how = replace(how, published=False, spline=True)

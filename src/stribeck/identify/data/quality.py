@@ -278,6 +278,22 @@ def impossible(x: Array) -> str | None:
     return f"{text} (is the unit right?)"
 
 
+def unwrapped(angle: Array) -> tuple[Array, int]:
+    """An angle (rad) that goes on over its turns, from one that begins anew after each, and how often it did.
+
+    A record that stays within a turn, or half a turn more for what rounding and noise add, and yet jumps by more than half a
+    turn is of the second kind; no other motion can be told from its rows.
+    """
+    there = np.isfinite(angle)
+    x = angle[there]
+    jumps = int(np.sum(abs(np.diff(x)) > np.pi))
+    if not jumps or np.ptp(x) > 3 * np.pi:
+        return angle, 0
+    whole = angle.copy()
+    whole[there] = np.unwrap(x)
+    return whole, jumps
+
+
 def wild(x: Array) -> str | None:
     """What is wrong with a column (SI) of which single samples are far beyond all others, or None: whoever simulates with one
     takes steps as small as it is large."""
@@ -300,6 +316,8 @@ def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> 
                 raise InputError(f"{arg(role)}: {number}: {count} of {len(x)} cells are empty or no finite numbers")
             notes.append(f"{number}: {role}: {count} cells are empty or no finite numbers; their rows were left out")
             keep &= ~empty
+    if not keep.any():
+        raise InputError(f"{arg('data')}: {number}: no row has a number in each of its columns: {', '.join(columns)}")
     return columns if keep.all() else {role: x[keep] for role, x in columns.items()}
 
 
