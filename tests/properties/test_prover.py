@@ -68,6 +68,7 @@ def test_signs_of_polynomials():
         ((W - 1) * sign(W - 1), True),
         ((U - W) ** (2 * (1 + W) / (1 + W)), True),
         ((U + 1) ** W, True),
+        (2 + sin(sqrt(U - 1)), False),
         (-sign(W - 1), False),
         (sign(W - 1), False),
         (1e-300 - where(either(U < 1e-200, W > 1e250), 1.0, 0.0), False),

@@ -85,6 +85,14 @@ def test_a_lane_without_a_trajectory_costs_no_more_than_one_with():
     assert seconds(1) < 2 * seconds(loaded.stribeck_lanes())  # 90 times, if each row is looked for from the first on
 
 
+def test_each_row_ends_a_step_where_that_is_asked_for():
+    scenario = Scenario({**DATA, "output": {"step": DATA["solve"]["t_end"] / 3000}})
+    variations = Variations(scenario, {"law.k_v": np.array([1e6, 1e7])})
+    tolerances = Tolerances(variations.atol(), np.ones(2), rows_are_steps=True)
+    found = lanes.lane_solver(library(), 1)(variations, None, tolerances)
+    assert np.all(found.counts["accepted"] >= scenario.rows - 1)
+
+
 @pytest.mark.share(2)
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_every_width_agrees_with_single_runs(width):
