@@ -1,84 +1,13 @@
 """Stiff, tiny, huge: literals from 1e-300 to 1e155, and drift that hardly is one."""
 
 from stribeck.constants import Constant
-from stribeck.expressions.ops import both, clip, sign, sqrt, where
+from stribeck.expressions.ops import both, clip, where
 from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
-from tests.properties.nasty.base import rate
 
 
 def lugre(p, v, z):
     return v - abs(v) / g(p, v) * z
-
-
-@rate("unique bounded smooth passive -drift_free")
-def HugeSquare(p, v, z):
-    """m = sqrt((1e155 v)^2 + 1)/1e155 = sqrt(v^2 + 1e-310): a smooth majorant (C1: the root is of something > 0),
-    sigma_1 m(0) <= F_s: bounded, passive, leaks; (1e155 v)^2 overflows from v = 0.1 on."""
-    return v - sqrt((1e155 * v) ** 2 + 1) / 1e155 / g(p, v) * z
-
-
-@rate("unique bounded smooth passive -drift_free")
-def TinyRoot(p, v, z):
-    """m = sqrt(v^2 + 1e-300): as HugeSquare; equal to |v| in floats from 1e-142 on."""
-    return v - sqrt(v**2 + 1e-300) / g(p, v) * z
-
-
-@rate("unique bounded -smooth passive -drift_free")
-def Trillion(p, v, z):
-    """f = v - 1e12 |v| z/(1e12 g): LuGre: B0, B1."""
-    return v - 1e12 * abs(v) / (1e12 * g(p, v)) * z
-
-
-class TrillionDrag(BristleLaw):
-    """h = 1e12 v^3: B1: passive. B0."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-    v_d = None
-    dz_dt = staticmethod(lugre)
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + 1e12 * v**3
-
-
-class MinusTrillionthDrag(BristleLaw):
-    """h = -1e-12 v^3: held at v = 1e8, F = 1 + 1e10 - 1e12 < 0: B3: not passive. B0."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-    v_d = None
-    dz_dt = staticmethod(lugre)
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v - 1e-12 * v**3
-
-
-class MinusTinyViscosity(BristleLaw):
-    """sigma_1 = sigma_2 = 0, h = -1e-200 v: held at 2e200 m/s F = 1 - 2 < 0: not passive over the real numbers.
-    B0."""
-
-    truth = "unique bounded -smooth -passive -drift_free"
-    values_changed = {"sigma_1": 0.0, "sigma_2": 0.0}
-    v_d = None
-    dz_dt = staticmethod(lugre)
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z - 1e-200 * v
-
-
-class TinyViscosity(BristleLaw):
-    """sigma_1 = sigma_2 = 0, h = 1e-200 v: h v >= 0: passive. B0."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-    values_changed = {"sigma_1": 0.0, "sigma_2": 0.0}
-    v_d = None
-    dz_dt = staticmethod(lugre)
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z + 1e-200 * v
 
 
 class TinyDampingOnly(BristleLaw):
@@ -107,35 +36,6 @@ class AtLuGresCondition(BristleLaw):
     natural = True
     values_changed = {"sigma_2": 50.0}
     dz_dt = staticmethod(lugre)
-
-
-@rate("unique -bounded smooth passive -drift_free")
-def LeaksTenToTheMinus300(p, v, z):
-    """f = v - 1e-300 z: not v for z != 0: not drift_free. Linear: unique, smooth. Held v: z -> 1e300 v: not
-    bounded. D = 200 v^2 - 1e-298 z v + 1e-295 z^2 >= 0: passive."""
-    return v - 1e-300 * z
-
-
-class ElasticForAPicometre(BristleLaw):
-    """LuGre's decay times clip((|z| - c)/c, 0, 1), c = 1e-12 m: f = v for |z| <= c: drift_free (F_0 = 1e-7 N).
-    Lipschitz; LuGre from 2 c on: bounded. D is linear in the share, >= 0 at 0 and 1: passive. |v|."""
-
-    truth = "unique bounded -smooth passive drift_free"
-
-    @staticmethod
-    def z_elastic(p):
-        return 1e-12
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - clip((abs(z) - 1e-12) / 1e-12, 0.0, 1.0) * abs(v) / g(p, v) * z
-
-
-@rate("unique -bounded -smooth -passive -drift_free", symmetric=False)
-def ElasticOneWay(p, v, z):
-    """f = v for v > 0, LuGre's for v < 0: not v on |z| <= z_0 for all v. Held v > 0: not bounded. z unrestricted,
-    v -> -large, z < 0 with r > 2: B2: not passive. Lipschitz; df/dv jumps at v = 0."""
-    return where(v > 0, v, lugre(p, v, z))
 
 
 class ElasticExceptWhenFast(BristleLaw):
@@ -171,29 +71,6 @@ class ElasticExceptInAWindow(BristleLaw):
     def dz_dt(p, v, z):
         decay = clip((abs(z) - 0.5e-5) / 0.2e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
         return v * where(both(z > 1e-8, z < 1.01e-8), 0.5, 1.0) - decay
-
-
-class NearlyElastic(BristleLaw):
-    """f = v (1 - 1e-18) - ramp: 1 - 1e-18 is 1 in floats, and so it is written: elastic: drift_free; as
-    ElasticForAPicometre with c = 0.5e-5."""
-
-    truth = "unique bounded -smooth passive drift_free"
-
-    @staticmethod
-    def z_elastic(p):
-        return 0.5e-5
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v * (1 - 1e-18) - clip((abs(z) - 0.5e-5) / 0.5e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
-
-
-@rate("unique bounded -smooth passive -drift_free")
-def NearlyElasticForReal(p, v, z):
-    """f = v - 1e-18 v - ramp: (1 - 1e-18) v for |z| <= c, which is not v: not drift_free. Else as NearlyElastic:
-    S' = sigma_0 z/(1 - 1e-18) below c, D there 200 v^2 - O(1e-16) v^2: passive. Bounded (f sgn z less than
-    LuGre's or v z < 0)."""
-    return v - 1e-18 * v - clip((abs(z) - 0.5e-5) / 0.5e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
 
 
 class Piezo(BristleLaw):
@@ -262,15 +139,3 @@ class OwnConstants(BristleLaw):
     @staticmethod
     def friction(p, v, z, dz_dt):
         return p.k * z + p.c * v
-
-
-class SignWithAHugeGain(BristleLaw):
-    """h = 1e100 sgn v: h v >= 0: B1, passive. B0."""
-
-    truth = "unique bounded -smooth passive -drift_free"
-    v_d = None
-    dz_dt = staticmethod(lugre)
-
-    @staticmethod
-    def friction(p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + 1e100 * sign(v)

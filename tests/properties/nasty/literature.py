@@ -7,10 +7,6 @@ from stribeck.laws.terms import g
 from tests.properties.nasty.base import Springy, WithForce, friction, rate
 
 
-class _Natural(BristleLaw):
-    v_d = None
-
-
 def limited(p, v, z, steady):
     """LuGre's dz/dt with another steady deflection."""
     return v - abs(v) / steady * z
