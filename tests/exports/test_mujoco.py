@@ -108,6 +108,7 @@ def test_stick_slip(step, tmp_path):
     assert 1e-5 < error < 2.5 * step * np.ptp(reference)  # of the first order in the step
 
 
+@pytest.mark.thorough
 def test_errors_shrink_with_the_step(tmp_path):
     drive = {"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}}
     reference = simulated(ELASTIC, drive, 10.0, 4e-3)["y"]

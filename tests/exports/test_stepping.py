@@ -103,6 +103,7 @@ CREEP = {
 }
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("name", CREEP)
 def test_a_held_joint_creeps_no_more_than_its_bound(name):
     """0.9 F_s for 100 s at 2 to 20 ms. What rounding adds: z that no longer changes hides up to eps z/2 a step."""

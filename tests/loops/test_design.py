@@ -24,6 +24,7 @@ def only(data, **options):
     return design(Scenario(data), **options)
 
 
+@pytest.mark.thorough
 def test_without_an_integral_it_is_quiet():
     assert only(axis()).verdict == "quiet"
 

@@ -58,6 +58,7 @@ def test_a_narrow_quiet_stretch_is_found():
     assert found.resolution <= 0.035
 
 
+@pytest.mark.thorough
 def test_an_irregular_cycle_whose_last_rows_hold_one_slip_hunts():
     """A coarse encoder: slips of 66 mm every 20 to 80 s, of which the end of the longest run holds one. It was called creep."""
     guide = law(

@@ -116,7 +116,7 @@ MACHINES = {
 }  # fmt: skip
 
 
-@pytest.mark.share(7)
+@pytest.mark.share(14)
 @pytest.mark.parametrize("name", MACHINES)
 def test_columns(name):
     expected = apart.solve(MACHINES[name])
