@@ -136,7 +136,7 @@ MISTAKES = [
     ({'controllers.axis.sampling.period': GONE},
      'controllers.axis.sampling.period: missing: must be given (time between two samples, s)'),
     ({'controllers.axis.sampling.seed': 1.5},
-     'controllers.axis.sampling.seed: 1.5: must be a whole number >= 0 and <= 4.29497e+09'),
+     'controllers.axis.sampling.seed: 1.5: must be a whole number >= 0 and <= 4294967295'),
     ({'solve': GONE},
      'solve: missing: the table [solve] must be given (with t_end)'),
     ({'output': GONE},

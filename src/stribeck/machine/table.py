@@ -215,8 +215,10 @@ def plain_words(info: FieldInfo | None, error: Any) -> str:
     value, kind, about = error["input"], error["type"], error.get("ctx", {})
     if kind == "literal_error":
         return f"{show(value)}: must be one of {', '.join(_choices(info.annotation)) if info else about['expected']}"
-    bounds = [f"{sign} {getattr(each, name):g}" for each in (info.metadata if info else ())
-              for name, sign in _SIGNS.items() if getattr(each, name, None) is not None]  # fmt: skip
+    limits = [
+        (sign, getattr(each, name, None)) for each in (info.metadata if info else ()) for name, sign in _SIGNS.items()
+    ]
+    bounds = [f"{sign} {x if isinstance(x, int) else f'{x:g}'}" for sign, x in limits if x is not None]
     if kind in _TYPES:
         is_number = kind_of(value) == "a number" and "number" in _TYPES[kind]
         allowed = " ".join([_TYPES[kind], *([" and ".join(bounds)] if bounds else [])])

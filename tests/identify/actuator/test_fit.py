@@ -119,6 +119,39 @@ def test_a_machine_without_the_recorded_force_is_no_comparison(tmp_path):
     assert not any("why" in each for each in found.baselines.values())
 
 
+SIZE = "must lie between -1e+30 and 1e+30"
+PRIOR = {"mean": 1.0, "deviation": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("log", "mass", "told"),
+    [
+        ({"known": {"bodies.a.initial.v": 1e308}}, {}, f"log.0.known.bodies.a.initial.v: 1e+308: {SIZE}"),
+        ({}, {"high": 1e308}, f"unknown.bodies.a.mass.high: 1e+308: {SIZE}"),
+        ({}, {"prior": {**PRIOR, "deviation": 1e-320}}, "prior.deviation: 1e-320: must lie between 1e-30 and 1e+30"),
+        ({}, {"prior": {**PRIOR, "mean": -1e308}}, f"unknown.bodies.a.mass.prior.mean: -1e+308: {SIZE}"),
+        ({"time": 2.5}, {}, "log.0.time: 2.5: must be a column's name or a table, not a number"),
+        ({"outputs": {"a.y": [1]}}, {}, "log.0.outputs.a.y: [1]: must be a column's name or a table, not a list"),
+    ],
+)  # fmt: skip
+def test_a_number_whose_square_is_none_and_a_wrong_kind_are_refused_in_a_line(recordings, log, mass, told):
+    with pytest.raises(InputError) as error:
+        read_logs(logs(recordings, [{"file": "run0.csv", **log}], {MASS: {**WANTED[MASS], **mass}}))
+    (line,) = error.value.problems
+    assert line.endswith(told)
+
+
+def test_a_prior_that_reaches_what_cannot_be_says_whose_the_number_is(recordings):
+    path = logs(recordings, ["run0.csv"], {MASS: {"prior": {"mean": 1.0, "deviation": 0.25}}})
+    told = (
+        "unknown.bodies.a.mass: -0.5: must be a finite number > 0 "
+        "(low and high are 6 deviations from the prior's mean, unless given)"
+    )
+    with pytest.raises(InputError) as error:
+        fit_machine(machine(), path)
+    assert error.value.problems == [told]
+
+
 def test_mistakes_in_the_file_are_told_line_by_line(recordings):
     entry = {
         "file": "run0.csv", "outputs": {"a.q": "y", "a.v": {"column": "z", "unit": "furlong"}}, "known": {"bodies.a.mass": "x"},

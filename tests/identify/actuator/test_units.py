@@ -1,12 +1,16 @@
 """The unit of a fitted number is that of what it is in the machine."""
 
+import csv
+
+import numpy as np
 import pytest
 
 from stribeck import Scenario
+from stribeck.identify.actuator import fit_machine
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.judge import unit
-from tests.identify.actuator.recorded import body
-from tests.identify.actuator.test_lacks import arm
+from tests.identify.actuator.recorded import body, logs
+from tests.identify.actuator.test_lacks import NOISE, TRUTH, T, arm, pushed, turned
 
 LAW = "contacts.{}.law.parameters.{}"
 OF_BODY = {
@@ -35,3 +39,17 @@ def test_a_number_of_the_machine(data, units):
 def test_a_number_of_a_sensor(what):
     found = [unit(Scenario(x), coordinate("s", (f"{n}.y", what))) for x, n in ((body(), "a"), (arm(), "arm"))]
     assert found == list(OF_SENSOR[what])
+
+
+def test_an_angle_that_begins_anew_after_each_turn_goes_on(tmp_path):
+    u = pushed(4.0)
+    y = np.rad2deg(turned(u) + NOISE * np.random.default_rng(0).standard_normal(len(T)))
+    assert np.ptp(y) > 360
+    with (tmp_path / "run.csv").open("w", newline="") as file:
+        csv.writer(file).writerows([("t", "u", "y"), *zip(T, u, np.round(y % 360, 2), strict=True)])
+    of = {"file": "run.csv", "outputs": {"arm.y": {"column": "y", "unit": "deg"}}}
+    wanted = {name: {"low": x / 5, "high": 5 * x} for name, x in TRUTH.items()}
+    found = fit_machine(arm(), logs(tmp_path, [of], wanted), starts=1, baselines=False)
+    assert found.status == "done", found.reason
+    assert [name for name, p in found.estimates.items() if not p.low < TRUTH[name] < p.high] == []
+    assert any("run.csv: arm.y begins anew after each turn" in note for note in found.notes)

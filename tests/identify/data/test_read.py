@@ -19,7 +19,7 @@ from stribeck.identify.api import fit
 from stribeck.identify.data.clocks import released
 from stribeck.identify.data.filters import decimate, low_pass
 from stribeck.identify.data.prepare import Preparation, load_log
-from stribeck.identify.data.quality import clean
+from stribeck.identify.data.quality import clean, unwrapped
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.recorded import opened_with
 
@@ -413,6 +413,25 @@ def test_an_angle_that_begins_anew_after_each_turn_goes_on(unit, turn, begin, tm
     assert not any("begins anew" in note for note in whole.quality)
 
 
+@pytest.mark.parametrize("slip", [3.5, 5.0, -6.0])
+def test_a_slip_is_no_turn(slip):
+    """Within one turn, and further than half of one from a row to the next: no motion goes on over it."""
+    x = np.where(T < 0.2, 0.0, slip) + 0.02 * np.sin(8 * T)
+    same, turns = unwrapped(T, x)
+    assert (same.tolist(), turns) == (x.tolist(), 0)
+
+
+def test_a_turn_goes_on_over_lost_rows_and_beside_a_slip():
+    x = 8 * np.sin(20 * T) + np.where(T < 0.3, 0.0, 4.0)
+    x[np.searchsorted(x, np.pi) - 2 :][:5] = np.nan
+    whole, turns = unwrapped(T, (x + np.pi) % (2 * np.pi) - np.pi)
+    moved = np.diff((whole - x)[np.isfinite(x)])
+    slip = np.flatnonzero(abs(np.diff(x[np.isfinite(x)])) > 3)
+    assert turns > 2
+    assert len(slip) == 1
+    assert abs(np.delete(moved, slip)).max() < 1e-9
+
+
 def test_files_of_two_kinds_of_motion_are_refused(tmp_path):
     for name, unit in (("a", "mm"), ("b", "rad")):
         _csv(tmp_path / f"{name}.csv", [f"s,{unit},N", *_rows()])
@@ -430,7 +449,7 @@ def test_columns_that_no_row_has_together_are_one_clear_line(tmp_path):
 
 def test_every_row_a_run_of_its_own_is_one_clear_line(tmp_path):
     np.savez(tmp_path / "log.npz", t=T, x=X, i=F, r=np.arange(len(T)))
-    with pytest.raises(InputError, match="no piece without a gap has 50 rows"):
+    with pytest.raises(InputError, match="no 50 rows stand together in one run without a gap"):
         load_log([tmp_path / "log.npz"], ColumnNames({**NAMES, "run": "r"}))
 
 

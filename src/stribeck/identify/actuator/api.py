@@ -72,7 +72,7 @@ def _going_on(scenario: Scenario, logs: Logs) -> Logs:
     for recording in logs.recordings:
         outputs, notes = dict(recording.outputs), list(recording.notes)
         for name in angles & outputs.keys():
-            x, turns = unwrapped(outputs[name].x)
+            x, turns = unwrapped(outputs[name].t, outputs[name].x)
             if turns:
                 outputs[name] = replace(outputs[name], x=x)
                 notes.append(

@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, nearest
-from stribeck.identify.actuator.recordings import Logs, Sought
+from stribeck.identify.actuator.recordings import FAR, Logs, Sought
 from stribeck.recorded import listed
 from stribeck.scenario import Scenario
 
@@ -129,7 +129,8 @@ def _coordinate(scenario: Scenario, logs: Logs, s: Sought, rest: str, log: int |
     if start and log is None:
         raise InputError(f"unknown.{s.path}: must begin with log.*. or log.0.: a start belongs to a recording")
     if text := impossible(scenario, path, s.low, s.high):
-        raise InputError(f"unknown.{s.path}: {text}")
+        reach = f" (low and high are {FAR:g} deviations from the prior's mean, unless given)" if s.prior else ""
+        raise InputError(f"unknown.{s.path}: {text}{reach}")
     owner, constant = scenario.places.get(path, ("", ""))
     law = scenario.elements.laws.get(owner)
     bends = law is not None and constant in law.constants() and law.constants()[constant].unit == SPEED
@@ -150,7 +151,7 @@ def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
         except InputError as error:
             mine = [line for line in error.problems if line.startswith(f"{path}:")]
             if mine and "F_c" not in mine[0].partition(": ")[2]:  # the search maintains relations to other numbers
-                return f"{x:g}: {mine[0].partition(': ')[2]}"
+                return mine[0].partition(": ")[2]
     return None
 
 

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError
 
 from stribeck.arrays import Array
-from stribeck.constants import Constant, show
+from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.bridges import Bridged, bridged
 from stribeck.identify.data.quality import LARGEST, impossible, wild
-from stribeck.machine.table import ConstantField, FileTable, Problem, problems_of, quantity
+from stribeck.machine.table import ConstantField, FileTable, Problem, problems_of, quantity, refused
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
 from stribeck.recorded.logs import opened_log, time_of
@@ -119,6 +119,12 @@ class Logs:
     words: Mapping[str, str] = field(default_factory=dict)
 
 
+def _too_large(numbers: Mapping[str, float]) -> list[Problem]:
+    """The numbers, by key, whose squares are none."""
+    allowed = f"must lie between {-LARGEST:g} and {LARGEST:g}"
+    return [(key, f"{show(x)}: {allowed}") for key, x in numbers.items() if abs(x) > LARGEST]
+
+
 # -- the tables of the file ----------------------------------------------------------------------------------------------
 
 
@@ -158,7 +164,11 @@ class TimeTable(ColumnTable):
 
 def _by_name(given: object) -> object:
     """A column's table from its name."""
-    return {"column": given} if isinstance(given, str) else given
+    if isinstance(given, str):
+        return {"column": given}
+    if isinstance(given, Mapping | ColumnTable | None):
+        return given
+    raise refused(f"must be a column's name or a table, not {kind_of(given)}", given)
 
 
 class OutputTable(ColumnTable):
@@ -184,11 +194,11 @@ class RecordingTable(FileTable):
     window: float | None = quantity("s", "length of the fitted stretches", above=0, optional=True)
 
     def wrong(self) -> list[Problem]:
-        """No outputs, or an episode below 0."""
+        """No outputs, an episode below 0, or a known number whose square is none."""
         problems = [] if self.outputs else [("outputs", "missing: at least one measured column must be given")]
         if self.episode is not None and self.episode < 0:
             problems.append(("episode", f"{show(self.episode)}: must be a whole number >= 0"))
-        return problems
+        return problems + _too_large({f"known.{path}": x for path, x in self.known.items()})
 
     @property
     def columns(self) -> dict[str, ColumnTable]:
@@ -202,6 +212,12 @@ class PriorTable(FileTable):
 
     mean: Finite
     deviation: float = quantity("", "standard deviation", above=0)
+
+    def wrong(self) -> list[Problem]:
+        """A number whose square, or its inverse, is none."""
+        wide = f"{show(self.deviation)}: must lie between {1 / LARGEST:g} and {LARGEST:g}"
+        narrow = [] if 1 / LARGEST <= self.deviation <= LARGEST else [("deviation", wide)]
+        return _too_large({"mean": self.mean}) + narrow
 
 
 class SoughtTable(FileTable):
@@ -217,6 +233,8 @@ class SoughtTable(FileTable):
         if self.prior is None and (missing := [n for n in ("low", "high") if getattr(self, n) is None]):
             return [(n, "missing: must be given, unless there is a prior") for n in missing]
         low, high = self.bounds
+        if problems := _too_large({"low": low, "high": high}):
+            return problems
         if not low < high:
             return [("high", f"{show(high)}: must be > low ({show(low)})")]
         if self.start is not None and not low <= self.start <= high:

@@ -71,7 +71,7 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         notes: list[str] = []
         for part in steady_stretches(read_named(source, named), name, notes):
             if rotary[-1] and "position" in part:
-                part["position"], turns = unwrapped(part["position"])
+                part["position"], turns = unwrapped(part["time"], part["position"])
                 if turns:
                     notes.append(
                         f"{name}: position: begins anew after each turn, {turns} times; read as one that goes on"

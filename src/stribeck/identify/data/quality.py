@@ -239,7 +239,7 @@ def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[st
     if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST):
         notes.append(f"{number}: {lost} rows stand in pieces shorter than {FEWEST} rows and were left out")
     if not runs:
-        raise InputError(f"{arg('data')}: {number}: no piece without a gap has {FEWEST} rows or more")
+        raise InputError(f"{arg('data')}: {number}: no {FEWEST} rows stand together in one run without a gap")
     return runs
 
 
@@ -278,20 +278,24 @@ def impossible(x: Array) -> str | None:
     return f"{text} (is the unit right?)"
 
 
-def unwrapped(angle: Array) -> tuple[Array, int]:
+def unwrapped(time: Array, angle: Array) -> tuple[Array, int]:
     """An angle (rad) that goes on over its turns, from one that begins anew after each, and how often it did.
 
-    A record that stays within a turn, or half a turn more for what rounding and noise add, and yet jumps by more than half a
-    turn is of the second kind; no other motion can be told from its rows.
+    A sensor of the second kind never leaves one turn, but for a step that noise and rounding add. Where its column jumps by
+    more than half a turn, the motion that goes on is at most twice as fast as elsewhere; a jump that is not so is a slip.
     """
-    there = np.isfinite(angle)
-    x = angle[there]
-    jumps = int(np.sum(abs(np.diff(x)) > np.pi))
-    if not jumps or np.ptp(x) > 3 * np.pi:
+    there = np.isfinite(angle) & np.isfinite(time)
+    x, apart = angle[there], np.diff(time[there])
+    step = np.diff(x)
+    on = step - 2 * np.pi * np.round(step / (2 * np.pi))
+    moves = (on == step) & (apart > 0)
+    fastest = np.max(abs(step[moves]) / apart[moves], initial=0.0)
+    wraps = (on != step) & (abs(on) <= 2 * fastest * apart)
+    if not wraps.any() or np.ptp(x) > 2 * np.pi + np.max(abs(step[moves])):
         return angle, 0
     whole = angle.copy()
-    whole[there] = np.unwrap(x)
-    return whole, jumps
+    whole[there] -= np.append(0.0, np.cumsum(np.where(wraps, step - on, 0.0)))
+    return whole, int(np.sum(wraps))
 
 
 def wild(x: Array) -> str | None:
