@@ -32,8 +32,7 @@ class Log:
         unfiltered: the measured position, or the velocity where that was measured, before any filter.
         sources: where each column is from: "measured", "from position, cut-off 20 Hz", ...
         quality: what was found in the raw data and what was done about it, a line each.
-        bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
-        acceleration_bandwidth: that of the acceleration, where it is filtered once more, Hz.
+        bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are. ``order``: the filter's.
         files: the name of the file that each run is from.
         hashes: SHA-256 of each file that it was read from.
         rotary: whether the machine turns: rad, N m and kg m^2 in the place of m, N and kg.
@@ -54,7 +53,7 @@ class Log:
     sources: dict[str, str] = field(default_factory=dict)
     quality: tuple[str, ...] = ()
     bandwidth: float | None = None
-    acceleration_bandwidth: float | None = None
+    order: int = 4
     files: tuple[str, ...] = ()
     hashes: tuple[str, ...] = ()
     spectrum: tuple[Array, Array, float] | None = None

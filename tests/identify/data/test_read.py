@@ -193,7 +193,7 @@ def test_the_cutoff_lies_between_the_motion_and_its_noise():
 
     log = prepare(parts, Preparation())
     assert 3 < log.bandwidth < 100
-    assert "low-pass" in log.quality[0]
+    assert "order 4, zero phase" in log.quality[0]
 
 
 def test_the_filters_in_pieces_are_the_filters():

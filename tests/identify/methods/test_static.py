@@ -98,14 +98,13 @@ def test_a_curve_of_bends_has_the_nearest_stribeck_law_beside_it():
 
 @servo
 def test_what_hangs_on_the_filter_of_a_coarse_encoder_is_withheld():
-    """Reversals of 10 ms, filtered at 50 Hz: v_s was 2.5 [1.8, 3.3] rad/s, where the truth is 1."""
+    """Reversals of 10 ms behind a filter of 50 Hz: v_s was 2.5 [1.8, 3.3] rad/s, where the truth is 1."""
     columns = {"time": "t", "position": "theta", "force": "i"}
     fit = stribeck.fit(SERVO / "closed.csv", "stribeck", columns=columns, units={"theta": "rad"}, force_gain=0.05)
     truth = {"F_c": 0.02, "F_s": 0.03, "v_s": 1.0, "mass": 5e-5}
     for name in (n for n in truth if fit[n].usable):
         assert fit[name].range[0] <= truth[name] <= fit[name].range[1], name
     assert not fit["v_s"].usable
-    assert fit["v_s"].parts["M"] > fit["v_s"].parts["C"]
 
 
 def test_a_mass_below_zero_is_never_identified():
@@ -170,7 +169,7 @@ def test_a_law_of_other_columns_is_fitted_through_its_steady_force():
 
 @emps
 def test_the_published_model_of_emps_to_its_published_digits():
-    fit = stribeck.fit(EMPS, "coulomb_viscous", force_gain="gtau", filter="published", **COLUMNS)
+    fit = stribeck.fit(EMPS, "coulomb_viscous", force_gain="gtau", filter="published", cutoff=100, **COLUMNS)
     assert 100 * fit.relative_force_error == pytest.approx(4.083, abs=1e-3)
     for name, value in {"mass": 95.109, "F_c": 20.394, "sigma_2": 203.50, "offset": -3.165}.items():
         assert fit[name].value == pytest.approx(value, abs=6e-4 * max(abs(value), 1)), name

@@ -128,7 +128,8 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
             continue
         for alone, motion in candidates:
             candidate = _candidate(choice, (fold_of_block != f).astype(float), motions[motion], others, alone, motion)
-            left[alone, motion] += float(np.sum((log.force - sum(candidate.along(motions[motion])))[inside] ** 2))
+            with np.errstate(over="ignore"):  # a candidate may diverge on a stretch that it has not seen
+                left[alone, motion] += float(np.sum((log.force - sum(candidate.along(motions[motion])))[inside] ** 2))
     best = min(left, key=lambda k: left[k])
     plain = min((k for k in left if k[1] == BY_FILTER), key=lambda k: left[k])
     if best[1] == BY_POLYNOMIAL and left[best] > BETTER**2 * left[plain]:

@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 from stribeck.identify.log import MANY_ROWS
 
+ORDER = 4  # of the Butterworth filter, as in the published procedure for least squares
 HIGHEST = 0.4  # of the sampling rate: the highest cut-off; nearer to half of it a digital filter's edge is squeezed
 SETTLED = 5.0  # periods of the cut-off at the start of a run, in which a filter is not settled
 ASTRAY = 1.5  # periods of the cut-off at the end of a run in motion: there the filter continues the motion wrongly
@@ -59,17 +60,17 @@ def _settled(b: Array, a: Array) -> Filter:
 
 
 @lru_cache
-def _butterworth(share: float) -> Filter:
-    """Of order 4, with its cut-off as a share of half the sampling rate."""
-    return _settled(*signal.butter(4, share))
+def _butterworth(order: int, share: float) -> Filter:
+    """With its cut-off as a share of half the sampling rate."""
+    return _settled(*signal.butter(order, share))
 
 
-def low_pass(x: Array, cutoff: float, step: float) -> Array:
-    """Butterworth of order 4 at ``cutoff`` Hz, there and back.
+def low_pass(x: Array, cutoff: float, step: float, order: int = ORDER) -> Array:
+    """Butterworth at ``cutoff`` Hz, there and back.
 
     MATLAB's padding of 12 samples is too short for a cut-off far below the sampling rate: it is 1.2 periods at least.
     """
-    return zero_phase(_butterworth(2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
+    return zero_phase(_butterworth(order, 2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
 
 
 def stages(q: int) -> list[int]:

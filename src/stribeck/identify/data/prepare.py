@@ -1,4 +1,4 @@
-"""From raw columns to a log: even steps, zero-phase filtering with a cut-off from the data, derivatives."""
+"""From raw columns to a log: even steps, a zero-phase smoother with the likeliest cut-off, derivatives."""
 
 from __future__ import annotations
 
@@ -9,25 +9,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
-from stribeck.identify.data.effect import LONGEST_LOOK, OF_REGRESSION, OF_SIMULATION, by_effect, quiet
-from stribeck.identify.data.filters import ASTRAY, HIGHEST, SETTLED, low_pass, slope
+from stribeck.identify.data.filters import ASTRAY, ORDER, SETTLED, low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean, unwrapped
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
+from stribeck.identify.data.smoother import likeliest, spectrum
 from stribeck.identify.data.units import is_rotary
 from stribeck.identify.log import INTEGRAL, STILL, Log
 from stribeck.recorded import is_table, opened
-
-_LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)  # round numbers, no coarser than the spectrum tells its edge
-_ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
-_SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
-_LOST = 0.01  # of the motion's variance: less may go
-_MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
 
 
 @dataclass(frozen=True)
@@ -36,16 +29,13 @@ class Preparation:
 
     Attributes:
         cutoff: of the zero-phase Butterworth filter (order 4, there and back), Hz; 0 takes the motion as it is.
-        simulated: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
-            cut-off chosen from the data is raised.
-        published: for plain least squares as published, which keeps the last rows of a run.
-        spline: slopes by splines where noise would let central differences do: of a motion that is sampled coarsely.
+        simulated: for simulations, which need the motion between the samples of the force.
+        published: for plain least squares as published: central differences, and the last rows of a run are kept.
     """
 
     cutoff: float | None = None
     simulated: bool = False
     published: bool = False
-    spline: bool = False
 
 
 def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None = None) -> Log:
@@ -78,7 +68,7 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
                     )
             own_samples = released(part, name, notes, how.simulated)
             if len(own_samples["time"]) < len(part["time"]):  # no published log: far fewer rows move than were recorded
-                how = replace(how, published=False, spline=True)
+                how = replace(how, published=False)
             cleaned_part = clean(own_samples, name)
             cleaned.append(replace(cleaned_part, notes=[*notes, *cleaned_part.notes]))
             owners.append(name)
@@ -94,52 +84,31 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     roles = list(parts[0].columns)
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
-    seen = _measured_spectrum(parts, measured, step)
-    cutoff, chosen, spline = how.cutoff, 0.0, how.simulated or how.spline
+    samples = _samples(parts, measured, step)
+    smoother = likeliest(samples, step)
+    cutoff, order, spline = how.cutoff, ORDER, not how.published
     if cutoff is None:
-        cutoff, why = choose_cutoff(measured, *seen, step)
-        notes.append(why)
-        if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
-            cutoff = kept
-            notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
-        by_position = measured == "position"
-        higher = 0.0 if how.simulated else by_effect(_met(parts, measured), by_position, cutoff, step)
-        if higher > cutoff:
-            cutoff = higher
-            notes.append(
-                f"raised to {cutoff:.4g} Hz: below, ramps or reversals are rounded off, and the force is met less well"
-            )
-        motion = parts[0].columns[measured][parts[0].runs[0]]
-        shares = OF_SIMULATION if how.simulated else OF_REGRESSION
-        if (higher := quiet(motion, by_position, seen[2], cutoff, step, shares)) > cutoff and not how.published:
-            chosen, cutoff, spline = cutoff * how.simulated, higher, True  # of what has noise a spline makes more
-            what = "position and velocity only " if how.simulated else ""
-            notes.append(
-                f"{what}raised to {cutoff:.3g} Hz: the speed's noise stays below {shares[0]:g} of the largest speed"
-            )
+        order, cutoff, _ = smoother
+        notes.append(
+            f"{measured}: filtered at {cutoff:.3g} Hz (order {order}, zero phase), where motion and noise are equally strong"
+        )
     else:
         notes += _given(cutoff, parts, measured, step)
     trim = max(round(SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, spline)
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, order, trim, spline)
     notes += _too_short(parts, lengths, trim)
-    again = chosen if chosen and "acceleration" not in roles else None
-    if again:  # the acceleration's noise does not average out: it multiplies the mass
-        for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
-            rows = slice(last - count, last)
-            columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], again, step)
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if spline else "central differences")
     sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if cutoff > 0 and not how.published:
-        lowest = again or cutoff  # the acceleration's filter goes astray too
-        rows_kept, end_notes = _without_ends(columns, lengths, round(ASTRAY / (lowest * step)))
+        rows_kept, end_notes = _without_ends(columns, lengths, round(ASTRAY / (cutoff * step)))
         notes += end_notes
         parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
-        acceleration_bandwidth=again, files=tuple(names[i] for i in files) if names else (), spectrum=seen,
+        files=tuple(names[i] for i in files) if names else (), order=order, spectrum=(*spectrum(samples, step), smoother.noise),
     )  # fmt: skip
 
 
@@ -162,19 +131,13 @@ def _given(cutoff: float, parts: Sequence[Clean], measured: str, step: float) ->
     return [f"motion filtered at {cutoff:g} Hz, as given"]
 
 
-def _met(parts: Sequence[Clean], measured: str) -> list[tuple[Array, Array]]:
-    """Motion and force of the runs with even steps."""
-    known = [p for p in parts if p.even and "force" in p.columns and "acceleration" not in p.columns]
-    return [(p.columns[measured][r], p.columns["force"][r]) for p in known for r in p.runs]
-
-
 def _columns(
-    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, spline: bool
+    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, order: int, trim: int, spline: bool
 ) -> tuple[dict[str, Array], list[int]]:  # fmt: skip
     """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
     if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
         grid = _grid(parts[0], parts[0].runs[0], step)
-        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured, spline)
+        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, order, measured, spline)
         parts[0].columns.clear()
         return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]), trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
@@ -188,7 +151,7 @@ def _columns(
     for part in parts:
         for r in part.runs:
             rows = slice(place[number], place[number + 1])
-            for name, x in _run(part, r, grids[number], step, cutoff, measured, spline).items():
+            for name, x in _run(part, r, grids[number], step, cutoff, order, measured, spline).items():
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
@@ -245,7 +208,7 @@ def _grid(part: Clean, rows: slice, step: float) -> Array:
 
 
 def _run(
-    part: Clean, rows: slice, grid: Array, step: float, cutoff: float, measured: str, spline: bool
+    part: Clean, rows: slice, grid: Array, step: float, cutoff: float, order: int, measured: str, spline: bool
 ) -> dict[str, Array]:
     time = part.columns["time"][rows]
     signals = {"time": grid}
@@ -255,7 +218,7 @@ def _run(
     signals["unfiltered"] = signals[measured]
     for name in ("position", "velocity", "acceleration"):
         if name in signals and cutoff > 0:
-            signals[name] = low_pass(signals[name], cutoff, step)
+            signals[name] = low_pass(signals[name], cutoff, step, order)
     if "velocity" not in signals:
         signals["velocity"] = slope(signals["position"], step, spline)
     if "position" not in signals:
@@ -277,75 +240,11 @@ def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence
     return sources
 
 
-def _longest(parts: Sequence[Clean], measured: str, step: float) -> Array:
-    """The measured motion in the longest run, on even steps; of files that were resampled to others' step the noise tells
-    nothing."""
-    original = [p for p in parts if not p.resampled] or parts
-    part, rows = max(((p, r) for p in original for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
-    rows = slice(rows.start, min(rows.stop, rows.start + LONGEST_LOOK))
-    x = part.columns[measured][rows]
-    return x if part.even else np.interp(_grid(part, rows, step), part.columns["time"][rows], x)
-
-
-def _measured_spectrum(parts: Sequence[Clean], measured: str, step: float) -> tuple[Array, Array, float]:
-    """The spectrum of the measured motion in the longest run, and its noise floor."""
-    x = _longest(parts, measured, step)
-    frequency, power = spectrum(x, step)
-    return frequency, power, noise_floor(frequency, power, step)
-
-
-def choose_cutoff(measured: str, frequency: Array, power: Array, floor: float, step: float) -> tuple[float, str]:
-    """The frequency (Hz) up to which the motion's spectrum stands clear of its noise floor, and that in words."""
-    highest = HIGHEST / step
-    buried = np.flatnonzero(power < _ABOVE_NOISE * floor)
-    edge = float(frequency[buried[0]]) if len(buried) else highest
-    cutoff = min(_rounded(max(edge, _SLOWEST_FILTER * frequency[0])), highest)
-    if edge >= highest:
-        return highest, f"{measured}: no noise floor in sight; low-pass at {highest:.4g} Hz, 0.4 of the sampling rate"
-    return cutoff, (
-        f"{measured}: its spectrum stands {_ABOVE_NOISE:g} times above the noise floor up to {edge:.3g} Hz; "
-        f"low-pass at {cutoff:g} Hz, zero phase"
-    )
-
-
-def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
-    """The cut-off, raised until what the filter takes away is no more than the noise, or little of the motion.
-
-    Small reversals on a long slow motion, such as presliding, stand high in no part of the spectrum; yet they are no noise.
-    """
-    x = _longest(parts, measured, step)
-    edge = min(round(SETTLED / (cutoff * step)), len(x) // 4)
-    highest = HIGHEST / step
-    while cutoff < highest:
-        taken = (x - low_pass(x, cutoff, step))[edge : len(x) - edge]
-        lost = float(np.mean(taken**2))
-        if lost <= max(_MORE_THAN_NOISE * floor * (0.5 / step - cutoff), _LOST * float(np.var(x))):
-            break
-        cutoff = min(cutoff * 1.5, highest)
-    return float(cutoff)
-
-
-def spectrum(x: Array, step: float) -> tuple[Array, Array]:
-    """Frequencies (Hz) and power spectral density in sixths of an octave; trends do not leak into it."""
-    rate = np.diff(x) / step
-    f, p = signal.welch(signal.detrend(rate), 1 / step, nperseg=min(len(rate), 4096))
-    f, p = f[1:], p[1:]
-    p = p / (2 * np.sin(np.pi * f * step) / step) ** 2  # undoes the difference
-    band = np.round(6 * np.log2(f / f[0])).astype(int)
-    bands = np.unique(band)
-    return (
-        np.array([np.exp(np.mean(np.log(f[band == b]))) for b in bands]),
-        np.array([np.mean(p[band == b]) for b in bands]),
-    )
-
-
-def noise_floor(frequency: Array, power: Array, step: float) -> float:
-    """The lowest level in the upper part of a spectrum: what is measured where nothing moves any more."""
-    return float(np.min(power[frequency > 0.15 / step]))
-
-
-def _rounded(x: float) -> float:
-    """The nearest number of a short ladder, on a logarithmic scale."""
-    exponent = np.floor(np.log10(x))
-    choices = [rung * 10.0**e for e in (exponent, exponent + 1) for rung in _LADDER]
-    return float(min(choices, key=lambda c: abs(np.log(c / x))))
+def _samples(parts: Sequence[Clean], measured: str, step: float) -> list[Array]:
+    """The measured motion of each run, on even steps; of files that were resampled to others' step the noise tells nothing."""
+    out = []
+    for part in [p for p in parts if not p.resampled] or parts:
+        for rows in part.runs:
+            x = part.columns[measured][rows]
+            out.append(x if part.even else np.interp(_grid(part, rows, step), part.columns["time"][rows], x))
+    return out

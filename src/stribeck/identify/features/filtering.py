@@ -27,22 +27,9 @@ def other_motions(log: Log) -> dict[str, list[Log]]:
     }
 
 
-def position_step(log: Log) -> float:
-    """The smallest step of the position as it was measured; 0 of one that is not rounded."""
-    if log.unfiltered is None or log.sources.get("unfiltered") != "position":
-        return 0.0
-    steps = abs(np.diff(log.unfiltered[:100_000]))
-    steps = steps[steps > 0]
-    return float(steps.min()) if len(steps) else 0.0
-
-
 def noise(log: Log) -> float:
-    """The standard deviation of white noise of what was measured of the motion, by third differences; at least that of rounding
-    to its resolution, which differences do not show where the body is slow."""
-    x = log.unfiltered
-    if x is None:
-        return 0.0
-    return max(typical_roughness([x[rows] for rows in log.runs()]), position_step(log) / math.sqrt(12.0))
+    """The standard deviation of white noise of the measured motion; 0 where no spectrum tells it."""
+    return math.sqrt(log.spectrum[2] / (2 * log.step)) if log.spectrum is not None else 0.0
 
 
 def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
@@ -63,11 +50,9 @@ def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
     for rows in log.runs():
         if rows.stop - rows.start <= round(1 / (log.bandwidth * log.step)):
             continue  # shorter than the filter
-        noise = low_pass(deviation * rng.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
+        noise = low_pass(deviation * rng.standard_normal(rows.stop - rows.start), log.bandwidth, log.step, log.order)
         of_velocity = spline_derivative(noise, log.step) if by_position else noise
         of_acceleration = spline_derivative(of_velocity, log.step)
-        if log.acceleration_bandwidth is not None:
-            of_acceleration = low_pass(of_acceleration, log.acceleration_bandwidth, log.step)
         position[rows] += noise if by_position else 0.0
         velocity[rows] += of_velocity
         acceleration[rows] += of_acceleration
@@ -76,27 +61,17 @@ def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
 
 def smoother_log(log: Log) -> Log:
     """The log with position, velocity and acceleration of a lower cut-off."""
-    position = _smoothed(log, log.position, False, log.bandwidth)
-    differences = "differences" in log.sources.get("acceleration", "")
-    acceleration = _smoothed(log, log.acceleration, differences, log.acceleration_bandwidth or log.bandwidth)
-    bandwidth = None if log.bandwidth is None else _LOWER * log.bandwidth
-    return log.with_columns(position=position, velocity=_smoother(log), acceleration=acceleration, bandwidth=bandwidth)
+    assert log.bandwidth is not None
+    motion = {n: _smoothed(log, getattr(log, n), log.bandwidth) for n in ("position", "velocity", "acceleration")}
+    return log.with_columns(**motion, bandwidth=_LOWER * log.bandwidth)
 
 
-def _smoother(log: Log) -> Array:
-    """The velocity with a lower cut-off, as it is at the ends of runs."""
-    return _smoothed(log, log.velocity, "differences" in log.sources.get("velocity", ""), log.bandwidth)
-
-
-def _smoothed(log: Log, x: Array, differences: bool, bandwidth: float | None) -> Array:
-    """A column of this bandwidth with a lower cut-off; differences with their error, of the second order, once more."""
-    assert bandwidth is not None
+def _smoothed(log: Log, x: Array, bandwidth: float) -> Array:
+    """A column of this bandwidth with a lower cut-off, as it is at the ends of runs."""
     smoothed = x.copy()
     edge = round(1 / (bandwidth * log.step))
     for rows in log.runs():
         inside = slice(rows.start + edge, rows.stop - edge)
         if inside.stop - inside.start > edge:
             smoothed[inside] = low_pass(x[rows], _LOWER * bandwidth, log.step)[edge:-edge]
-            if differences:
-                smoothed[inside][1:-1] += np.diff(smoothed[inside], 2) / 6
     return smoothed

@@ -10,10 +10,10 @@ import numpy as np
 from stribeck import laws
 from stribeck.errors import StribeckError, first_line
 from stribeck.identify.core.choice import rows_together
-from stribeck.identify.features.filtering import position_step
+from stribeck.identify.data.smoother import count_of_encoder
 from stribeck.identify.features.guess import rises, sizes_of
 from stribeck.identify.log import Log, thinned
-from stribeck.identify.onebody import Simulated, simulated
+from stribeck.identify.onebody import Simulated, raw, simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, LogFit
 
@@ -114,6 +114,6 @@ def _error_everywhere(fit: LogFit, log: Log) -> float:
 
 def shows_presliding(log: Log) -> bool:
     """Whether the force rises over a way that is resolved, behind several reversals: a contact that yields before it slides."""
-    level, shortest = sizes_of(thinned(log)).force, STEPS * position_step(log)
+    level, shortest = sizes_of(thinned(log)).force, STEPS * count_of_encoder([raw(log, "position")])
     every = rises(log, log.force, level, LOOKED_AT)
     return sum(samples >= RESOLVED and way > shortest for samples, _, way in every) >= FEWEST

@@ -11,7 +11,6 @@ from scipy import signal
 
 from stribeck.arrays import Array
 from stribeck.identify.data import filters
-from stribeck.identify.data.effect import FEW_ROWS
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import ENOUGH_ROWS, Log
 
@@ -21,6 +20,7 @@ RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # of factors 2 and 5: stages
 MOST_ROWS = 25_000  # of a fit, whose columns then take some 50 MB: neighbours behind the filter are alike
 BLOCKS = 24  # of time: the jackknife's variance is then known to 15 %, and most blocks still hold a reversal
 _SHORTEST_BLOCK = 600  # rows of a stretch of a long run
+_FEW_ROWS = 400  # that are compared: fewer do not show a bend of the curve
 _FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sign, by which they differ
 _LITTLE_REST = 0.02  # of the rows: less rest moves no estimate, and stays in
 _SMEARED = 4.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
@@ -69,7 +69,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
         notes.append(
             f"the body rests in {share:.0%} of the rows: they are left out, as friction takes any value there up to break-away"
         )
-    q, why = decimation(log, _FEW_TO_CHOOSE if to_choose else FEW_ROWS)
+    q, why = decimation(log, _FEW_TO_CHOOSE if to_choose else _FEW_ROWS)
     kept = kept_rows(log, q)
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
@@ -94,7 +94,7 @@ def _beside(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
     return out
 
 
-def decimation(log: Log, few: int = FEW_ROWS) -> tuple[int, str]:
+def decimation(log: Log, few: int = _FEW_ROWS) -> tuple[int, str]:
     """By what the rate can be lowered and still hold the force's band, and so many rows; and why."""
     longest = max(log.runs(), key=lambda r: r.stop - r.start)
     x = log.force[longest.start : min(longest.stop, longest.start + (1 << 18))]

@@ -1,4 +1,4 @@
-"""The cut-off of the motion by what it does to a fit: constant speeds with ramps between, from files written apart."""
+"""The smoother of the motion: the filter itself, and what it does to fits of files written apart."""
 
 import numpy as np
 import pytest
@@ -6,14 +6,55 @@ from scipy.integrate import cumulative_trapezoid
 
 import stribeck
 from stribeck.identify.api import read_log
-from stribeck.identify.data.effect import by_effect, quiet
+from stribeck.identify.data.filters import low_pass
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.data.smoother import count_of_encoder, likeliest
 from stribeck.identify.result import Fit
 
 STEP = 1e-3
 SPEEDS = (0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.4, 1.0)
 NAMES = {"time": "t", "position": "x", "force": "F"}
+
+
+def wandering(order, cutoff, rows=1 << 15, noise=1e-3):
+    """Motion whose derivative of this order is white noise, as strong as the noise at the cut-off; and what is measured."""
+    draw = np.random.default_rng(order)
+    x = noise * (2 * np.pi * cutoff * STEP) ** order * draw.standard_normal(rows)
+    for _ in range(order):
+        x = np.cumsum(x)
+        x = x - x.mean()
+    return x, x + noise * draw.standard_normal(rows)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_the_likeliest_order_and_cut_off_are_those_of_the_motion(order):
+    measured = wandering(order, 20.0)[1]
+    found = likeliest([measured], STEP)
+    assert found.order == order
+    assert found.cutoff == pytest.approx(20.0, rel=0.1)
+    assert found.noise == pytest.approx(2 * STEP * 1e-6, rel=0.05)
+
+
+def test_noise_is_at_least_that_of_rounding():
+    """A slow body stays within one count, where differences show none."""
+    y = np.sin(0.3 * np.arange(0, 20, STEP))
+    deviation = np.sqrt(likeliest([0.05 * np.round(y / 0.05)], STEP).noise / (2 * STEP))
+    assert 0.05 / np.sqrt(12) <= deviation * (1 + 1e-9) < 0.05
+    assert count_of_encoder([0.05 * np.round(y / 0.05)]) == pytest.approx(0.05)
+    assert count_of_encoder([y]) == 0.0
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_the_filter_is_the_smoother(order):
+    """The estimate that minimizes squared errors plus squared differences, by linear algebra."""
+    measured = wandering(order, 20.0, 2000)[1]
+    differences = np.diff(np.eye(2000), order, axis=0)
+    weight = (2 * np.pi * 20.0 * STEP) ** (-2 * order)
+    best = np.linalg.solve(np.eye(2000) + weight * differences.T @ differences, measured)
+    inside = slice(300, -300)
+    found = low_pass(measured, 20.0, STEP, order)
+    assert np.std((found - best)[inside]) < 0.02 * np.std((measured - best)[inside])
 
 
 def stroke(path, speed, seed):
@@ -45,18 +86,6 @@ def test_constant_speeds_with_ramps_are_not_rounded_off(files):
     assert fit.relative_force_error < 0.01
 
 
-def test_it_is_said(files):
-    assert any("ramps or reversals are rounded off" in note for note in load_log(files, ColumnNames(NAMES)).quality)
-
-
-def test_noise_raises_nothing():
-    rng = np.random.default_rng(0)
-    t = np.arange(0, 20, STEP)
-    v = np.sin(2 * np.pi * 0.3 * t)
-    force = 2 * np.gradient(v, STEP) + 3 * np.tanh(v / 0.05) + rng.standard_normal(len(t))
-    assert by_effect([(v + 0.05 * rng.standard_normal(len(t)), force)], False, 10.0, STEP) == 10.0
-
-
 @pytest.mark.thorough
 def test_ramps_that_a_file_ends_with_are_not_rounded_off(tmp_path):
     """A speed a file, from rest to rest with ramps of 0.3 s at both ends: a cut-off of 5 Hz rounded these off unseen, as its own
@@ -84,11 +113,6 @@ def test_an_end_that_is_left_out_is_said():
     log = load_log([{"t": t, "x": x, "F": np.sign(v)}], ColumnNames(NAMES), Preparation(cutoff=5.0))
     assert log.time[-1] < 5.9
     assert any("rows are left out: the filter goes astray" in note for note in log.quality)
-
-
-def test_little_to_compare_raises_nothing():
-    v = np.sin(np.arange(300) * 0.05)
-    assert by_effect([(v, np.sign(v))], False, 5.0, STEP) == 5.0
 
 
 @pytest.mark.thorough
@@ -147,26 +171,3 @@ def test_a_slow_record_keeps_its_speeds():
     rows = np.searchsorted(given["t"], log.time - 1e-9)[:-20]  # the filter goes astray at the end
     assert np.sqrt(np.mean((log.velocity[:-20] - v[rows]) ** 2)) < 3e-4 * np.sqrt(np.mean(v**2))
     assert "cubic spline" in log.sources["velocity"]
-
-
-def test_noise_keeps_the_cut_off_where_it_is():
-    log = read_log(two_tones(0.002, 1e-4)[0], ColumnNames({"time": "t", "position": "y", "force": "F"}))
-    assert not any("stays below" in note for note in log.quality)
-    assert "central differences" in log.sources["velocity"]
-
-
-@pytest.mark.parametrize("position", [True, False])
-def test_the_highest_cut_off_is_the_one_whose_noise_is_little(position):
-    """The noise of an ideal filter's speed and acceleration there, by its spectrum: one of them is as large as it may be."""
-    step, floor, rows = 1e-3, 1e-13 if position else 2e-10, 1 << 15
-    t = np.arange(rows) * step
-    motion = np.sin(2 * np.pi * t)
-    found = quiet(motion, position, floor, 20.0, step)
-    assert 34.0 < found < 80.0
-    f = np.fft.rfftfreq(rows, step)
-    white = np.random.default_rng(1).standard_normal(rows) * np.sqrt(floor / (2 * step))
-    shares = []
-    for order, allowed in zip((1, 2) if position else (0, 1), (2e-4, 3e-3), strict=True):
-        spectrum = np.where(f <= found, np.fft.rfft(white) * (2j * np.pi * f) ** order, 0)
-        shares.append(np.std(np.fft.irfft(spectrum)) / (allowed * (2 * np.pi) ** order))
-    assert max(shares) == pytest.approx(1.0, abs=0.1)

@@ -1,0 +1,132 @@
+"""The smoother of a measured motion: its order and its cut-off are the likeliest of the record.
+
+Let the n-th derivative of the motion be white noise, and let the measurement add white noise. Then the Kalman smoother gives
+the best estimate of the motion. Inside a long record it is a Butterworth filter of order n that runs forwards and backwards.
+Its cut-off is the frequency at which motion and noise have the same spectral density. The likelihood of Gaussian noise is
+largest where the one-step prediction errors of the Kalman filter are least (Harvey 1989, Forecasting, Structural Time Series
+Models and the Kalman Filter, 3.4): a speed that jumps has a low order, a smooth motion the highest. The noise is at least that
+of rounding, which a slow motion does not show.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy import signal
+from scipy.optimize import minimize_scalar
+
+from stribeck.arrays import Array
+from stribeck.identify.data.filters import HIGHEST, ORDER, SETTLED
+
+_SETTLES = 0.25  # of the longest run, the most that may pass until the filter has settled
+_LOOK = 1 << 18  # samples that are predicted: the cut-off is known long before
+_STEP, _CLOSE = 1.3, 0.01  # from one cut-off of the first look to the next; of a cut-off, where the search ends
+_WHOLE = 0.1  # of a step of an encoder: what a unit's conversion leaves of whole numbers
+_FAINT, _REAL, _LEAST = 1e-6, 1e-12, 1e-300  # of a motion, a pole, a square: 0 but for rounding
+_SEGMENT = 4096  # samples of a segment of the spectrum: it resolves 0.25 Hz at 1 kHz
+
+
+class Smoother(NamedTuple):
+    """The likeliest filter of a motion.
+
+    Attributes:
+        order: the derivative of the motion that is taken as white noise.
+        cutoff: where motion and noise are equally strong, Hz; ``noise``: its spectral density.
+    """
+
+    order: int
+    cutoff: float
+    noise: float
+
+
+def likeliest(runs: Sequence[Array], step: float) -> Smoother:
+    """The smoother under which the runs of a motion are likeliest; ``step``: between samples, s."""
+    highest, longest = HIGHEST / step, max(map(len, runs)) * step
+    ends = min(SETTLED / (_SETTLES * longest), highest), highest
+    some = _shortened(runs)
+    least = max(count_of_encoder(some) ** 2 / 12, _LEAST)  # the variance of rounding
+    return min((_of_order(n, some, step, ends, least) for n in range(1, ORDER + 1)), key=lambda each: each[0])[1]
+
+
+def _of_order(
+    order: int, runs: Sequence[Array], step: float, ends: tuple[float, float], least: float
+) -> tuple[float, Smoother]:
+    """The deviance of the likeliest cut-off between ends (Hz), and its smoother; ``least``: variance of the noise."""
+    differences = [np.diff(x, order) for x in runs]
+
+    def deviance(log_cutoff: float) -> tuple[float, float]:
+        """Also the variance of the noise: the least, or what the prediction errors tell."""
+        cutoff = float(np.exp(log_cutoff)) * step
+        poles = _poles(order, cutoff)
+        errors, gain = (
+            _missed(differences, poles),
+            np.prod(abs(1 - poles)) ** 2 / (2 * np.sin(np.pi * cutoff)) ** (2 * order),
+        )
+        noise = max(errors * float(gain), least)
+        return float(np.log(noise / gain) + errors * gain / noise), noise
+
+    low, high = np.log(ends)
+    tried = np.linspace(low, high, 2 + int((high - low) / np.log(_STEP)))
+    i = int(np.argmin([deviance(x)[0] for x in tried]))
+    around = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
+    found = minimize_scalar(lambda x: deviance(x)[0], bounds=around, method="bounded", options={"xatol": _CLOSE})
+    value, noise = deviance(float(found.x))
+    return value, Smoother(order, float(np.exp(found.x)), 2 * step * noise)
+
+
+def count_of_encoder(runs: Sequence[Array]) -> float:
+    """The step of a motion's encoder, or of its digits; 0 of one whose steps are no multiples of the least."""
+    steps = np.concatenate([abs(np.diff(x)) for x in runs])
+    least = float(np.min(steps, where=steps > 0, initial=np.inf))
+    off = steps / least - np.round(steps / least)
+    return least if np.isfinite(least) and float(np.max(abs(off))) < _WHOLE else 0.0
+
+
+def _shortened(runs: Sequence[Array]) -> list[Array]:
+    """As many runs as are looked at."""
+    ends = np.cumsum([len(x) for x in runs])
+    return [x[: _LOOK - (end - len(x))] for x, end in zip(runs, ends, strict=True) if end - len(x) < _LOOK]
+
+
+def _poles(order: int, cutoff: float) -> Array:
+    """The poles of the Kalman filter's prediction error, by spectral factorization; the cut-off in cycles per sample.
+
+    Its spectrum is flat: that of the motion's differences is noise * (|1 - z|^(2 order) + (2 sin(pi cut-off))^(2 order)).
+    """
+    size = (2 * np.sin(np.pi * cutoff)) ** 2
+    half = 1 - size / 2 * np.exp(1j * np.pi * (2 * np.arange(order) + 1) / order)
+    root = np.sqrt(half**2 - 1)
+    return np.asarray(np.where(abs(half - root) < 1, half - root, half + root))
+
+
+def _missed(differences: Sequence[Array], poles: Array) -> float:
+    """The mean square of the one-step prediction errors, from differences of the motion.
+
+    The errors before a run are unknown. What they would change is a sum of the filter's own motions, and is taken away.
+    """
+    sections, total, count = signal.zpk2sos(np.zeros(len(poles)), poles, 1.0), 0.0, 0
+    lasts = 1 + int(np.log(_FAINT) / np.log(abs(poles).max()))
+    above = poles[poles.imag > -_REAL]  # of a pair one
+    for x in differences:
+        errors = signal.sosfilt(sections, x)
+        own = above ** np.arange(min(len(x), lasts))[:, None]
+        basis = np.linalg.qr(np.hstack([own.real, own.imag[:, above.imag > _REAL]]))[0]
+        errors[: len(basis)] -= basis @ (basis.T @ errors[: len(basis)])
+        total, count = total + float(errors @ errors), count + len(errors)
+    return total / count
+
+
+def spectrum(runs: Sequence[Array], step: float) -> tuple[Array, Array]:
+    """Frequencies (Hz) and power spectral density in sixths of an octave, of the longest run; trends do not leak into it."""
+    rate = np.diff(max(runs, key=len)[:_LOOK]) / step
+    f, p = signal.welch(signal.detrend(rate), 1 / step, nperseg=min(len(rate), _SEGMENT))
+    f, p = f[1:], p[1:]
+    p = p / (2 * np.sin(np.pi * f * step) / step) ** 2  # undoes the difference
+    band = np.round(6 * np.log2(f / f[0])).astype(int)
+    bands = np.unique(band)
+    return (
+        np.array([np.exp(np.mean(np.log(f[band == b]))) for b in bands]),
+        np.array([np.mean(p[band == b]) for b in bands]),
+    )
