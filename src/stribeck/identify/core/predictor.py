@@ -1,6 +1,6 @@
-"""Predicts the force, separately from identification. Block cross-validation chooses the model and the motion.
+"""Predicts the force, separately from identification. Block cross-validation chooses the model.
 
-Candidates are the chosen forms or the law alone, on either of two motions. Identification leaves out rows (filtered, thinned,
+Candidates are the chosen forms or the law alone. Identification leaves out rows (filtered, thinned,
 about reversals) that bias estimates. A prediction needs all rows, so its coefficients and shapes are fitted again to all
 measured rows in motion. Each stretch of the record is left out in turn, and the choice is repeated on the others. The
 candidate with the least held-out error is used. Forms of the record itself (time, filter) are chosen, so that they do not
@@ -14,7 +14,6 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 from stribeck.arrays import Array
 from stribeck.identify.core.choice import Selection
@@ -29,10 +28,7 @@ from stribeck.identify.models.record import LawColumns, body_columns
 from stribeck.identify.models.static_problem import MOST_ROWS
 
 FOLDS = 6  # stretches left out in turn
-WINDOW, NARROWEST = 0.06, 7  # Savitzky-Golay filter: window, s (8 Hz, below an axis' bandwidth); least rows in it
-BETTER = 0.95  # of the error: the second motion is used only with a smaller one
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
-BY_FILTER, BY_POLYNOMIAL = "filter", "polynomial"
 
 
 @dataclass(frozen=True)
@@ -42,7 +38,6 @@ class Predictor:
     Attributes:
         at: the constants of the forms; its curve is the law.
         shape, law, body, forms: shapes and coefficients.
-        motion: from the log's own filter, or from polynomials over 60 ms.
         error: cross-validated, norm(residual)/norm(force).
     """
 
@@ -51,15 +46,10 @@ class Predictor:
     law: Mapping[str, float]
     body: Mapping[str, float]
     forms: Mapping[Key, float]
-    motion: str
     error: float
 
     def parts(self, log: Log) -> tuple[Array, Array]:
         """Friction and the rest of the force along a log; at rest friction is 0."""
-        return self.along(smoothed(log) if self.motion == BY_POLYNOMIAL else log)
-
-    def along(self, log: Log) -> tuple[Array, Array]:
-        """The parts of the force along a log that has this motion."""
         rest = at_rest(log)
         v, curve = log.velocity, self.at.curve
         columns = body_columns(log, [n for n in self.body if n != "sigma_2"], viscous="sigma_2" in self.body)
@@ -87,7 +77,7 @@ class Predictor:
             "at": {f.name: getattr(self.at, f.name) for f in fields(Anchor) if f.name != "curve"},
             "shape": dict(self.shape), "law": dict(self.law), "body": dict(self.body),
             "forms": [(form, column, c) for (form, column), c in self.forms.items()],
-            "motion": self.motion, "error": self.error,
+            "error": self.error,
         }  # fmt: skip
 
 
@@ -104,7 +94,7 @@ def of_json(saved: Kept) -> Predictor:
     if set(shape) != set(curve.shapes) or set(law) != set(curve.names):
         raise ValueError
     anchor = Anchor(curve, **{**saved["at"], **lists})
-    return Predictor(anchor, shape, law, body, named, str(saved["motion"]), float(saved["error"]))
+    return Predictor(anchor, shape, law, body, named, float(saved["error"]))
 
 
 def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
@@ -119,23 +109,19 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
     count = len(choice.library.gram)
     fold_of_block = np.arange(count) * min(FOLDS, count) // count
     fold = fold_of_block[_block_of(choice, log, block)[moving]]
-    motions = {BY_FILTER: log} | ({BY_POLYNOMIAL: smoothed(log)} if _can_be_smoothed(log) else {})
-    candidates = [(alone, motion) for motion in motions for alone in ((True,) if choice.alone else (False, True))]
+    candidates = (True,) if choice.alone else (False, True)
     left = dict.fromkeys(candidates, 0.0)
     for f in range(int(fold_of_block.max()) + 1):
         inside, others = moving[fold == f], moving[fold != f]
         if not len(inside) or not len(others):
             continue
-        for alone, motion in candidates:
-            candidate = _candidate(choice, (fold_of_block != f).astype(float), motions[motion], others, alone, motion)
+        for alone in candidates:
+            candidate = _candidate(choice, (fold_of_block != f).astype(float), log, others, alone)
             with np.errstate(over="ignore"):  # a candidate may diverge on a stretch that it has not seen
-                left[alone, motion] += float(np.sum((log.force - sum(candidate.along(motions[motion])))[inside] ** 2))
-    best = min(left, key=lambda k: left[k])
-    plain = min((k for k in left if k[1] == BY_FILTER), key=lambda k: left[k])
-    if best[1] == BY_POLYNOMIAL and left[best] > BETTER**2 * left[plain]:
-        best = plain
+                left[alone] += float(np.sum((log.force - candidate.force(log))[inside] ** 2))
+    best = min(left, key=lambda alone: left[alone])
     error = float(np.sqrt(left[best]) / max(np.linalg.norm(log.force[moving]), 1e-300))
-    return replace(_candidate(choice, np.ones(count), motions[best[1]], moving, *best), error=error)
+    return replace(_candidate(choice, np.ones(count), log, moving, best), error=error)
 
 
 def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -150,9 +136,9 @@ def _block_of(choice: Selection[SteadyLibrary], log: Log, block: NDArray[np.intp
 
 
 def _candidate(
-    choice: Selection[SteadyLibrary], weight: Array, seen: Log, rows: NDArray[np.intp], alone: bool, motion: str
+    choice: Selection[SteadyLibrary], weight: Array, seen: Log, rows: NDArray[np.intp], alone: bool
 ) -> Predictor:
-    """The predictor chosen on a weighting of the blocks and fitted to some rows of the log with this motion."""
+    """The predictor chosen on a weighting of the blocks and fitted to some rows of the log."""
     n, i, x, _ = choice.choose(weight, alone=alone or choice.alone)
     lib, curve = choice.libraries[n], choice.libraries[n].curve
     model, given = lib.models[i], lib.record.given
@@ -173,29 +159,5 @@ def _candidate(
         {m: coefficients[m] for m in curve.names},
         of_body,
         {k: coefficients[k] for k in keys},
-        motion,
         float("nan"),
     )
-
-
-def _can_be_smoothed(log: Log) -> bool:
-    """Whether there is a second motion: the position was measured, and the filter's window has enough rows."""
-    if log.unfiltered is None or log.sources.get("velocity") == "measured" or not log.step:
-        return False
-    return 2 * round(WINDOW / log.step / 2) + 1 >= NARROWEST
-
-
-def smoothed(log: Log) -> Log:
-    """The log with speed and acceleration from a Savitzky-Golay filter of the measured position."""
-    if not _can_be_smoothed(log) or log.unfiltered is None:
-        return log
-    wide, out = 2 * round(WINDOW / log.step / 2) + 1, np.empty((2, len(log)))
-    for run in log.runs():
-        window = min(wide, (run.stop - run.start - 1) // 2 * 2 + 1)
-        for k in (1, 2):
-            out[k - 1, run] = (
-                savgol_filter(log.unfiltered[run], window, 3, k, log.step)
-                if window > 3
-                else (log.velocity, log.acceleration)[k - 1][run]
-            )
-    return log.with_columns(velocity=out[0], acceleration=out[1])
