@@ -16,8 +16,12 @@ class Outcome:
 
 
 @pytest.fixture
-def stribeck(capsys):
-    """Call the command with some words: its exit status, standard output and standard error."""
+def stribeck(capsys, monkeypatch):
+    """Call the command with some words: its exit status, standard output and standard error.
+
+    It tells no progress, which depends on the speed of the machine.
+    """
+    monkeypatch.setattr("stribeck.cli.progress._EVERY", 1e6)
 
     def call(*words):
         with warnings.catch_warnings():

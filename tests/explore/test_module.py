@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("wasmtime")
 
-from stribeck import Scenario, examples, simulate
+from stribeck import Scenario, examples, parameter_sets, simulate
 from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns
 from stribeck.explore.variants import subject, under, variants
@@ -70,6 +70,13 @@ def test_every_law_is_offered_and_runs(law):
         columns_found, solution = module_of(short).run(short), simulate(short)
         for column, peak in solution.peaks.items():
             assert np.max(abs(columns_found[column] - solution[column])) <= 1e-6 * peak, column
+
+
+def test_a_law_takes_from_a_set_what_the_scenarios_own_law_has_not():
+    own = {"sigma_0": 2e5, "F_c": 1.2}
+    data = Scenario.load(examples.path("stick_slip")).data
+    scenario = Scenario({**data, "law": {"name": "dahl", "parameters": own}})
+    assert under(scenario, find("lugre")).law.p.numbers == {**parameter_sets.load("canudas1995").values, **own}
 
 
 def test_a_sine_moves_with_its_numbers():

@@ -76,8 +76,9 @@ def test_against_scipy():
 LADEN = {
     "schema": 2, "name": "machine",
     "bodies": {"a": {"kind": "laden", "mass": 1.0,
-                     "added": {"kind": "points", "t": [0, 0.3, 0.3, 0.6, 0.8], "value": [0, 0, 0.5, 0.5, 0.1]}},
-               "b": {"mass": 0.2, "tied_to": "a", "ratio": 2.0}},
+                     "added": {"kind": "points", "t": [0, 0.3, 0.3, 0.6, 0.8], "value": [0, 0, 0.3, 0.3, 0.1]}},
+               "b": {"kind": "laden", "mass": 0.2, "tied_to": "a", "ratio": 2.0,
+                     "added": {"kind": "points", "t": [0, 0.3, 0.3, 0.6, 0.8], "value": [0, 0, 0.05, 0.05, 0]}}},
     "contacts": {"c": {"from": "a", "law": {"name": "lugre", "parameters": LAW}}},
     "loads": {"p": {"on": "a", "kind": "signal", "signal": {"kind": "sine", "amplitude": 6.0, "frequency": 1.0}}},
     "solve": {"t_end": 1.2}, "output": {"step": 1e-2, "energy": True},
