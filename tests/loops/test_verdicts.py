@@ -3,10 +3,10 @@ written apart (benchmarks/design_attack.py) comes to the same."""
 
 import pytest
 
-from stribeck import Scenario
+from stribeck import InputError, Scenario
 from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import judge
-from stribeck.loops.loop import loop_of
+from stribeck.loops.loop import loop_of, time_constant
 from stribeck.loops.starts import from_starts
 from tests.machine.machines import law, machine
 
@@ -46,6 +46,25 @@ def test_a_slow_integral_breaks_away_in_the_end():
     (found,) = judge(loop(1.0, guide, [0.5, 1.5], 0.02, 40.0, kind="pid", K_p=40.0, K_i=2.0, K_d=8.0))
     assert found.verdict == "hunting"
     assert found.period == pytest.approx(373, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("gains", "verdict"),
+    [({"K_p": -1e308, "sampling": {"period": 1e-3}}, "failed"), ({"K_p": 3.0, "K_i": 1e308}, "unstable")],
+)
+def test_a_loop_of_which_no_row_can_be_simulated_is_not_judged_by_rows(gains, verdict):
+    """One was called quiet by the rows before its equations were no longer finite, the other ended in a traceback."""
+    guide = law("lugre", **SOFT)
+    (found,) = judge(loop(1.0, guide, [0.0, 0.8], 0.05, 1.0, kind="pid", K_d=2.0, **gains))
+    assert found.verdict == verdict
+    assert found.note
+
+
+def test_gains_whose_product_is_no_number_are_refused():
+    with pytest.raises(
+        InputError, match="the machine's numbers are so large that its rates have no finite derivatives"
+    ):
+        time_constant(cascade(K_v=1e308).scenario)
 
 
 @pytest.mark.thorough

@@ -99,6 +99,13 @@ def test_a_file_with_a_mistake(content, said, tmp_path):
         ("F_c = {value = 1.0, low = 'x'}", "F_c.low: 'x': must be a number"),
         ("F_c = {value = 1.0, high = true}", "F_c.high: true: must be a number"),
         ("F_c = {low = 1.0}", "F_c: a table with low: must be a number, or a table with its value"),
+        ("F_c = {value = 1.0, low = 2.0, high = 0.5}", "F_c: low = 2.0 must not be above high = 0.5"),
+        ("F_c = {value = 3.0, low = 0.5, high = 2.0}", "F_c.value: 3.0: must lie in its interval, 0.5 to 2.0"),
+        ("F_c = {value = 3.0, high = 2.0}", "F_c.value: 3.0: must lie in its interval, -inf to 2.0"),
+        (
+            "F_c = {value = 1.0, unit = 'N m'}\nF_s = {value = 2.0, unit = 'N'}",
+            "F_c in N m, F_s in N: must be units of one kind of motion, straight or turning",
+        ),
         ("F_c = 1.0\nsmooth_ab = 'sqrt'", "smooth_ab = 'sqrt': no law has such a constant"),
         ("F_c = 1.0\n[other]\n[more]\n", None),
     ],

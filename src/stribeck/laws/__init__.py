@@ -145,6 +145,14 @@ def parameters_for(
                 for n in wrong
             ]
         )
+    kinds = {
+        n: meant[n].index(u)
+        for n, u in parameter_set.units.items()
+        if n in meant and len(set(meant[n])) == 3 and u != "SI"
+    }
+    if len(set(kinds.values())) > 1:
+        listed = ", ".join(f"{n} in {parameter_set.units[n]}" for n in kinds)
+        raise InputError(f"{name!r}: {listed}: must be units of one kind of motion, straight or turning")
     return {n: value for n, value in values.items() if n in PARAMETERS or n in constants}
 
 

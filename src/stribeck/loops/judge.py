@@ -198,7 +198,8 @@ class _LaneRecord:
         length = float(self.t[self.rows][-1]) - self.loop.rest if self.reached.stop else 0.0
         if self._diverged() or (self.lanes.not_finite[self.lane] and self._grew()):
             return Judgement("unstable", self.main, np.nan, np.nan, "it grows without end"), 0.0
-        if (reason := self.lanes.reason[self.lane]) is not None and not self.last:
+        ended = self.reached.stop <= _FEW or self.lanes.not_finite[self.lane]  # what was reached shows no rest
+        if (reason := self.lanes.reason[self.lane]) is not None and (ended or not self.last):
             return Judgement("unstable" if self._grew() else "failed", self.main, np.nan, np.nan, reason), 0.0
         rest = self._rest_bands()
         excess = {name: self._peak_to_peak(name) / rest[name] if rest[name] else 0.0 for name in self.moving}

@@ -166,7 +166,10 @@ class SlidingLoop:
         names = [state.name for state in bare.system.states]
         keep = [i for i, name in enumerate(names) if name not in ("E_in", "E_dissipated")]
         self.states = [names[i] for i in keep]
-        self.jacobian = functions.slopes(t, x)[1][np.ix_(keep, keep)]
+        with np.errstate(all="ignore"):
+            self.jacobian = functions.slopes(t, x)[1][np.ix_(keep, keep)]
+        if not np.isfinite(self.jacobian).all():
+            raise InputError("the machine's numbers are so large that its rates have no finite derivatives")
         self.by_output = np.zeros(len(keep))
         if shaken is not None:  # a quarter period later the dither is 1
             self.by_output = (functions.rates(t + 1.0, x) - functions.rates(t, x))[keep]

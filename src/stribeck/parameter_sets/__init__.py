@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, field, replace
@@ -149,4 +150,10 @@ def _entry_problem(name: str, entry: Mapping[str, object]) -> str | None:
     for key, (holds, must) in _ENTRY_KEYS.items():
         if key in entry and not holds(entry[key]):
             return f"{name}.{key}: {show(entry[key])}: must be {must}"
+    low, value, high = (entry.get(key, end) for key, end in (("low", -math.inf), ("value", None), ("high", math.inf)))
+    if isinstance(low, int | float) and isinstance(high, int | float):
+        if low > high:
+            return f"{name}: low = {show(low)} must not be above high = {show(high)}"
+        if isinstance(value, int | float) and not low <= value <= high:
+            return f"{name}.value: {show(value)}: must lie in its interval, {show(low)} to {show(high)}"
     return None
