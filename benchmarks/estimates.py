@@ -275,7 +275,7 @@ def main() -> None:
     """Run the families that are asked for; print and write the counts."""
     given = options(__doc__, "estimates", families=list(ASKED), first=70000, count=(20, 1), page=False)
     kept = json.loads(given.out.read_text()) if given.out.exists() else {}
-    for family in given.families or ([] if given.page else ASKED):
+    for family in [] if given.page else given.families:
         found, began = list[dict[str, Any]](), time.process_time()
         of = truths if family in FAMILIES else agreements if family in ("agree", "same") else motions
         for seed in range(given.first, given.first + given.count):
