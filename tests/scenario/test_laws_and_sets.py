@@ -166,7 +166,7 @@ def test_threads_load_a_law_once(tmp_path):
 
 TABLE = "[parameters]\n" + "".join(f"{name} = {value}\n" for name, value in CANUDAS.items())
 FLAT = "title = 'mine'\nsource = 'a test'\n" + TABLE.partition("\n")[2]
-FITTED = "".join(f"[parameters.{n}]\nvalue = {x}\nlow = 0\nhigh = 9\nunit = 'SI'\n" for n, x in CANUDAS.items())
+FITTED = "".join(f"[parameters.{n}]\nvalue = {x}\nlow = 0\nhigh = {2 * x}\nunit = 'SI'\n" for n, x in CANUDAS.items())
 
 
 @pytest.mark.parametrize("text", [TABLE, FLAT, FITTED, TABLE + "k_v = 1e6\n", "\ufeff" + FLAT], ids=range(5))
