@@ -145,3 +145,14 @@ def test_the_manifest_counts_the_lanes_that_failed(tmp_path):
     manifest = json.loads((tmp_path / "_manifest.json").read_text())
     assert found.failed == sum(manifest["failed"].values()) == 1
     assert stribeck.sweep(SCENARIO, {"plant.mass": [1.0, -1.0, 2.0]}, tmp_path, summary=True).failed == 1
+
+
+@pytest.mark.parametrize("count", [None, "x", -1, True, 1.5])
+def test_a_manifest_whose_counts_are_no_counts_is_damaged(count, tmp_path):
+    stribeck.sweep(SCENARIO, LANES, tmp_path, summary=True)
+    path = tmp_path / "_manifest.json"
+    manifest = json.loads(path.read_text())
+    manifest["failed"][min(manifest["failed"])] = count
+    path.write_text(json.dumps(manifest))
+    with pytest.raises(InputError, match=r"_manifest\.json in it is damaged"):
+        stribeck.sweep(SCENARIO, LANES, tmp_path, summary=True)

@@ -189,8 +189,8 @@ class Sweep:
         """The manifest: description of the sweep, digests of its parts, their numbers of failed and of inaccurate lanes."""
         try:
             manifest = json.loads(self.place.get(_MANIFEST) or b"")
-            digests, failed = (dict(manifest.pop(key)) for key in ("sha256", "failed"))
-            inaccurate = dict(manifest.pop("inaccurate", {}))  # without them, parts are simulated anew
+            digests, failed = dict(manifest.pop("sha256")), _counts(manifest.pop("failed"))
+            inaccurate = _counts(manifest.pop("inaccurate", {}))  # without them, parts are simulated anew
             return dict(manifest), digests, failed, inaccurate
         except OSError as error:
             raise InputError(f"{here}: {_MANIFEST} in it cannot be read: {error.strerror or error}") from None
@@ -323,3 +323,15 @@ def sweep(
     job = Sweep(scenario_of(shared, t_end, step), variations.arrays(values), out, summary)
     job.run(threads, progress, cluster)
     return job
+
+
+def _counts(kept: object) -> dict[str, int]:
+    """Numbers of lanes by part, as a manifest holds them.
+
+    Raises:
+        TypeError, ValueError: they are something else.
+    """
+    counts: dict[str, int] = dict(kept)  # type: ignore[call-overload]
+    if not all(type(x) is int and x >= 0 for x in counts.values()):
+        raise ValueError
+    return counts
