@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from stribeck.cli import _status
+from stribeck.exports import TARGETS
 from tests.exports.harness import STRICT, need
 
 DOCS = Path(__file__).parent.parent.parent / "docs"
@@ -73,3 +74,11 @@ def test_c_of_the_tutorial_compiles(tmp_path):
     subprocess.run(
         ["gcc", *strict, "-Wno-missing-prototypes", "-c", "call.c", "-o", "call.o"], cwd=tmp_path, check=True
     )
+
+
+def test_the_table_of_targets_names_the_parts_of_each():
+    rows = re.findall(
+        r"^\| (`[^|]*`) \| [^|]* \| ([a-z, ]*) \| ", (DOCS / "reference/exports.md").read_text(encoding="utf-8"), re.M
+    )
+    stated = {name: set(parts.split(", ")) for names, parts in rows for name in re.findall(r"`(\w+)`", names)}
+    assert stated == {name: set(target.parts) for name, target in TARGETS.items()}
