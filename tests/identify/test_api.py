@@ -113,3 +113,13 @@ def test_given_constants_that_contradict_are_named():
     log = {"t": t, "y": np.sin(t), "F": np.cos(t)}
     with pytest.raises(InputError, match=r"constants.F_s\]?: 3.0: must be at least F_c \(F_c = 6.0\)"):
         stribeck.fit(log, "lugre", time="t", position="y", force="F", constants={"F_c": 6.0, "F_s": 3.0})
+
+
+def test_files_may_come_one_by_one(tmp_path):
+    for i in range(2):
+        np.savez(tmp_path / f"{i}.npz", **table())
+    several, one_by_one = (
+        stribeck.fit(files, "coulomb_viscous", **COLUMNS)
+        for files in (sorted(tmp_path.glob("*.npz")), (tmp_path / f"{i}.npz" for i in range(2)))
+    )
+    assert one_by_one.values == several.values

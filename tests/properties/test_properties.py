@@ -305,3 +305,22 @@ def test_verdicts_are_printed_as_a_table():
 def test_a_speed_that_makes_no_sense_is_refused(v_max, level):
     with pytest.raises(InputError, match=rf"^v_max: {v_max}: must be a finite number > 0"):
         check(stribeck.law("dahl", sigma_0=1e5, F_c=1.0), v_max, level=level)
+
+
+@pytest.mark.parametrize(
+    "pushes", ["20.0 * (1 - tanh((v + 0.09) / 0.034)**2)", "where(abs(v + 0.0128) < 0.0025, 4.57, 0.0)"]
+)
+def test_sliding_that_draws_energy_in_a_narrow_range_of_speeds_is_not_passive(pushes, tmp_path):
+    """Held at -0.09 or -0.0128 m/s the friction of -10 or -2.4 N has the added force of 20 or 4.57 N against it; no cycle of
+    held speeds is found."""
+    (tmp_path / "own.py").write_text(
+        "from stribeck.expressions.ops import tanh, where\nfrom stribeck.laws import BristleLaw\n"
+        "from stribeck.laws.terms import g\n\n\nclass Pushes(BristleLaw):\n    v_d = None\n\n    @staticmethod\n"
+        "    def dz_dt(p, v, z):\n        return v - abs(v) * z / g(p, v)\n\n"
+        "    @staticmethod\n    def friction(p, v, z, dz_dt):\n"
+        f"        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + {pushes}\n"
+    )
+    constants = {"sigma_0": 1e5, "sigma_1": 100.0, "sigma_2": 100.0, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
+    found = check(stribeck.law(f"{tmp_path / 'own.py'}:Pushes", constants))["passive"]
+    assert found.holds is False
+    assert found.method.startswith("at a held speed")

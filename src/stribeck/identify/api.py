@@ -7,6 +7,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stribeck import laws
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, arg, nearest
@@ -209,7 +211,7 @@ def read_log(data: Data, columns: ColumnNames, how: Preparation | None = None) -
                 [f"{arg(n)}: {show(asked[n])}: is for columns of a file; a Log is taken as it is" for n in given]
             )
         return data
-    several = isinstance(data, list | tuple)
+    several = isinstance(data, Iterable) and not (is_table(data) or isinstance(data, str | bytes | np.ndarray))
     sources = list(data) if several else [data]
     if not sources:
         raise InputError(f"{arg('data')}: missing: must be a file, a table or several of these")

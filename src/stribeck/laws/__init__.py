@@ -145,7 +145,7 @@ def parameters_for(
                 for n in wrong
             ]
         )
-    kinds = {
+    kinds = {  # 0 straight, 1 turning; of constants whose unit tells it
         n: meant[n].index(u)
         for n, u in parameter_set.units.items()
         if n in meant and len(set(meant[n])) == 3 and u != "SI"

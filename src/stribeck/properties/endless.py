@@ -1,4 +1,4 @@
-"""Energy that can be drawn without limit other than by a cycle: by unwinding ever faster."""
+"""Energy that can be drawn without limit other than by a cycle: while sliding, or by unwinding ever faster."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 
 from stribeck.expressions.graph import wrap
+from stribeck.expressions.intervals import Box, Range
 from stribeck.properties import cycles, replay
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
@@ -15,12 +16,36 @@ from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import Storage, own_speeds
 from stribeck.properties.verdicts import Verdict
 
+_SLIDING = "at a held speed z stays in an interval in which F v < 0 (interval arithmetic): energy is drawn for ever"
 _ENDLESS = (
     "while z unwinds from z_start to z_end at speeds |v| >= u, F v <= -c v^2 and |dz/dt| <= C |v| (signs over the whole range): "
     "the energy drawn grows like |v|, without limit, more than any storage function holds"
 )
 _WORK = 60  # regions, of one attempt: signs on a small range of z are shown with a few
 _SHARES = (1e-2, 1e-4, 1e-6, 1e-9, 1e-11, 1e-13)  # of the bound, over which z unwinds
+
+
+def steady_gain(model: Model, storage: Storage) -> Verdict | None:
+    """A speed at which sliding draws energy."""
+    law = model.law
+    share, v = storage.sliding
+    if not share < -1e-9:
+        return None
+    z = float(law.steady_deflection(v))
+    length = law.scales(law.p).length
+    for width in (1e-2, 1e-4, 1e-6):
+        low, high = z - width * length, z + width * length
+        if storage.reach is not None and max(abs(low), abs(high)) > storage.reach:
+            continue
+        held = {**model.inputs, "v": (v, v)}
+        left: Range = Box({**held, "z": (low, low)})(model.rate)
+        right: Range = Box({**held, "z": (high, high)})(model.rate)
+        inside: Range = Box({**held, "z": (low, high)})(model.power_force)
+        power = sorted(x * v for x in inside)
+        if left[0] > 0 and right[1] < 0 and power[1] < 0:
+            evidence = {"v": v, "z_from": low, "z_to": high, "enclosed": {"power": power}}
+            return Verdict(False, _SLIDING, evidence)
+    return None
 
 
 def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestricted: bool) -> Verdict | None:

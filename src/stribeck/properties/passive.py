@@ -15,7 +15,7 @@ from stribeck.expressions.ops import where
 from stribeck.properties import cycles, damped, enclosed, fitted, replay
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, ClaimProver
-from stribeck.properties.endless import without_limit
+from stribeck.properties.endless import steady_gain, without_limit
 from stribeck.properties.model import RATE, SIGNS, Model, U, V, W, Z, depends, divided
 from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, largest_speed
@@ -186,6 +186,8 @@ def _refuted(model: Model, claims: ClaimProver, storage: Storage, unrestricted: 
     law = model.law
     cycle = cycles.find(law, storage)
     if cycle is not None and (verdict := _by_cycle(model, storage, cycle)) is not None:
+        return verdict
+    if (verdict := steady_gain(model, storage)) is not None:
         return verdict
     if model.v_max is None:
         return without_limit(model, claims, storage, unrestricted)

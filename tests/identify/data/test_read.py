@@ -421,6 +421,12 @@ def test_a_slip_is_no_turn(slip):
     assert (same.tolist(), turns) == (x.tolist(), 0)
 
 
+def test_jumps_of_whole_turns_alone_are_turns():
+    """No other change showed a speed: it was a traceback."""
+    same, turns = unwrapped(T, 2 * np.pi * (np.arange(len(T)) % 2))
+    assert (np.ptp(same), turns) == (0.0, len(T) - 1)
+
+
 def test_a_turn_goes_on_over_lost_rows_and_beside_a_slip():
     x = 8 * np.sin(20 * T) + np.where(T < 0.3, 0.0, 4.0)
     x[np.searchsorted(x, np.pi) - 2 :][:5] = np.nan

@@ -9,7 +9,7 @@ from stribeck.identify.api import read_log
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
-from stribeck.identify.data.smoother import count_of_encoder, likeliest
+from stribeck.identify.data.smoother import encoder_step, likeliest
 from stribeck.identify.result import Fit
 
 STEP = 1e-3
@@ -41,8 +41,10 @@ def test_noise_is_at_least_that_of_rounding():
     y = np.sin(0.3 * np.arange(0, 20, STEP))
     deviation = np.sqrt(likeliest([0.05 * np.round(y / 0.05)], STEP).noise / (2 * STEP))
     assert 0.05 / np.sqrt(12) <= deviation * (1 + 1e-9) < 0.05
-    assert count_of_encoder([0.05 * np.round(y / 0.05)]) == pytest.approx(0.05)
-    assert count_of_encoder([y]) == 0.0
+    assert encoder_step([0.05 * np.round(y / 0.05)]) == pytest.approx(0.05)
+    assert encoder_step([y]) == 0.0
+    assert encoder_step([np.append(y, [0.0, 5e-324])]) == 0.0
+    assert encoder_step([np.ones(9)]) == 0.0
 
 
 @pytest.mark.parametrize("order", [2, 4])

@@ -19,7 +19,7 @@ from stribeck.identify.actuator.residuals import beyond_noise
 from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.traces import traces
-from stribeck.identify.data.quality import unwrapped
+from stribeck.identify.data.quality import of_turns, unwrapped
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed
@@ -58,26 +58,23 @@ def fit_machine(
     """
     logs = seeking(logs if isinstance(logs, Logs) else read_logs(logs, not unknown), unknown or {})
     scenario = Scenario.of(machine)
-    fitting = Fitting(scenario, _going_on(scenario, logs), starts, seed, progress)
+    fitting = Fitting(scenario, _unwrapped(scenario, logs), starts, seed, progress)
     tried = {name: list(names) for name, names in {**logs.laws, **(laws or {})}.items()}
     choice.check(fitting.scenario, tried, {name for names in (laws or {}).values() for name in names})
     with threadpool_limits(1):
         return fitting.run(tried, baselines)
 
 
-def _going_on(scenario: Scenario, logs: Logs) -> Logs:
-    """The recordings with angles that go on where a sensor begins anew after each turn."""
+def _unwrapped(scenario: Scenario, logs: Logs) -> Logs:
+    """The recordings with their wrapped angles unwrapped."""
     angles = {c.name for c in scenario.system.columns if c.unit == "rad"}
     recordings = []
     for recording in logs.recordings:
         outputs, notes = dict(recording.outputs), list(recording.notes)
         for name in angles & outputs.keys():
             x, turns = unwrapped(outputs[name].t, outputs[name].x)
-            if turns:
-                outputs[name] = replace(outputs[name], x=x)
-                notes.append(
-                    f"{recording.file}: {name} begins anew after each turn, {turns} times; read as one that goes on"
-                )
+            outputs[name] = replace(outputs[name], x=x)
+            notes += [f"{recording.file}: {name} {text}" for text in of_turns(turns)]
         recordings.append(replace(recording, outputs=outputs, notes=tuple(notes)))
     return replace(logs, recordings=tuple(recordings))
 

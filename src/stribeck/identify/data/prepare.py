@@ -15,9 +15,9 @@ from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
 from stribeck.identify.data.filters import ASTRAY, ORDER, SETTLED, low_pass, slope
-from stribeck.identify.data.quality import FEWEST, Clean, clean, unwrapped
+from stribeck.identify.data.quality import FEWEST, Clean, clean, of_turns, unwrapped
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
-from stribeck.identify.data.smoother import likeliest, spectrum
+from stribeck.identify.data.smoother import LOOK, likeliest, spectrum
 from stribeck.identify.data.units import is_rotary
 from stribeck.identify.log import INTEGRAL, STILL, Log
 from stribeck.recorded import is_table, opened
@@ -28,7 +28,7 @@ class Preparation:
     """How raw columns become a log; None chooses from the data.
 
     Attributes:
-        cutoff: of the zero-phase Butterworth filter (order 4, there and back), Hz; 0 takes the motion as it is.
+        cutoff: of the zero-phase Butterworth filter, Hz (order 4 if given); 0 takes the motion as it is.
         simulated: for simulations, which need the motion between the samples of the force.
         published: for plain least squares as published: central differences, and the last rows of a run are kept.
     """
@@ -62,10 +62,7 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         for part in steady_stretches(read_named(source, named), name, notes):
             if rotary[-1] and "position" in part:
                 part["position"], turns = unwrapped(part["time"], part["position"])
-                if turns:
-                    notes.append(
-                        f"{name}: position: begins anew after each turn, {turns} times; read as one that goes on"
-                    )
+                notes += [f"{name}: position: {text}" for text in of_turns(turns)]
             own_samples = released(part, name, notes, how.simulated)
             if len(own_samples["time"]) < len(part["time"]):  # no published log: far fewer rows move than were recorded
                 how = replace(how, published=False)
@@ -90,7 +87,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     if cutoff is None:
         order, cutoff, _ = smoother
         notes.append(
-            f"{measured}: filtered at {cutoff:.3g} Hz (order {order}, zero phase), where motion and noise are equally strong"
+            f"{measured}: filtered at {cutoff:.4g} Hz (order {order}, zero phase), where motion and noise are equally strong"
         )
     else:
         notes += _given(cutoff, parts, measured, step)
@@ -231,7 +228,7 @@ def _run(
 
 
 def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean], slopes: str) -> dict[str, str]:
-    filtered = f", low-pass {cutoff:g} Hz, zero phase" if cutoff > 0 else ""
+    filtered = f", low-pass {cutoff:.4g} Hz, zero phase" if cutoff > 0 else ""
     resampled = "" if all(part.even for part in parts) else ", resampled"
     sources = {name: f"measured{resampled}{filtered if name in _MOTION[1:] else ''}" for name in roles}
     sources.setdefault("position", INTEGRAL)
@@ -241,10 +238,12 @@ def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence
 
 
 def _samples(parts: Sequence[Clean], measured: str, step: float) -> list[Array]:
-    """The measured motion of each run, on even steps; of files that were resampled to others' step the noise tells nothing."""
+    """The measured motion of each run, or its first rows, on even steps; of files that were resampled to others' step the noise
+    tells nothing."""
     out = []
     for part in [p for p in parts if not p.resampled] or parts:
-        for rows in part.runs:
+        for run in part.runs:
+            rows = slice(run.start, min(run.stop, run.start + LOOK))
             x = part.columns[measured][rows]
             out.append(x if part.even else np.interp(_grid(part, rows, step), part.columns["time"][rows], x))
     return out

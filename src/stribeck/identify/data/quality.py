@@ -279,10 +279,10 @@ def impossible(x: Array) -> str | None:
 
 
 def unwrapped(time: Array, angle: Array) -> tuple[Array, int]:
-    """An angle (rad) that goes on over its turns, from one that begins anew after each, and how often it did.
+    """A wrapped angle (rad) without its jumps, and their number; 0 of an angle that is not wrapped.
 
-    A sensor of the second kind never leaves one turn, but for a step that noise and rounding add. Where its column jumps by
-    more than half a turn, the motion that goes on is at most twice as fast as elsewhere; a jump that is not so is a slip.
+    A wrapped angle never leaves one turn, but for a step that noise and rounding add. Where it jumps by more than half a turn,
+    the unwrapped motion is at most twice as fast as elsewhere; any other jump is a slip.
     """
     there = np.isfinite(angle) & np.isfinite(time)
     x, apart = angle[there], np.diff(time[there])
@@ -291,11 +291,16 @@ def unwrapped(time: Array, angle: Array) -> tuple[Array, int]:
     moves = (on == step) & (apart > 0)
     fastest = np.max(abs(step[moves]) / apart[moves], initial=0.0)
     wraps = (on != step) & (abs(on) <= 2 * fastest * apart)
-    if not wraps.any() or np.ptp(x) > 2 * np.pi + np.max(abs(step[moves])):
+    if not wraps.any() or np.ptp(x) > 2 * np.pi + np.max(abs(step[moves]), initial=0.0):
         return angle, 0
     whole = angle.copy()
     whole[there] -= np.append(0.0, np.cumsum(np.where(wraps, step - on, 0.0)))
     return whole, int(np.sum(wraps))
+
+
+def of_turns(turns: int) -> list[str]:
+    """What to say of an angle that was unwrapped."""
+    return [f"begins anew after each turn, {turns} times; read as one that goes on"] if turns else []
 
 
 def wild(x: Array) -> str | None:

@@ -4,7 +4,7 @@ Let the n-th derivative of the motion be white noise, and let the measurement ad
 the best estimate of the motion. Inside a long record it is a Butterworth filter of order n that runs forwards and backwards.
 Its cut-off is the frequency at which motion and noise have the same spectral density. The likelihood of Gaussian noise is
 largest where the one-step prediction errors of the Kalman filter are least (Harvey 1989, Forecasting, Structural Time Series
-Models and the Kalman Filter, 3.4): a speed that jumps has a low order, a smooth motion the highest. The noise is at least that
+Models and the Kalman Filter, 3.4). A speed that jumps has a low order, a smooth motion the highest. The noise is at least that
 of rounding, which a slow motion does not show.
 """
 
@@ -21,7 +21,7 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import HIGHEST, ORDER, SETTLED
 
 _SETTLES = 0.25  # of the longest run, the most that may pass until the filter has settled
-_LOOK = 1 << 18  # samples that are predicted: the cut-off is known long before
+LOOK = 1 << 18  # samples that are predicted: the cut-off is known long before
 _STEP, _CLOSE = 1.3, 0.01  # from one cut-off of the first look to the next; of a cut-off, where the search ends
 _WHOLE = 0.1  # of a step of an encoder: what a unit's conversion leaves of whole numbers
 _FAINT, _REAL, _LEAST = 1e-6, 1e-12, 1e-300  # of a motion, a pole, a square: 0 but for rounding
@@ -46,7 +46,7 @@ def likeliest(runs: Sequence[Array], step: float) -> Smoother:
     highest, longest = HIGHEST / step, max(map(len, runs)) * step
     ends = min(SETTLED / (_SETTLES * longest), highest), highest
     some = _shortened(runs)
-    least = max(count_of_encoder(some) ** 2 / 12, _LEAST)  # the variance of rounding
+    least = max(encoder_step(some) ** 2 / 12, _LEAST)  # the variance of rounding
     return min((_of_order(n, some, step, ends, least) for n in range(1, ORDER + 1)), key=lambda each: each[0])[1]
 
 
@@ -76,18 +76,20 @@ def _of_order(
     return value, Smoother(order, float(np.exp(found.x)), 2 * step * noise)
 
 
-def count_of_encoder(runs: Sequence[Array]) -> float:
-    """The step of a motion's encoder, or of its digits; 0 of one whose steps are no multiples of the least."""
-    steps = np.concatenate([abs(np.diff(x)) for x in runs])
-    least = float(np.min(steps, where=steps > 0, initial=np.inf))
-    off = steps / least - np.round(steps / least)
-    return least if np.isfinite(least) and float(np.max(abs(off))) < _WHOLE else 0.0
+def encoder_step(runs: Sequence[Array]) -> float:
+    """The step of a motion's encoder, or of its digits; 0 if not all changes are multiples of the least one."""
+    changes = np.concatenate([abs(np.diff(x)) for x in _shortened(runs)])
+    if not changes.any():
+        return 0.0
+    least = float(np.min(changes[changes > 0]))
+    off = np.remainder(changes + least / 2, least) - least / 2  # a quotient may overflow
+    return least if float(np.max(abs(off))) < _WHOLE * least else 0.0
 
 
 def _shortened(runs: Sequence[Array]) -> list[Array]:
     """As many runs as are looked at."""
     ends = np.cumsum([len(x) for x in runs])
-    return [x[: _LOOK - (end - len(x))] for x, end in zip(runs, ends, strict=True) if end - len(x) < _LOOK]
+    return [x[: LOOK - (end - len(x))] for x, end in zip(runs, ends, strict=True) if end - len(x) < LOOK]
 
 
 def _poles(order: int, cutoff: float) -> Array:
@@ -120,7 +122,7 @@ def _missed(differences: Sequence[Array], poles: Array) -> float:
 
 def spectrum(runs: Sequence[Array], step: float) -> tuple[Array, Array]:
     """Frequencies (Hz) and power spectral density in sixths of an octave, of the longest run; trends do not leak into it."""
-    rate = np.diff(max(runs, key=len)[:_LOOK]) / step
+    rate = np.diff(max(runs, key=len)[:LOOK]) / step
     f, p = signal.welch(signal.detrend(rate), 1 / step, nperseg=min(len(rate), _SEGMENT))
     f, p = f[1:], p[1:]
     p = p / (2 * np.sin(np.pi * f * step) / step) ** 2  # undoes the difference

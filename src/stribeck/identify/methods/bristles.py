@@ -10,7 +10,7 @@ import numpy as np
 from stribeck import laws
 from stribeck.errors import StribeckError, first_line
 from stribeck.identify.core.choice import rows_together
-from stribeck.identify.data.smoother import count_of_encoder
+from stribeck.identify.data.smoother import encoder_step
 from stribeck.identify.features.guess import rises, sizes_of
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.onebody import Simulated, raw, simulated
@@ -114,6 +114,6 @@ def _error_everywhere(fit: LogFit, log: Log) -> float:
 
 def shows_presliding(log: Log) -> bool:
     """Whether the force rises over a way that is resolved, behind several reversals: a contact that yields before it slides."""
-    level, shortest = sizes_of(thinned(log)).force, STEPS * count_of_encoder([raw(log, "position")])
+    level, shortest = sizes_of(thinned(log)).force, STEPS * encoder_step([raw(log, "position")])
     every = rises(log, log.force, level, LOOKED_AT)
     return sum(samples >= RESOLVED and way > shortest for samples, _, way in every) >= FEWEST
