@@ -2,7 +2,7 @@
 
 By simulation: LuGre's law from 25 s at 1 kHz with 20 starts, the same law by the positions of a body under a noisy force,
 and a joint with play from recordings of 6 s at 200 Hz with 8 unknown numbers and 20 starts. Static fits, whole commands:
-files of constant speed, and one long record, with a law and without.
+files of constant speed, and one record, short or very long, with a law and without; and the memory that they take.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from stribeck.identify.synthetic import Sensors, experiment
 from stribeck.laws import find
 
 STEP = 1e-3
-# seconds of the LuGre record; recordings of the joint; constant-speed files and rows of each; rows of the long record
-USUAL, QUICK = (25.0, 16, 54, 28_000, 50_000), (3.0, 2, 6, 2_800, 5_000)
+# seconds of the LuGre record; recordings of the joint; constant-speed files and rows of each; rows of the one record
+USUAL, QUICK = (25.0, 16, 54, 28_000, (50_000, 10_000_000)), (3.0, 2, 6, 2_800, (5_000, 1_100_000))
 JOINT = {"links.gear.damping": 0.1, f"{records.LAW}F_s": 1.0, f"{records.LAW}v_s": 0.3}
 
 
@@ -73,27 +73,39 @@ def joint(count: int) -> Callable[[], object]:
 
 
 def saved(path: Path, v: np.ndarray, seed: int) -> str:
-    """A CSV file of a joint: a Stribeck curve, inertia 1.2, gravity of an unbalanced arm, an offset, noise, an encoder."""
+    """A file of a joint: a Stribeck curve, inertia 1.2, gravity of an unbalanced arm, an offset, noise, an encoder."""
     draw, x = np.random.default_rng(seed), np.cumsum(v) * STEP
     friction = np.tanh(v / 2e-3) * (11.0 + 3.0 * np.exp(-((v / 0.05) ** 2))) + 8.0 * v
     force = friction + 1.2 * np.gradient(v, STEP) + 0.8 * np.sin(x) + 0.4 + draw.normal(0, 0.3, len(v))
-    columns = np.column_stack([STEP * np.arange(len(v)), np.round(x / 5e-6) * 5e-6, force])
-    np.savetxt(path, columns, delimiter=",", fmt="%.7g", header="t,q,F", comments="")
+    columns = {"t": STEP * np.arange(len(v)), "q": np.round(x / 5e-6) * 5e-6, "F": force}
+    if path.suffix == ".npz":
+        np.savez(path, **columns)
+    else:
+        np.savetxt(path, np.column_stack([*columns.values()]), delimiter=",", fmt="%.7g", header="t,q,F", comments="")
     return str(path)
 
 
 def static(folder: Path, files: list[str], law: str) -> Callable[[], object]:
-    """A whole command: reading, fit, intervals, pictures and page."""
+    """A whole command: reading, fit, intervals, pictures and page. Gives the most memory that it took, GB."""
     words = ["fit", *files, "--time", "t", "--position", "q", "--force", "F", "--out", str(folder / "out")]
     words += ["--law", law] if law else []
     command = [sys.executable, "-m", "stribeck", *words]
-    return lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment())
+
+    def run() -> float:
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, env=environment()) as process:
+            _, status, used = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode:
+            raise subprocess.CalledProcessError(process.returncode, command)
+        return used.ru_maxrss * 1024 / 1e9
+
+    return run
 
 
 def main() -> None:
     """Measure, print, write."""
     given = options(__doc__, "fit_speed")
-    seconds, recordings, files, each, long = QUICK if given.quick else USUAL
+    seconds, recordings, files, each, counts = QUICK if given.quick else USUAL
     lugre(1.0)()  # compiles
     rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as scratch:
@@ -101,23 +113,25 @@ def main() -> None:
         t = STEP * np.arange(each)
         shape = np.clip(8 * np.sin(2 * np.pi * t / 7.0), -1, 1)
         many = [saved(folder / f"{i}.csv", v * shape, i) for i, v in enumerate(np.geomspace(5e-3, 1.5, files))]
-        t = STEP * np.arange(long)
-        v = sum(a * np.sin(2 * np.pi * f * t) for a, f in ((0.3, 0.31), (0.15, 0.83), (0.02, 2.9)))
-        one = [saved(folder / "long.csv", np.asarray(v), 99)]
         jobs = {
             f"lugre, {seconds:g} s at 1 kHz": lugre(seconds),
             f"lugre by position, {seconds:g} s at 1 kHz": positions(seconds),
             f"joint, {recordings} recordings": joint(recordings),
             f"stribeck, {files} files": static(folder, many, "stribeck"), f"any law, {files} files": static(folder, many, ""),
-            f"stribeck, {long} rows": static(folder, one, "stribeck"), f"any law, {long} rows": static(folder, one, ""),
         }  # fmt: skip
+        for rows_of_one, form in zip(counts, ("csv", "npz"), strict=True):
+            t = STEP * np.arange(rows_of_one)
+            v = sum(a * np.sin(2 * np.pi * f * t) for a, f in ((0.3, 0.31), (0.15, 0.83), (0.02, 2.9)))
+            one = [saved(folder / f"one.{form}", np.asarray(v), 99)]
+            jobs |= {f"{law or 'any law'}, {rows_of_one} rows": static(folder, one, law) for law in ("stribeck", "")}
         for name, job in jobs.items():
             wall, before = time.perf_counter(), os.times()
-            job()
+            memory = job()
             spent = sum(b - a for a, b in zip(before[:4], os.times()[:4], strict=True))
-            rows.append({"fit": name, "processor_s": round(spent, 1), "wall_s": round(time.perf_counter() - wall, 1)})
+            rows.append({"fit": name, "processor_s": round(spent, 1), "wall_s": round(time.perf_counter() - wall, 1),
+                         "memory_gb": round(memory, 2) if isinstance(memory, float) else ""})  # fmt: skip
             say(str(rows[-1]))
-    print(table(("fit", "processor, s", "wall, s"), [[str(x) for x in row.values()] for row in rows]))
+    print(table(("fit", "processor, s", "wall, s", "memory, GB"), [[str(x) for x in row.values()] for row in rows]))
     write(given.out, {"machine": machine(), "fits": rows})
 
 

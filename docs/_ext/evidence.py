@@ -199,7 +199,8 @@ def coverage(d: Any) -> Rows:
 
 def fit_speed(d: Any) -> Rows:
     """The table of fit_speed.json."""
-    return ["fit", "processor (s)", "wall (s)"], [[r["fit"], r["processor_s"], r["wall_s"]] for r in d["fits"]]
+    head = ["fit", "processor (s)", "wall (s)", "memory (GB)"]
+    return head, [[r["fit"], r["processor_s"], r["wall_s"], r["memory_gb"]] for r in d["fits"]]
 
 
 def explorer(d: Any) -> Rows:

@@ -46,8 +46,8 @@ def data(log: Log) -> Figure:
     for name in names:
         shown = _scale(log, name, getattr(log, name))
         for rows in log.runs():
-            x, y = plots.in_time(time[rows], shown.of(getattr(log, name)[rows]))
-            axes[name].plot(x, y, color=plots.COLOURS[_MEASURED], linewidth=0.8)
+            x, y = plots.in_time(time[rows], getattr(log, name)[rows])
+            axes[name].plot(x, shown.of(y), color=plots.COLOURS[_MEASURED], linewidth=0.8)
         axes[name].set_ylabel(shown.label)
     axes[names[-1]].set_xlabel(label)
     return figure

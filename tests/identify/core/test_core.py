@@ -124,6 +124,15 @@ def test_the_law_alone_has_no_forms():
     assert choice.model[1] == ()
 
 
+def test_a_very_long_record_is_predicted_from_stretches_of_it(plain, monkeypatch):
+    log, other = record(), record(14, noise=0.0)
+    whole = predictor(plain, log)
+    monkeypatch.setattr("stribeck.identify.core.predictor.MANY_ROWS", len(log) // 3)
+    part = predictor(plain, log)
+    assert part.error == pytest.approx(whole.error, rel=0.1)
+    assert 0 < np.linalg.norm(part.force(other) - whole.force(other)) < 0.01 * np.linalg.norm(other.force)
+
+
 @pytest.mark.parametrize("extra", [lambda t, y, v, a: 0.0, lambda t, y, v, a: 25.0 * y])
 def test_the_prediction_of_another_motion_survives_a_file(extra):
     made = predictor(choice_of(record(13, extra=extra)), record(13, extra=extra))

@@ -22,10 +22,10 @@ from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.search import optimum
 from stribeck.identify.core.states import Kept
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.log import Log
+from stribeck.identify.log import MANY_ROWS, Log
 from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import LawColumns, body_columns
-from stribeck.identify.models.static_problem import MOST_ROWS
+from stribeck.identify.models.static_problem import MOST_ROWS, in_stretches
 
 FOLDS = 6  # stretches left out in turn
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
@@ -101,8 +101,10 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
     """The candidate that predicts held-out stretches of a log best.
 
     Args:
-        log: the whole record of the choice.
+        log: the whole record of the choice; of a very long one stretches are used.
     """
+    if len(log) > MANY_ROWS:
+        log, _ = in_stretches(log, at_rest(log), MANY_ROWS)
     moving, block = np.flatnonzero(~at_rest(log)), choice.library.record.block
     if not len(moving):
         moving = np.arange(len(log))

@@ -142,11 +142,12 @@ def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
     return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
 
 
-def in_stretches(log: Log, rest: NDArray[np.bool_]) -> tuple[Log, NDArray[np.intp]]:
-    """Stretches of a long record, evenly over what moves of every run, as runs of their own; and which rows these are."""
+def in_stretches(log: Log, rest: NDArray[np.bool_], enough: int = ENOUGH_ROWS) -> tuple[Log, NDArray[np.intp]]:
+    """Stretches of a long record, ``enough`` rows in all, evenly over what moves of every run, as runs of their own; and which
+    rows these are."""
     parts, owner = [], []
     runs = list(log.runs())
-    shares = [max(int(ENOUGH_ROWS * (r.stop - r.start) / len(log)), 1) for r in runs]
+    shares = [max(int(enough * (r.stop - r.start) / len(log)), 1) for r in runs]
     counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, BLOCKS)) for share in shares]
     usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
     for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):
