@@ -1,13 +1,21 @@
 """The search of a least-squares problem, on problems with a formula for residuals."""
 
+import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from stribeck.identify.actuator import Logs
+from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.solve import moved_over, search, settled
+from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+from stribeck.identify.actuator.solve import fine_slopes, left_step, moved_over, search, settled, spread
+from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.work import Work
+from stribeck.scenario import Scenario
+from tests.identify.actuator.recorded import NOISE, body, played
 
 
 class Problem:
@@ -59,3 +67,24 @@ def test_where_a_bend_vanishes_its_place_is_tried_anew():
     assert np.linalg.norm(problem.residuals(search(problem, flat).u[None])) > 1.0
     found = search(problem, moved_over(problem, flat))
     assert found.u == pytest.approx([2.0, 3.0], abs=1e-3)
+
+
+def test_exact_slopes_would_move_no_number():
+    """Differences of simulations, against their limit at a tight tolerance: deviations and the optimum stay where they are."""
+    data = body()
+    y = played(json.dumps(data))["a.y"]
+    t, push = 0.01 * np.arange(len(y)), np.array(data["loads"]["push"]["signal"]["value"])
+    y = y + NOISE * np.random.default_rng(4).standard_normal(len(y))
+    run = Recording("run", t, {"a.y": Channel("y", t, y)}, {"loads.push.signal": Channel("u", t, push)})
+    law = "contacts.guide.law.parameters."
+    truth = {"bodies.a.mass": 1.0, f"{law}F_c": 1.0, f"{law}F_s": 1.3, f"{law}sigma_2": 4.0, f"{law}v_s": 0.02}
+    logs = Logs((run,), tuple(Sought(name, 0.1 * x, 10 * x) for name, x in truth.items()))
+    scenario = Scenario(data)
+    problem = problem_of(scenario, [(0, run)], coordinates(scenario, logs), {"a.y": NOISE})
+    u, width = settled(problem, problem.point(truth)), problem.high - problem.low
+    J, r = fine_slopes(problem, u), problem.residuals(u[None])[0]
+    tight = [replace(run, scenario=run.scenario.with_changes({"solve.rtol": 1e-11})) for run in problem.runs]
+    near, nearer = (replace(problem, runs=tight).central(u, np.full(len(u), step)) for step in (1e-3, 5e-4))
+    exact = (4 * nearer - near) / 3
+    assert spread(J, width) == pytest.approx(spread(exact, width), rel=1e-3)
+    assert np.all(abs(left_step(problem, u, r, J) - left_step(problem, u, r, exact)) < 0.02 * spread(exact, width))
