@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from stribeck.laws import find
 from stribeck.identify.core.choice import chosen
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.predictor import of_json, predictor
@@ -94,6 +95,29 @@ def test_the_spread_between_files_is_in_the_interval():
     alike = judged(choice_of(joined(*(record(6 + i) for i in range(3)))))["F_c"]
     assert np.diff(apart.interval) > 5 * np.diff(alike.interval)
     assert inside(apart, 5.0)
+
+
+LEVELS = {"F_c": 1.0, "F_s": 1.5, "v_s": 1e-2, "sigma_2": 0.0}
+
+
+@pytest.mark.parametrize("size", [0.3, 3.0])
+@pytest.mark.parametrize("given", [(), ("F_c",), ("F_s",), ("F_c", "F_s", "v_s")], ids=",".join)
+@pytest.mark.parametrize(
+    ("name", "own"),
+    [
+        ("coulomb_viscous", {"k_v": 300.0}), ("stribeck", {}), ("stribeck", {"k_v": 300.0, "delta": 1.3}),
+        ("stribeck_tanh", {"k_v": 300.0}), ("lugre", {"sigma_0": 1e4, "sigma_1": 10.0}),
+    ],
+)  # fmt: skip
+def test_a_curve_is_the_steady_force_of_its_law(name, own, given, size):
+    values = {n: size * x if n in ("F_c", "F_s") else x for n, x in LEVELS.items() if n in find(name).constants()} | own
+    curve = curve_of(name, {n: values[n] for n in (*given, *own) if n in values})
+    v, shape = np.array([-0.05, -1e-3, 1e-4, 2e-3, 0.03]), {n: values[n] for n in curve.shapes}
+    of = values | {"rise": 0.5 * size}
+    known = curve.known(v, shape)
+    found = sum(of[n] * x for n, x in curve.columns(v, shape).items()) + (0.0 if known is None else known)
+    steep = {} if "k_v" in own or name == "lugre" else {"k_v": 1e15}  # an exact sign
+    assert found == pytest.approx(find(name)(values | steep).steady_force(v), rel=1e-5)
 
 
 def test_given_constants_are_taken_off_the_force():

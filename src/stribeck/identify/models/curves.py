@@ -24,6 +24,7 @@ ANCHORED = 0.1  # of the level: the least coefficient with which slopes by a sha
 MOST_FORCE = 1e100  # N: squares of what is more overflow
 TABLE = 4001  # speeds of either sign in a table of a steady force: half a percent apart over nine decades
 _FORCE_LIKE = ("N", "N s/m")  # constants of these units may multiply
+APART = 1.5  # F_s by F_c, where a law's dependences are looked at: levels that are equal show nothing of v_s
 ROUGH = 5.0  # times a law's example value, up and down: the range of a shape without a unit of speed
 
 
@@ -206,6 +207,11 @@ class SlidingCurve(SteadyCurve):
         constants = self._kind.constants()
         example = {n: c.example or c.default or 1.0 for n, c in constants.items() if not c.choices and not c.optional}
         self._base = {**example, **self.given}
+        if {"F_c", "F_s"} <= example.keys():
+            if "F_s" not in self.given:
+                self._base["F_s"] = APART * self._base["F_c"]
+            elif "F_c" not in self.given:
+                self._base["F_c"] = self._base["F_s"] / APART
         usual = {n for n, c in constants.items() if (c.optional or c.default is not None) and n not in free}
         seen = self._seen()
         self._linear = self._linear_of(seen)
@@ -273,15 +279,14 @@ class SlidingCurve(SteadyCurve):
         return np.concatenate([-one_side[::-1], one_side])
 
     def _seen(self) -> list[str]:
-        """The constants that the steady force depends on at all, by more than a thousandth for a tenth's change."""
+        """The constants that the steady force depends on at all: at some speed by more than a millionth for a tenth's change."""
         first = self._steady({}, self._probe())
         there = np.isfinite(first)
         probe, first = self._probe()[there], first[there]
-        size = np.max(abs(first), initial=0.0)
         seen = []
         for name, value in self._base.items():
             moved = self._steady({name: (0.95 if name == "F_c" else 1.1) * value}, probe)
-            if not there.any() or not np.max(abs(moved - first), initial=0.0) <= 1e-3 * size:
+            if not there.any() or not np.all(abs(moved - first) <= 1e-6 * abs(first)):
                 seen.append(name)
         return seen
 
