@@ -29,3 +29,10 @@ def test_a_file_system_without_locks_is_no_obstacle(tmp_path, monkeypatch):
     with locked(tmp_path):
         entered.append(tmp_path)
     assert entered
+
+
+@pytest.mark.parametrize(("container", "room"), [("1024", 1024.0), ("8192", 4096.0), ("max", 4096.0)])
+def test_free_memory_is_the_least_of_the_machine_s_and_the_container_s(container, room, monkeypatch):
+    texts = {"meminfo": "MemFree: 1 kB\nMemAvailable: 4 kB\n", "memory.max": container}
+    monkeypatch.setattr(platforms.Path, "read_text", lambda self, encoding: texts[self.name])
+    assert platforms.free_memory() == room

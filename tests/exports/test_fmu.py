@@ -112,8 +112,8 @@ def test_body_in_model_exchange(name, fmi, folder):
 def test_body_in_co_simulation(name, fmi, folder):
     exact = stribeck.simulate(rig(name, held(FORCE, 5e-3)))
     found = by_steps(fmu(name, "body", fmi, folder), FORCE, "u", 5e-3, ["y", "v"])
-    assert found["y"] == pytest.approx(exact["y"], abs=1e-4 * np.max(abs(exact["y"])))
-    assert found["v"] == pytest.approx(exact["v"], abs=1e-3 * np.max(abs(exact["v"])))
+    assert found["y"] == pytest.approx(exact["y"], abs=1e-8 * np.max(abs(exact["y"])))
+    assert found["v"] == pytest.approx(exact["v"], abs=1e-8 * np.max(abs(exact["v"])))
 
 
 @pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic", 3), ("makkar", 2)])

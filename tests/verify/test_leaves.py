@@ -181,7 +181,7 @@ def test_equal_keys_are_equal_functions(seed):
     assert found > 30
 
 
-ROOT, POWER, EXP = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u", "1"]]
+ROOT, POWER, EXP, TANH = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u", "1"]], ["tanh", "u"]
 
 
 @pytest.mark.parametrize(
@@ -198,6 +198,13 @@ ROOT, POWER, EXP = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u", "1"]
         (["neg", ["log", "u"]], (1, 2), [["log", "u"], "below", "0"], False),
         (["sub", EXP, "u"], (0, None), [EXP, "tangent"], True),  # exp(y) >= 1 + y
         (["sub", "u", EXP], (0, None), [EXP, "tangent"], False),
+        (["sub", TANH, ["mul", "2/5", "u"]], (1, 2), [TANH, "slope", "2/5", "1"], True),  # tanh(2)/2 = 0.482
+        (["sub", TANH, ["mul", "1/2", "u"]], (1, 2), [TANH, "slope", "1/2", "1"], False),
+        (["sub", TANH, ["mul", "1/2", "u"]], (1, None), [TANH, "slope", "1/2", "1"], False),
+        (["sub", ["mul", "4/5", "u"], TANH], (1, 2), [TANH, "slope", "0", "4/5"], True),  # tanh(1) = 0.762
+        (["sub", ["mul", "3/4", "u"], TANH], (1, 2), [TANH, "slope", "0", "3/4"], False),
+        (["sub", ["mul", "4/5", "u"], TANH], (0, 2), [TANH, "slope", "0", "4/5"], False),
+        (["sub", ["mul", "4/5", "u"], TANH], (-1, 2), [TANH, "slope", "0", "1"], False),
     ],
 )  # fmt: skip
 def test_rules_of_functions_without_bounds(statement, ends, atom, holds):

@@ -9,7 +9,7 @@ from scipy.integrate import odeint
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.lacks import RunMotion, missing_forms
+from stribeck.identify.actuator.lacks import RunMotion, _terms, missing_forms
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.starts import problem_of
 
@@ -155,6 +155,22 @@ def test_slopes_of_a_term_are_those_of_scipy():
         share = 1e-3 * size / np.sqrt(np.mean(force**2))
         moved = (turned(u, lambda y, v, push, f=term, a=share: a * f(y, v, push)) - plain) / 1e-3 / NOISE
         assert np.linalg.norm(found[f"joint: {name}", 0] - moved) < 0.03 * np.linalg.norm(moved), name
+
+
+def test_a_spring_of_a_contact_is_deflected_by_what_slides_in_it():
+    """Between two bodies and at a ratio: its deflection grows with the contact's own speed."""
+    turning = {"kind": "sine", "amplitude": 0.5, "frequency": 2.0}
+    bodies = {"arm": {"inertia": 0.2, "initial": {"y": 0.0, "v": 0.0}}, "belt": {"velocity": {"signal": turning}}}
+    law = {"name": "coulomb_viscous", "k_v": STEEP, "parameters": {"F_c": 0.12, "sigma_2": 0.06}}
+    contacts = {"joint": {"from": "arm", "to": "belt", "ratio": 2.0, "law": law}}
+    problem = arms_problem(data=arm(bodies=bodies, contacts=contacts))
+    motion = RunMotion.of(problem, problem.start())
+    terms = {name: rows[0] for name, rows, _ in _terms(problem, problem.start(), motion, "joint")}
+    w, F = (motion.each(f"joint.{n}")[0] for n in "wF")
+    grown = np.concatenate([[0.0], np.cumsum((w[1:] + w[:-1]) / 2 * np.diff(motion.each("t")[0]))])
+    assert np.allclose(terms["spring"] - terms["spring"][0], grown, atol=1e-3 * np.ptp(grown))
+    assert np.allclose(terms["level by position"], (F - TRUTH[f"{LAW}sigma_2"] * w) * terms["spring"])
+    assert np.allclose(terms["drag"], w * abs(w))
 
 
 def test_stretches_have_the_slopes_of_their_own_starts():

@@ -5,6 +5,7 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.identify.actuator import fit_machine, read_logs
+from stribeck.identify.actuator.choice import with_laws
 from stribeck.identify.actuator.coordinates import MachineCoordinate, Relations, coordinates
 from tests.identify.actuator.recorded import body, logs, record
 
@@ -71,6 +72,22 @@ def test_an_elasto_plastic_law_left_open_stays_below_break_away(tmp_path):
     law = found.data["contacts"]["guide"]["law"]
     assert 0 < law["z_ba"] * law["parameters"]["sigma_0"] < law["parameters"]["F_c"]
     assert found.estimates["contacts.guide.law.z_ba"].unit == "m"
+
+
+@pytest.mark.parametrize("level", [0.1, 10.0])
+def test_a_law_left_open_begins_at_numbers_of_the_machine_s_size(level):
+    data, parameters = body(), {"F_c": level, "sigma_2": 4.0}
+    data["contacts"]["guide"]["law"] = {"name": "coulomb_viscous", "k_v": 1e4, "parameters": parameters}
+    scenario, fresh = with_laws(Scenario(data), [], {"guide": "elastoplastic_majorant"}, {"guide": 0.2})
+    law = scenario.data["contacts"]["guide"]["law"]
+    p = law["parameters"]
+    assert (p["F_c"], p["sigma_2"]) == (level, 4.0)
+    assert level < p["F_s"] < 2 * level
+    assert 0.1 * level < law["z_ba"] * p["sigma_0"] < level
+    assert p["sigma_1"] * 0.2 < level
+    assert 0 < p["v_s"] < 0.2
+    assert {c.name.split(".")[-1] for c in fresh} == {"F_s", "v_s", "sigma_0", "sigma_1", "z_ba"}
+    assert all(c.low < (c.start or 0.0) < c.high for c in fresh)
 
 
 def test_what_is_related_in_a_law_stays_so_wherever_a_search_goes():

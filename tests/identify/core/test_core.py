@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from stribeck.laws import find
 from stribeck.identify.core.choice import chosen
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.predictor import of_json, predictor
@@ -12,6 +11,7 @@ from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import record_of
 from stribeck.identify.models.static_problem import rows_of
+from stribeck.laws import find
 from tests.identify.core.records import TRUTH, joined, record
 
 

@@ -14,7 +14,7 @@ from stribeck.expressions import ops
 from stribeck.laws import BristleLaw
 from stribeck.loops.gains import at_speed, decay, gain_verdict, prove
 from stribeck.loops.lyapunov import along, gains_of
-from stribeck.loops.proof import derive
+from stribeck.loops.proof import ERRORS, QuadraticForm, _form, _hold_against, derive
 from stribeck.machine.pneumatic import observer
 from tests.machine.pneumatic.servos import servo, solved
 
@@ -85,6 +85,21 @@ def test_the_derivative_of_the_adaptive_loop(monkeypatch):
     rest = s * (true["sigma_1"] * w_n * eta * off_g**2 - (errors[0] * eta + errors[1] * eta_rate) * off_g)
     rest += true["sigma_0"] / kappa * delta * w_n * eta * off_g**2
     assert sympy.expand(dV + form - rest) == 0
+
+
+def test_equations_that_do_not_fit_together_are_refused():
+    errors = dict(zip(ERRORS, sympy.symbols(ERRORS, real=True), strict=True))
+    (s, p_err, _), v = errors.values(), sympy.Symbol("v")
+    assert _form({"s": -s}, s**2, errors, {v}).ss == 2
+    for rate in (-s - p_err, -s * v):  # a product that the form has not, a state that does not cancel
+        with pytest.raises(StribeckError, match="not the quadratic form"):
+            _form({"s": rate}, s**2, errors, {v})
+    K_D, w = sympy.Symbol("K_D"), sympy.Symbol("w", real=True)
+    rising, falling = (QuadraticForm({}, side * (K_D - 1), w, w, sympy.Integer(0)) for side in (1, -1))
+    _hold_against(rising, K_D, sympy.Integer(1))
+    for wrong, least in ((rising, sympy.Integer(2)), (falling, sympy.Integer(1))):
+        with pytest.raises(StribeckError, match="the smallest K_D"):
+            _hold_against(wrong, K_D, least)
 
 
 def test_conditions_of_table_1():

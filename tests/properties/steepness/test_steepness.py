@@ -16,6 +16,7 @@ from stribeck.laws import builtin
 from stribeck.parameter_sets import parameters
 from stribeck.properties.steepness import Tolerated, simulated, smallest_steepness
 from stribeck.properties.steepness.search import smallest
+from stribeck.properties.steepness.steady import inverse
 from tests.simulation.rig import law_table, rig
 
 P = parameters()["canudas1995"].values
@@ -84,6 +85,12 @@ def test_the_simulated_body_creeps_at_the_tolerated_speed(name):
     solution = simulate(Scenario(rig(law_table(name, k_v=found.k_v, **own), "force", held, 200.0)))
     assert solution["v"][-1] == pytest.approx(2e-6, rel=1e-3)
     assert found.achieved == pytest.approx(2e-6, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["lugre_sobczyk", "lugre_arctan", "lugre_majorant"])
+def test_no_finite_steepness_reaches_the_whole_level(name):
+    own = {"smooth_abs": "sqrt"} if name == "lugre_majorant" else {}
+    assert inverse(law(name, "canudas1995", k_v=1e6, **own), 1.0)[0] == inf
 
 
 def test_laws_and_loads_that_do_not_creep():

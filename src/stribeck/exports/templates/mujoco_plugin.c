@@ -105,7 +105,7 @@ static void compute(const mjModel *m, mjData *d, int instance, int capability)
         memcpy(&kept, place, sizeof kept);
         while (kept.samples * {{ repr(b.step) }} <= now)
             sample(&kept, own_signal(m, instance), kept.samples * {{ repr(b.step) }}, d->actuator_length[i], d->ctrl[i]);
-        while (kept.acted < kept.samples && kept.acted * {{ repr(b.step) }} + {{ repr(delay) }} <= now) {
+        while (kept.acted * {{ repr(b.step) }} + {{ repr(delay) }} <= now) {
             kept.output = kept.queue[(int)fmod(kept.acted, QUEUE)];
             kept.acted++;
         }
