@@ -68,6 +68,8 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
                     raise OSError(errno.ESTALE, "was replaced by another folder meanwhile", str(folder))
                 obsolete = (_summary_files(folder / last) | _older_files(folder, older or {})) - files
                 for path in (folder / name for name in {*files, *obsolete, Path(last)}):
+                    if path.is_dir():
+                        raise OSError(errno.EISDIR, "is a folder; must be a file or a new name", str(path))
                     if path.is_file():
                         refuse_open(path)
                 (folder / last).unlink(missing_ok=True)
@@ -142,7 +144,7 @@ def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | Non
         if existing is None:
             return f"there is no {path.absolute().anchor}"
         if not existing.is_dir():
-            return f"{existing} is a file, not a folder"
+            return f"{existing} is {'a link to nothing' if existing.is_symlink() else 'a file'}; must be a folder"
         if not parents and existing.absolute() != path.absolute().parent:
             return f"there is no folder {path.absolute().parent}"
         from tempfile import TemporaryFile

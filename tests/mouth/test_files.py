@@ -59,6 +59,24 @@ def test_the_last_file_moves_last(tmp_path, monkeypatch):
     assert moved == ["a.csv", "z.csv", "summary.json"]
 
 
+def test_a_folder_in_the_place_of_one_file_leaves_the_older_result_whole(tmp_path):
+    for name in ("a.csv", "summary.json"):
+        (tmp_path / name).write_text("old")
+    (tmp_path / "b.svg").mkdir()
+    with pytest.raises(IsADirectoryError, match="must be a file"), together(tmp_path) as beside:
+        for name in ("a.csv", "b.svg", "summary.json"):
+            (beside / name).write_text("new")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "b.svg", "summary.json"]
+    assert (tmp_path / "a.csv").read_text() == (tmp_path / "summary.json").read_text() == "old"
+
+
+def test_a_link_to_nothing_is_no_folder_and_said_to_be_a_link(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
+    assert "link to nothing" in trouble(tmp_path / "link", folder=True)
+    (tmp_path / "file").touch()
+    assert "is a file; must be a folder" in trouble(tmp_path / "file" / "below", folder=True)
+
+
 def test_one_long_name_in_a_path_is_said_before_any_work(tmp_path):
     assert trouble(tmp_path / ("n" * 300)) == "cannot be written: File name too long"
     assert trouble(tmp_path / "n") is None
