@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 import tomli_w
 
-from stribeck import Fit, InputError, Scenario, simulate
+from stribeck import Fit, InputError, Scenario, predict, simulate
 from stribeck.identify.said import HEAD
 from tests.identify.actuator.recorded import body, logs, record
 from tests.pages import Page
@@ -46,6 +46,8 @@ def test_the_command_writes_a_machine_that_runs(stribeck, tmp_path):
     with pytest.raises(InputError, match="fit: stopped: there is no machine with these numbers"):
         _ = replace(read, status="stopped", data={}).machine
     assert simulate(Scenario.load(tmp_path / "out" / "machine.toml")).status == "done"
+    with pytest.raises(InputError, match="as machine"):
+        predict(tmp_path / "run.csv", fit=read)
 
 
 def test_the_command_refuses_what_it_cannot_take(stribeck, tmp_path):

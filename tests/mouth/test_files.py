@@ -63,9 +63,14 @@ def test_a_folder_in_the_place_of_one_file_leaves_the_older_result_whole(tmp_pat
     for name in ("a.csv", "summary.json"):
         (tmp_path / name).write_text("old")
     (tmp_path / "b.svg").mkdir()
-    with pytest.raises(IsADirectoryError, match="must be a file"), together(tmp_path) as beside:
-        for name in ("a.csv", "b.svg", "summary.json"):
-            (beside / name).write_text("new")
+
+    def write():
+        with together(tmp_path) as beside:
+            for name in ("a.csv", "b.svg", "summary.json"):
+                (beside / name).write_text("new")
+
+    with pytest.raises(IsADirectoryError, match="must be a file"):
+        write()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "b.svg", "summary.json"]
     assert (tmp_path / "a.csv").read_text() == (tmp_path / "summary.json").read_text() == "old"
 

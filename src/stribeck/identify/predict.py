@@ -130,7 +130,9 @@ def predict(
         return validate(Scenario.of(machine), Path(data), names.names, names.units, names.force_gain)
     model = fit if isinstance(fit, Fit) else Fit.load(str(fit), trust)
     if not isinstance(model, LogFit):
-        raise InputError(f"{arg('fit')}: {model.title}: is a fit of a machine: its machine.toml is simulated by 'run'")
+        raise InputError(
+            f"{arg('fit')}: {model.title}: is a fit of a machine; give its machine.toml as {arg('machine')}"
+        )
     log = data if isinstance(data, Log) else api.read_log(data, _columns(model, names), _preparation(model, cutoff))
     return force_along(model, log, RecordReading(api.files_of(data)).title)
 
