@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from hashlib import sha256
+from io import BytesIO
 
 import numpy as np
 import pyarrow.parquet as parquet
@@ -16,6 +17,7 @@ from stribeck import InputError, Scenario, simulate
 from stribeck.platforms import locked
 from stribeck.sweeps import job as module
 from stribeck.sweeps.ranges import Range, lanes_of
+from stribeck.sweeps.tables import as_parquet
 from tests.shared import LINKS
 
 GRID = ("--vary", "law.k_v=1e6:1e8:3:log", "--vary", "law.parameters.F_s=0.9:1.8:4")
@@ -205,8 +207,19 @@ def test_ranges():
     assert Range.parse("law.k_v=1e6:1e8:3:log").values[[0, -1]].tolist() == [1e6, 1e8]
     assert Range.parse("x=5:-5:3").values.tolist() == [5.0, 0.0, -5.0]
     assert Range.parse("x=7:9:1").values.tolist() == [7.0]
+    for text in ("x", "=1:2:3", " =1:2:3", "x=1:2:3:4", "x=1:2:3:4:log", "x=1:2", "x=1", "x=1:b:3", "x=1:2:3.5"):
+        with pytest.raises(InputError, match=r"must be PATH=FIRST:LAST:COUNT\[:log\]"):
+            Range.parse(text)
     with pytest.raises(InputError):
         lanes_of([])
+
+
+def test_a_table_holds_texts_numbers_and_what_is_missing():
+    values = {"reason": ["", "\u00e9", "b"], "lane": [3, 2**53 + 1, -1], "F": [np.nan, 1.5, np.nan]}
+    columns = [(name, "N", "what it is", np.array(x)) for name, x in values.items()]
+    table = parquet.read_table(BytesIO(as_parquet(columns)))
+    assert table.to_pydict() == values | {"F": [None, 1.5, None]}
+    assert table.schema.field("F").metadata == {b"unit": b"N", b"meaning": b"what it is"}
 
 
 @pytest.mark.parametrize(

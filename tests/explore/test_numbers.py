@@ -2,8 +2,11 @@
 
 import pytest
 
+from stribeck import Scenario
 from stribeck.constants import Constant
-from stribeck.explore.numbers import number_of
+from stribeck.explore.numbers import number_of, numbers
+from stribeck.explore.page import _tables
+from tests.scenario.valid_scenarios import VALID
 
 
 @pytest.mark.parametrize(
@@ -21,3 +24,11 @@ def test_a_slider_goes_as_far_as_its_number_is_large(value, bounds, size, ends):
     made = number_of("law", "F_c", value, Constant("N", "a force", **bounds), size, "law.F_c", reach=10.0)
     assert (made.low, made.high, made.log) == pytest.approx(ends)
     assert (made.path, made.value, made.unit) == ("law.F_c", value, "N")
+
+
+@pytest.mark.parametrize(("count", "short"), [(12, True), (13, False)])
+def test_a_long_signal_is_a_curve_without_sliders_beside_the_file_s_tables(count, short):
+    signal = {"kind": "points", "t": [float(i) for i in range(count)], "value": [0.1 * i for i in range(count)]}
+    scenario = Scenario(VALID["force_points"]).with_changes({"drive.signal": signal})
+    assert ("value" in _tables(scenario)["drive"]["signal"]) is short
+    assert any(".value" in number.path for number in numbers(scenario)) is short

@@ -39,9 +39,10 @@ class Range:
         try:
             first, last = float(words[0]), float(words[1])
             count = int(words[2]) if len(words) > 2 or not drawn else 1
+            is_range = sign and path.strip() and len(words) <= 3
         except (ValueError, IndexError):
-            raise InputError(f"{arg('vary')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log") from None
-        if not sign or not path.strip() or len(words) > 3:
+            is_range = False
+        if not is_range:
             raise InputError(f"{arg('vary')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log")
         if not (math.isfinite(first) and math.isfinite(last)):
             raise InputError(f"{arg('vary')} {text!r}: FIRST and LAST must be finite numbers")

@@ -90,7 +90,6 @@ def _array(values: Values) -> pyarrow.Array:
     if values.dtype.kind != "f":
         data = pyarrow.py_buffer(np.ascontiguousarray(values, np.int64))
         return pyarrow.Array.from_buffers(pyarrow.int64(), len(values), [None, data])
-    known = ~np.isnan(values)
-    mask = None if known.all() else pyarrow.py_buffer(np.packbits(known, bitorder="little").tobytes())
+    mask = pyarrow.py_buffer(np.packbits(~np.isnan(values), bitorder="little").tobytes())
     data = pyarrow.py_buffer(np.ascontiguousarray(values, np.float64))
     return pyarrow.Array.from_buffers(pyarrow.float64(), len(values), [mask, data])

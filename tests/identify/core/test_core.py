@@ -143,6 +143,23 @@ def test_nodes_at_the_optima_leave_little_of_the_grid_s_error():
     assert lib.solve(lib.gram.sum(0))[1].min() < 0.5 * before
 
 
+@pytest.mark.parametrize(("F_s", "possible"), [(8.0, True), (4.0, False)])
+def test_forms_are_those_about_the_optimum_of_the_law_alone_if_that_is_possible(F_s, possible):
+    """Where the level rises with speed, the optimum has F_s below F_c: the best node of the grid takes its place."""
+    log = record(3, noise=0.0, end=4.0, F_s=F_s)
+    lib = library(record_of(rows_of(log), ("offset",), {}), curve_of("stribeck", {}))
+    *grid, v_s = (node["v_s"] for node in lib.nodes)
+    assert (v_s in grid) is not possible
+    assert v_s == pytest.approx(TRUTH["v_s"], rel=1e-6) or not possible
+
+
+def test_rows_about_reversals_do_not_count_unless_hardly_another_is_left():
+    for log, ringing in ((record(3), 4), (record(3, slow=10, end=4.0), 0)):
+        rows = rows_of(log)
+        assert len(record_of(rows, (), {}).at) == np.count_nonzero(rows.weight) - ringing
+        assert len(record_of(rows, (), {}, all_rows=True).at) == np.count_nonzero(rows.weight)
+
+
 def test_the_law_alone_has_no_forms():
     choice = choice_of(record(12, extra=lambda t, y, v, a: 25.0 * y), alone=True)
     assert choice.model[1] == ()

@@ -135,6 +135,7 @@ def test_presliding_is_fitted_by_a_law_with_bristles():
     assert fit.law_name == "lugre"
     assert fit["sigma_0"].value == pytest.approx(rig.TRUTH["sigma_0"], rel=0.05)
     assert {"lugre", "stribeck", "coulomb_viscous"} <= {c["law"] for c in fit.candidates}
+    assert [c["law"] for c in fit.candidates if c["chosen"]] == ["lugre"]
 
 
 def test_what_a_static_fit_leaves_is_a_share_of_the_force():
