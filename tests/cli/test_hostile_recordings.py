@@ -8,7 +8,7 @@ import tomli_w
 
 from stribeck import InputError
 from stribeck.identify.actuator import fit_machine, read_logs
-from stribeck.identify.data.quality import wild
+from stribeck.identify.data.quality import isolated_outliers
 from stribeck.identify.work import Stopped
 from tests.identify.actuator.recorded import body, logs
 from tests.shared import needs_links
@@ -97,7 +97,7 @@ def test_a_single_wild_sample(place, stribeck, role, rest, size):
     logs(place, ["run.csv"], WANTED)
     done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--out", "out")
     assert (done.status, done.out) == (2, "")
-    assert f"log.0.{role}: '{column}': 1 single samples of up to {abs(size):.3g} beyond all others" in done.err
+    assert f"log.0.{role}: '{column}': 1 isolated outliers of up to {abs(size):.3g}" in done.err
     assert not (place / "out").exists()
 
 
@@ -106,8 +106,8 @@ def test_a_blow_and_a_short_move_are_not_wild(size):
     """Of one row in silence; of some rows over noise."""
     blow, move = np.zeros(300), 1e-12 * np.sin(np.arange(300.0))
     blow[100], move[100:103] = size, size
-    assert wild(blow) is None
-    assert wild(move) is None
+    assert isolated_outliers(blow) is None
+    assert isolated_outliers(move) is None
 
 
 def test_work_that_is_ended_while_recordings_are_looked_at(place, stribeck, monkeypatch):

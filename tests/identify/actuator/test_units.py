@@ -52,4 +52,4 @@ def test_an_angle_that_begins_anew_after_each_turn_goes_on(tmp_path):
     found = fit_machine(arm(), logs(tmp_path, [of], wanted), starts=1, baselines=False)
     assert found.status == "done", found.reason
     assert [name for name, p in found.estimates.items() if not p.low < TRUTH[name] < p.high] == []
-    assert any("run.csv: arm.y begins anew after each turn" in note for note in found.notes)
+    assert any("run.csv: arm.y wraps after each turn" in note for note in found.notes)

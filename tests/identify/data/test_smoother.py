@@ -114,7 +114,7 @@ def test_an_end_that_is_left_out_is_said():
     x = cumulative_trapezoid(v, t, initial=0) + 0.1 * np.maximum(t - 5.95, 0)
     log = load_log([{"t": t, "x": x, "F": np.sign(v)}], ColumnNames(NAMES), Preparation(cutoff=5.0))
     assert log.time[-1] < 5.9
-    assert any("rows are left out: the filter goes astray" in note for note in log.quality)
+    assert any("rows were left out: the record ends in motion" in note for note in log.quality)
 
 
 @pytest.mark.thorough
@@ -170,6 +170,6 @@ def test_a_slow_record_keeps_its_speeds():
     each reversal: another record's force by half as much again as by a fit of SciPy."""
     given, v = two_tones(0.02, 1e-6)
     log = read_log(given, ColumnNames({"time": "t", "position": "y", "force": "F"}))
-    rows = np.searchsorted(given["t"], log.time - 1e-9)[:-20]  # the filter goes astray at the end
+    rows = np.searchsorted(given["t"], log.time - 1e-9)[:-20]  # the filter is wrong at the end
     assert np.sqrt(np.mean((log.velocity[:-20] - v[rows]) ** 2)) < 3e-4 * np.sqrt(np.mean(v**2))
     assert "cubic spline" in log.sources["velocity"]

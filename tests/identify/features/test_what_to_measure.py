@@ -17,7 +17,7 @@ def test_a_level_that_is_open_is_no_scale_of_reversals():
     assert reachable(VALUES, SIZES, {"F_s"})["large"] == pytest.approx(5e-5)
     assert reachable(VALUES, SIZES, {"F_s", "F_c"})["large"] == pytest.approx(5e-5)  # the force that was applied
     assert reachable(VALUES, SIZES)["large"] == pytest.approx(4e-4)
-    assert "5e-05 m (total way)" in experiment_for("sigma_0", VALUES, SIZES, {"F_s", "sigma_0"})
+    assert "5e-05 m (peak to peak)" in experiment_for("sigma_0", VALUES, SIZES, {"F_s", "sigma_0"})
 
 
 def test_reversals_stay_within_a_tenth_of_the_travel_where_it_is_known():

@@ -19,7 +19,7 @@ from stribeck.identify.actuator.residuals import beyond_noise
 from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.traces import traces
-from stribeck.identify.data.quality import of_turns, unwrapped
+from stribeck.identify.data.quality import unwrapped, unwrapping_note
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed
@@ -74,7 +74,7 @@ def _unwrapped(scenario: Scenario, logs: Logs) -> Logs:
         for name in angles & outputs.keys():
             x, turns = unwrapped(outputs[name].t, outputs[name].x)
             outputs[name] = replace(outputs[name], x=x)
-            notes += [f"{recording.file}: {name} {text}" for text in of_turns(turns)]
+            notes += [f"{recording.file}: {name} {text}" for text in unwrapping_note(turns)]
         recordings.append(replace(recording, outputs=outputs, notes=tuple(notes)))
     return replace(logs, recordings=tuple(recordings))
 

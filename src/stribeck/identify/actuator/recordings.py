@@ -16,7 +16,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.bridges import Bridged, bridged
-from stribeck.identify.data.quality import LARGEST, impossible, wild
+from stribeck.identify.data.quality import LARGEST, impossible, isolated_outliers
 from stribeck.machine.table import ConstantField, FileTable, Problem, problems_of, quantity, refused
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
@@ -366,7 +366,7 @@ def _read(entry: RecordingTable, where: str, folder: Path, window: float | None)
             at = columns[f"{where}.{use}.time"] * time.factor
             rows, more = _in_order(at, f"{entry.file}: {use.partition('.')[2]}")
             notes += [] if np.isnan(at).any() else more  # shorter columns of a table end in empty cells
-        text = impossible(x[rows]) or wild(x[rows]) if np.isfinite(x[rows]).any() else "holds no number"
+        text = impossible(x[rows]) or isolated_outliers(x[rows]) if np.isfinite(x[rows]).any() else "holds no number"
         if text:
             raise InputError(f"{where}.{use}: {show(c.column)}: {text}")
         unit = "" if "gain" in c.model_fields_set else c.unit

@@ -1,4 +1,4 @@
-"""Clocks: files sampled at different rates, a rate that changes within a file, a column that comes from a slower clock."""
+"""Sampling clocks: different rates of files, a rate that changes within a file, and a column from a slower clock."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import HIGHEST, low_pass
 from stribeck.identify.data.quality import FEWEST, Clean
 
-_ALIKE = 1e-3  # of the step: files that differ by less share a grid
-_ANOTHER = 1.5  # between steps: more is another rate, as a lost sample doubles a step
-_WINDOW = 25  # rows whose median step tells the rate, whatever twelve of them do
-_REGULAR = 0.8  # of the changes of a held column stand at one distance: where the value does not change, one is missed
-_LATE, _DRIFTS = 1.2, 0.3  # rows: what samples of a clock may be late by, more or less; from when on it is not locked
-_KNOWN = 0.8  # rows: samples that come late by so much more or less are known to a tenth of one
-_ENOUGH = 4  # times the fewest rows: samples that are a log of their own
+_SAME_STEP = 1e-3  # of the step: files that differ by less share a grid
+_ANOTHER_RATE = 1.5  # ratio of steps: a larger one is another rate, as a lost sample doubles a step
+_WINDOW = 25  # rows: their median step is the rate, even if twelve are wrong
+_REGULAR = 0.8  # of the changes of a held column are one period apart; a sample of the same value shows no change
+_LATE, _DRIFTS = 1.2, 0.3  # rows, range of the delays of one clock: the most, and from which on the clock drifts
+_KNOWN = 0.8  # rows, range of the delays: with more the sampling times are known to a tenth of a row
+_ENOUGH = 4  # times the fewest rows: samples that make a log
 _HELD = ("position", "velocity", "force")
 
 
 def steady_stretches(columns: dict[str, Array], name: str, notes: list[str]) -> list[dict[str, Array]]:
-    """The columns of a file, cut where its sampling rate changes for good."""
+    """The columns of a file, split where its sampling rate changes permanently."""
     time = columns["time"]
     steps = np.diff(time)
     if len(steps) < 4 * _WINDOW or not np.all(np.isfinite(steps)):
         return [columns]
     count = len(steps) // _WINDOW
     local = np.median(steps[: count * _WINDOW].reshape(count, _WINDOW), axis=1)
-    if np.any(local <= 0) or float(local.max()) < _ANOTHER * float(local.min()):
+    if np.any(local <= 0) or float(local.max()) < _ANOTHER_RATE * float(local.min()):
         return [columns]
     cuts, middle = [0], float(local[0])
     for i in range(1, count - 1):
-        if not 1 / _ANOTHER < local[i] / middle < _ANOTHER and 1 / 1.1 < local[i + 1] / local[i] < 1.1:
+        if not 1 / _ANOTHER_RATE < local[i] / middle < _ANOTHER_RATE and 1 / 1.1 < local[i + 1] / local[i] < 1.1:
             around = steps[(i - 1) * _WINDOW : (i + 1) * _WINDOW]  # the row at which it changes
             new = abs(np.log(np.maximum(around, 1e-300) / local[i])) < abs(np.log(np.maximum(around, 1e-300) / middle))
             cuts.append((i - 1) * _WINDOW + int(np.argmax(new)) + 1)
@@ -46,17 +46,21 @@ def steady_stretches(columns: dict[str, Array], name: str, notes: list[str]) -> 
     if len(parts) < 2:
         return [columns]
     stated = ", ".join(f"{np.median(np.diff(time[p])):.4g} s from {time[p.start]:.4g} s" for p in parts[:4])
-    notes.append(f"{name}: two clocks: the step changes within the file ({stated}); each part is taken on its own")
+    notes.append(f"{name}: the sampling rate changes within the file (steps: {stated}); each part is a separate run")
     return [{role: x[p].copy() for role, x in columns.items()} for p in parts]
 
 
 def released(columns: dict[str, Array], name: str, notes: list[str], whole: bool = True) -> dict[str, Array]:
-    """The columns with those that a slower clock holds as straight lines between their own samples.
+    """The columns, with those that a slower clock holds interpolated linearly between the samples of that clock.
 
-    Not the ``whole``: at the samples of the force, if it is among them and their times are known. A line between them crosses
-    the jump of friction where the motion turns round.
+    Args:
+        columns: by role, SI.
+        name: the file's name in notes.
+        notes: receives a sentence for each such column.
+        whole: keep all rows. Otherwise, if the force is such a column and its sampling times are known, the log has only the
+            rows at these times: linear interpolation would smooth the jump of friction at a reversal.
     """
-    columns, of_force = dict(columns), None
+    columns, force_samples = dict(columns), None
     one_run = "run" not in columns and bool(np.all(np.diff(columns["time"]) > 0))
     for role in _HELD:
         if role not in columns or len(columns[role]) < 10 * _WINDOW:
@@ -73,31 +77,33 @@ def released(columns: dict[str, Array], name: str, notes: list[str], whole: bool
         at = np.concatenate([[0], changes]) if changes[0] > 0 else changes
         own_time = np.interp(np.concatenate([[0.0], rows]) if changes[0] > 0 else rows, np.arange(len(time)), time)
         columns[role] = np.interp(time, own_time, x[at])
-        remedy = "straight lines between its own samples were taken"
+        remedy = "it was interpolated linearly between its samples"
         if role == "force" and one_run and known and not whole and len(own_time) > _ENOUGH * FEWEST:
-            first = int(changes[0] > 0)  # what is held at first was sampled nobody knows when
-            of_force, remedy = (own_time[first:], x[at][first:]), "the log was taken at its own samples"
-        notes.append(f"{name}: two clocks: {role} changes once in {every} rows only; {remedy}")
-    if of_force is None:
+            first = int(changes[0] > 0)  # the sampling time of the first held value is unknown
+            force_samples, remedy = (own_time[first:], x[at][first:]), "the log was resampled at its samples"
+        notes.append(f"{name}: {role} has a slower clock, with one sample in {every} rows; {remedy}")
+    if force_samples is None:
         return columns
-    own_time, force = of_force
+    own_time, force = force_samples
     there = {role: np.interp(own_time, columns["time"], x) for role, x in columns.items()}
     return there | {"time": own_time, "force": force}
 
 
 def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str, bool] | None:
-    """When a column that is held between its samples was sampled, in rows, its period, and whether the times are known to a
-    part of a row; None where there is no clock.
+    """The sampling times of a column that is held between its samples, or None if it has no clock of its own.
 
-    A clock that is not locked to the rows shows its samples late, by up to a row and now more, now less: a line through
-    all of them, which no sample can be ahead of, tells when they were taken.
+    A drifting clock shows its samples late, by up to one row. No sample can be early, so a straight line through the changes
+    gives the sampling times.
+
+    Returns:
+        The times in rows, the period in rows, and whether the times are known to a fraction of a row.
     """
     gaps = np.diff(changes)
     usual = int(np.median(gaps))
     if usual < 2:
         return None
     period = float(np.mean(gaps[gaps < 1.5 * usual]))
-    for count in (100, 1000, len(changes)):  # the period ever more closely, so that rounding to whole ones stays right
+    for count in (100, 1000, len(changes)):  # refines the period, so that it rounds to whole periods correctly
         number = np.append(0.0, np.cumsum(np.round(gaps[: count - 1] / period)))
         period, first = np.polyfit(number, changes[:count], 1)
     late = changes - (first + period * number)
@@ -110,20 +116,20 @@ def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str, bool] | None:
 
 
 def on_one_clock(parts: Sequence[Clean]) -> list[Clean]:
-    """Files sampled at different steps on the grid of the usual one, each from its own clock."""
-    step = median_high([p.step for p in parts])  # a file has it, whose noise tells the cut-off
-    if all(abs(p.step - step) <= _ALIKE * step for p in parts):
+    """Files of different sampling steps, each resampled from its own clock to the median step."""
+    step = median_high([p.step for p in parts])  # a file has this step, and its noise determines the cut-off
+    if all(abs(p.step - step) <= _SAME_STEP * step for p in parts):
         return list(parts)
     note = (
         f"the files are sampled at different steps ({', '.join(f'{s:.4g}' for s in sorted({p.step for p in parts})[:6])} s); "
-        f"each was resampled to {step:.4g} s from its own clock"
+        f"all were resampled to {step:.4g} s"
     )
-    out = [p if abs(p.step - step) <= _ALIKE * step else _resampled(p, step) for p in parts]
+    out = [p if abs(p.step - step) <= _SAME_STEP * step else _resampled(p, step) for p in parts]
     return [replace(out[0], notes=[*out[0].notes, note]), *out[1:]]
 
 
 def _resampled(part: Clean, step: float) -> Clean:
-    """A file on another step: what is faster than it can hold is filtered off first; smooth curves between slower samples."""
+    """A file at another step: a low-pass filter before a longer step, cubic splines of the motion for a shorter one."""
     from scipy.interpolate import CubicSpline
 
     columns: dict[str, list[Array]] = {name: [] for name in part.columns}

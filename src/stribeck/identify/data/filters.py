@@ -1,4 +1,4 @@
-"""Zero-phase filters in MATLAB's conventions, on arrays of any length within little memory."""
+"""Zero-phase filters with MATLAB's conventions, in little memory for arrays of any length."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from stribeck.arrays import Array
 from stribeck.identify.log import MANY_ROWS
 
 ORDER = 4  # of the Butterworth filter, as in the published procedure for least squares
-HIGHEST = 0.4  # of the sampling rate: the highest cut-off; nearer to half of it a digital filter's edge is squeezed
-SETTLED = 5.0  # periods of the cut-off at the start of a run, in which a filter is not settled
-ASTRAY = 1.5  # periods of the cut-off at the end of a run in motion: there the filter continues the motion wrongly
-_STAGE = 13  # the most that one Chebyshev filter of order 8 reduces the rate by, as MATLAB advises for its decimate
-_FORGOTTEN = 1e-10  # what is left of a filter's state where pieces meet: below the sensors' last bit
-_KNOTS = 32  # of a cubic spline, behind which an end is forgotten to rounding: each takes a factor of 2 + sqrt(3)
-_ENDS = 1.2  # periods of the cut-off that a run is continued by: a twentieth of an edge is left there
+HIGHEST = 0.4  # of the sampling rate: the highest cut-off; the edge of a digital filter is distorted nearer to one half
+SETTLED = 5.0  # periods of the cut-off, at the start of a run, in which the filter settles
+ASTRAY = 1.5  # periods of the cut-off, at the end of a run in motion, in which the filter's continuation is wrong
+_STAGE = 13  # largest reduction by one Chebyshev filter of order 8, as MATLAB advises for decimate
+_FORGOTTEN = 1e-10  # rest of a filter's state where pieces meet: below the sensors' last bit
+_KNOTS = 32  # of a cubic spline: each reduces the effect of an end by 2 + sqrt(3), all to rounding
+_ENDS = 1.2  # periods of the cut-off by which a run is continued: 5 % of an edge remains there
 
 
 class Filter(NamedTuple):
-    """Coefficients of a filter, and its state behind a constant input of 1."""
+    """Coefficients of a filter, and its settled state for a constant input of 1."""
 
     b: Array
     a: Array
@@ -32,8 +32,11 @@ class Filter(NamedTuple):
 
 
 def zero_phase(filter: Filter, x: Array, padding: int = 0) -> Array:
-    """There and back with MATLAB's padding, 3 (order), or more; long arrays in overlapping pieces, so that no copy is as long;
-    the rows of a matrix each by itself."""
+    """Filter forwards and backwards, each row of a matrix by itself.
+
+    The padding is MATLAB's, three times the order, or ``padding`` if that is more. Long arrays are filtered in overlapping
+    pieces, so that no whole copy is needed.
+    """
     padding = max(3 * len(filter.settled), padding)
     if x.ndim > 1 or len(x) <= 2 * MANY_ROWS:
         return _there_and_back(filter, x, min(padding, x.shape[-1] - 1))
@@ -48,7 +51,7 @@ def zero_phase(filter: Filter, x: Array, padding: int = 0) -> Array:
 
 
 def _there_and_back(filter: Filter, x: Array, padding: int) -> Array:
-    """SciPy's filtfilt, but for the filter's settled state, which that finds anew at each call."""
+    """SciPy's filtfilt with a given settled state, which filtfilt computes at each call."""
     ends = 2 * x[..., :1] - x[..., padding:0:-1], 2 * x[..., -1:] - x[..., -2 : -padding - 2 : -1]
     out = np.concatenate([ends[0], x, ends[1]], axis=-1)
     for _ in range(2):
@@ -62,20 +65,20 @@ def _settled(b: Array, a: Array) -> Filter:
 
 @lru_cache
 def _butterworth(order: int, share: float) -> Filter:
-    """With its cut-off as a share of half the sampling rate."""
+    """A Butterworth filter; ``share``: cut-off over half the sampling rate."""
     return _settled(*signal.butter(order, share))
 
 
 def low_pass(x: Array, cutoff: float, step: float, order: int = ORDER) -> Array:
-    """Butterworth at ``cutoff`` Hz, there and back.
+    """Zero-phase Butterworth filter; ``cutoff`` in Hz.
 
-    MATLAB's padding of 12 samples is too short for a cut-off far below the sampling rate: it is 1.2 periods at least.
+    The padding is at least 1.2 periods: MATLAB's 12 samples are too short for a cut-off far below the sampling rate.
     """
     return zero_phase(_butterworth(order, 2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
 
 
 def stages(q: int) -> list[int]:
-    """A reduction of the rate as a product of small ones."""
+    """The factors of a reduction of the sampling rate, each at most 13."""
     parts = []
     while q > 1:
         parts.append(next(s for s in range(_STAGE, 1, -1) if q % s == 0))
@@ -89,9 +92,9 @@ def _anti_alias(q: int) -> Filter:
 
 
 def decimate(x: Array, q: int) -> Array:
-    """Samples 1, 1 + q, 1 + 2 q, ... (from 0) behind a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
+    """Samples 1, 1 + q, 1 + 2 q, ... (counted from 0) after a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
     for part in stages(q):
-        x = zero_phase(_anti_alias(part), x)[..., 1::part].copy()  # and not a view, which would hold all of it
+        x = zero_phase(_anti_alias(part), x)[..., 1::part].copy()  # a view would keep the whole array
     return x
 
 
@@ -104,8 +107,10 @@ def decimated_rows(count: int, q: int) -> NDArray[np.intp]:
 
 
 def spline_derivative(x: Array, step: float) -> Array:
-    """dx/dt by a cubic spline, whose error is of the fourth order: what moves at a tenth of the sampling rate comes out
-    0.1 % too small, where central differences lose 6 %. A long one in overlapping pieces."""
+    """dx/dt by a cubic spline, of fourth order; long arrays in overlapping pieces.
+
+    At a tenth of the sampling rate the amplitude is 0.1 % too small; with central differences it is 6 % too small.
+    """
     if len(x) < 4:
         return np.asarray(np.gradient(x, step))
     out = np.empty(len(x))
@@ -118,5 +123,5 @@ def spline_derivative(x: Array, step: float) -> Array:
 
 
 def slope(x: Array, step: float, spline: bool) -> Array:
-    """dx/dt by a spline or central differences, which are the published procedure's for least squares."""
+    """dx/dt by a spline, or by central differences as in the published procedure for least squares."""
     return spline_derivative(x, step) if spline else np.asarray(np.gradient(x, step))

@@ -1,4 +1,4 @@
-"""From raw columns to a log: even steps, a zero-phase smoother with the likeliest cut-off, derivatives."""
+"""Preparation of a log: even sampling, zero-phase smoothing at the most likely cut-off, derivatives."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
 from stribeck.identify.data.filters import ASTRAY, ORDER, SETTLED, low_pass, slope
-from stribeck.identify.data.quality import FEWEST, Clean, clean, of_turns, unwrapped
+from stribeck.identify.data.quality import FEWEST, Clean, clean, unwrapped, unwrapping_note
 from stribeck.identify.data.read import ColumnNames, named_in, read_named
 from stribeck.identify.data.smoother import LOOK, likeliest, spectrum
 from stribeck.identify.data.units import is_rotary
@@ -25,12 +25,12 @@ from stribeck.recorded import is_table, opened
 
 @dataclass(frozen=True)
 class Preparation:
-    """How raw columns become a log; None chooses from the data.
+    """Settings of the preparation; None chooses from the data.
 
     Attributes:
-        cutoff: of the zero-phase Butterworth filter, Hz (order 4 if given); 0 takes the motion as it is.
-        simulated: for simulations, which need the motion between the samples of the force.
-        published: for plain least squares as published: central differences, and the last rows of a run are kept.
+        cutoff: of the zero-phase Butterworth filter, Hz (order 4 if given); 0 for no filter.
+        simulated: for fits by simulation, which need the motion between the samples of the force.
+        published: for least squares as published, with central differences and the last rows of each run.
     """
 
     cutoff: float | None = None
@@ -39,7 +39,7 @@ class Preparation:
 
 
 def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None = None) -> Log:
-    """The log in one file or table, or in several of the same layout, each a run of its own.
+    """The log in one or more files or tables of the same layout, each a separate run.
 
     Raises:
         InputError: a file cannot be read or used; a line for each problem.
@@ -53,18 +53,16 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         motion = (named.names.get(role, "") for role in ("position", "velocity"))
         rotary.append(any(is_rotary(named.units.get(column, "")) for column in motion))
         if rotary[-1] != rotary[0]:
-            kinds = {True: "turns", False: "moves straight"}
-            text = (
-                f"{name}: {kinds[rotary[-1]]} by its units, {names[0]} {kinds[rotary[0]]}; must be one kind of motion"
-            )
+            kinds = {True: "rotary", False: "linear"}
+            text = f"{name}: its units are {kinds[rotary[-1]]}, those of {names[0]} are {kinds[rotary[0]]}; must agree"
             raise InputError(f"{arg('units')}: {text}")
         notes: list[str] = []
         for part in steady_stretches(read_named(source, named), name, notes):
             if rotary[-1] and "position" in part:
                 part["position"], turns = unwrapped(part["time"], part["position"])
-                notes += [f"{name}: position: {text}" for text in of_turns(turns)]
+                notes += [f"{name}: position: {text}" for text in unwrapping_note(turns)]
             own_samples = released(part, name, notes, how.simulated)
-            if len(own_samples["time"]) < len(part["time"]):  # no published log: far fewer rows move than were recorded
+            if len(own_samples["time"]) < len(part["time"]):  # the published procedure needs all recorded rows
                 how = replace(how, published=False)
             cleaned_part = clean(own_samples, name)
             cleaned.append(replace(cleaned_part, notes=[*notes, *cleaned_part.notes]))
@@ -87,7 +85,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     if cutoff is None:
         order, cutoff, _ = smoother
         notes.append(
-            f"{measured}: filtered at {cutoff:.4g} Hz (order {order}, zero phase), where motion and noise are equally strong"
+            f"{measured}: filtered at {cutoff:.4g} Hz (order {order}, zero phase), where motion and noise have the same density"
         )
     else:
         notes += _given(cutoff, parts, measured, step)
@@ -110,10 +108,10 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
 
 
 def _given(cutoff: float, parts: Sequence[Clean], measured: str, step: float) -> list[str]:
-    """What a reader should know of a cut-off that is given, Hz.
+    """The note about a given cut-off, Hz.
 
     Raises:
-        InputError: no filter has it, or all of the motion lies above it.
+        InputError: no filter has this cut-off, or all motion is faster.
     """
     if not cutoff >= 0:
         raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be a frequency in Hz, or 0 for no filter")
@@ -123,7 +121,7 @@ def _given(cutoff: float, parts: Sequence[Clean], measured: str, step: float) ->
         raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
     longest = max(len(part.columns[measured][rows]) for part in parts for rows in part.runs) * step
     if cutoff * longest < 1:
-        least = f"must be at least {1 / longest:.3g} Hz, a swing in the longest run, or 0 for no filter"
+        least = f"must be at least {1 / longest:.3g} Hz (one period in the longest run), or 0 for no filter"
         raise InputError(f"{arg('cutoff')}: {cutoff:g}: {least}")
     return [f"motion filtered at {cutoff:g} Hz, as given"]
 
@@ -131,15 +129,15 @@ def _given(cutoff: float, parts: Sequence[Clean], measured: str, step: float) ->
 def _columns(
     parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, order: int, trim: int, spline: bool
 ) -> tuple[dict[str, Array], list[int]]:  # fmt: skip
-    """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
-    if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
+    """Every column of the log, and the rows of each run. Columns are made one by one, which saves memory."""
+    if len(parts) == 1 and len(parts[0].runs) == 1:  # a long run is not copied
         grid = _grid(parts[0], parts[0].runs[0], step)
         whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, order, measured, spline)
         parts[0].columns.clear()
-        return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]), trim)]
+        return {name: x[trim:] for name, x in whole.items()}, [_require_rows(len(whole["time"]), trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
     kept = [max(len(grid) - trim, 0) for grid in grids]
-    _enough(max(len(grid) for grid in grids), trim)
+    _require_rows(max(len(grid) for grid in grids), trim)
     place = np.concatenate([[0], np.cumsum(kept)])
     names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
     names += ["unfiltered"]
@@ -155,21 +153,21 @@ def _columns(
 
 
 def _too_short(parts: Sequence[Clean], lengths: Sequence[int], trim: int) -> list[str]:
-    """What to say of runs of which nothing is left."""
+    """The note about runs that are shorter than the settling of the filter."""
     runs = [r.stop - r.start for part in parts for r in part.runs]
     lost = [n for n, left in zip(runs, lengths, strict=True) if not left]
     if not lost:
         return []
     return [
-        f"{len(lost)} of {len(runs)} runs, {sum(lost)} rows, are left out: each has no more than the {trim} rows in which the "
-        "filter settles; a higher cut-off keeps them"
+        f"{len(lost)} of {len(runs)} runs ({sum(lost)} rows) were left out: the filter needs {trim} rows to settle; "
+        "a higher cut-off keeps them"
     ]
 
 
 def _without_ends(
     columns: Mapping[str, Array], lengths: Sequence[int], end: int
 ) -> tuple[slice | NDArray[np.bool_], list[str]]:
-    """The rows without the last ones of the runs that end in motion, where the filter goes astray; and what to say of it."""
+    """The rows without the last ones of runs that end in motion, where the filter is wrong; and the note about it."""
     v = abs(columns["velocity"])
     keep, fastest = np.ones(len(v), bool), float(v.max())
     for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
@@ -177,20 +175,20 @@ def _without_ends(
             keep[stop - end : stop] = False
     if keep.all():
         return slice(None), []
-    text = f"the last {np.sum(~keep)} rows are left out: the filter goes astray where the record ends in motion"
+    text = f"the last {np.sum(~keep)} rows were left out: the record ends in motion, and the filter is wrong there"
     return (slice(None, -end) if len(lengths) == 1 else keep), [text]  # a slice copies nothing
 
 
-def _enough(rows: int, trim: int) -> int:
-    """The rows that are left of the longest run.
+def _require_rows(rows: int, trim: int) -> int:
+    """The rows of the longest run after the filter has settled.
 
     Raises:
-        InputError: too few.
+        InputError: fewer than a fit needs.
     """
     if rows - trim < FEWEST:
         raise InputError(
-            f"{arg('data')}: {rows} rows in the longest run, of which {trim}, where the filter settles, are dropped: less than "
-            f"{FEWEST} are left; a longer record or a higher {arg('cutoff')} leaves more"
+            f"{arg('data')}: the longest run has {rows} rows, and the filter needs {trim} to settle: fewer than {FEWEST} are "
+            f"left; use a longer record or a higher {arg('cutoff')}"
         )
     return rows - trim
 
@@ -199,7 +197,7 @@ _MOTION = ("time", "position", "velocity", "acceleration")
 
 
 def _grid(part: Clean, rows: slice, step: float) -> Array:
-    """The times of a run: as measured where they are even, else on an even grid."""
+    """The times of a run, as measured if they are even, or else on an even grid."""
     time = part.columns["time"][rows]
     return time if part.even else time[0] + step * np.arange(int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1)
 
@@ -238,8 +236,10 @@ def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence
 
 
 def _samples(parts: Sequence[Clean], measured: str, step: float) -> list[Array]:
-    """The measured motion of each run, or its first rows, on even steps; of files that were resampled to others' step the noise
-    tells nothing."""
+    """The measured motion of each run, or its first rows, at even steps.
+
+    Files that were resampled to the step of others are left out, because their noise is filtered.
+    """
     out = []
     for part in [p for p in parts if not p.resampled] or parts:
         for run in part.runs:

@@ -1,4 +1,4 @@
-"""What is wrong with raw columns, and what is done about it."""
+"""Data quality: faults of raw columns, and their repair."""
 
 from __future__ import annotations
 
@@ -14,28 +14,37 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.log import MANY_ROWS
 
 Mask = NDArray[np.bool_]
-FEWEST = 50  # rows of a run: fewer hold no reversal, and a filter takes as many to settle
-EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced
+FEWEST = 50  # rows of a run: a filter takes about as many to settle, and fewer rows hold no reversal
+EVEN = 1e-2  # of the step: deviation up to which times count as evenly spaced
 _GAP = 5.5  # steps without a sample that end a run: up to five lost samples are interpolated
-_ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
-_OFF = 1.5  # times each other: more is another unit
-_SPIKE = 10.0  # times the usual force: what no friction comes to
-_RARE = 0.02  # of the rows: more are no fault of a sensor, but what the machine does
-_GLITCH, _SCATTER = 20.0, 2.5  # times what is usual beside a cubic: a value that is off; what noise adds
-_TRACE = (1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6)  # of a value that is off by 1, in the distances from cubics
-_MOST_LOOKED_AT = 5000  # rows: each takes nine small regressions, all of them some seconds
-_WRAPPED = 0.4  # of the position's range, from a row to the next: a turn is over
-_STUCK = 50  # samples of one and the same value while the others move: as many as a run needs
+_ALIKE = 0.95  # least correlation of the displacements by position and by velocity
+_OFF = 1.5  # ratio of both displacements: beyond it a unit is wrong
+_SPIKE = 10.0  # times the usual force: friction never reaches it
+_RARE = 0.02  # of the rows: more outliers are the behavior of the machine, not a fault of a sensor
+_GLITCH, _SCATTER = 20.0, 2.5  # times the usual distance from a cubic: an outlier; the noise beside it
+_TRACE = (1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6)  # distances from cubics that an outlier of 1 causes
+_MOST_LOOKED_AT = 5000  # rows: each takes nine small regressions, which take some seconds in all
+_WRAPPED = 0.4  # of the position's range: a step between rows that is larger is the wrap of an angle
+_STUCK = 50  # samples of one value while the body moves: as many as a run needs
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value: noise repeats an extreme value once or twice
-_WILD, _WILDEST, _ALL_BUT = 1e6, 1e9, 0.99  # of the largest of most samples; where these are 0, in SI units; most
-LARGEST = 1e30  # of a value in SI units, and its inverse of a column's largest: squares of them stay numbers
-_LEVELS = 100  # a sensor with fewer different values is too coarse to tell clipping from rest
+# An outlier's limit: a multiple of the 99 % quantile, or an SI value if that quantile is 0.
+_OUTLIER, _OUTLIER_OF_ZEROS, _QUANTILE = 1e6, 1e9, 0.99
+LARGEST = 1e30  # of a value in SI units; its inverse bounds a column's largest value. Their squares stay finite
+_LEVELS = 100  # with fewer different values, clipping and rest cannot be separated
 
 
 @dataclass(frozen=True)
 class Clean:
-    """Columns whose time rises, as runs (first and last row) that may be filtered, all else left out; ``resampled``: to the
-    step of other files, so that its noise is the filter's."""
+    """Columns with rising time, and the runs of rows that may be filtered.
+
+    Attributes:
+        columns: by role, SI.
+        runs: rows without faults or gaps.
+        step: between samples, s.
+        even: whether the samples are evenly spaced.
+        notes: sentences for the user about faults and repairs.
+        resampled: whether the file has the step of other files; its noise is then the filter's.
+    """
 
     columns: dict[str, Array]
     runs: list[slice]
@@ -46,19 +55,19 @@ class Clean:
 
 
 def clean(columns: dict[str, Array], number: str) -> Clean:
-    """Look for what spoils a fit: empty cells, repeated times, gaps, uneven sampling, stuck and clipped sensors.
+    """Repair or leave out faults: empty cells, repeated times, gaps, uneven sampling, outliers, stuck and clipped sensors.
 
     Args:
         columns: by role, SI; they may be changed.
-        number: what to call the file in messages.
+        number: the file's name in messages.
 
     Raises:
         InputError: too few rows, time that goes backwards, a column of empty cells or of impossible magnitude.
     """
     notes: list[str] = []
-    _enough(columns, number)
+    _require_rows(columns, number)
     columns = _without_empty(columns, number, notes)
-    _possible(columns, number)
+    _require_magnitudes(columns, number)
     time, run_numbers = columns["time"], columns.pop("run", None)
     steps = np.diff(time)
     new_run = np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
@@ -72,61 +81,64 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         raise InputError(f"{arg('time')}: {number}: {time[0]:.9g} s in every row; must rise")
     repeated = np.append(False, (steps == 0) & ~new_run)
     if count := int(repeated.sum()):
-        notes.append(f"{number}: {count} rows repeat the time of the row before; the first of each was kept")
+        notes.append(f"{number}: {count} rows repeat the time of the row before and were left out")
         columns = {name: x[~repeated] for name, x in columns.items()}
         run_numbers = None if run_numbers is None else run_numbers[~repeated]
         time = columns["time"]
         steps = np.diff(time)
         new_run = np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
-    _enough(columns, number)
+    _require_rows(columns, number)
     some = steps[:: max(len(steps) // MANY_ROWS, 1)]
     step = float(np.median(some[some > 0]))
     near = (steps < 1.5 * step) & ~new_run
     near &= steps > 0.5 * step
     if near.any():
-        step = float(np.mean(steps, where=near))  # to more digits than a single difference has
+        step = float(np.mean(steps, where=near))  # a mean has more digits than a single difference
     gaps = (steps > _GAP * step) & ~new_run
     if count := int(gaps.sum()):
         notes.append(
             f"{number}: {count} gaps in time, the longest {steps[gaps].max():.3g} s (step {step:.3g} s); "
-            "the log is cut there, and nothing is filtered across a gap"
+            "the log was split there, and no filter crosses a gap"
         )
     runs = _pieces(columns, new_run | gaps, number, notes)
-    _without_glitches(columns, runs, number, notes)
-    _agree(columns, runs, number)
+    _replace_motion_outliers(columns, runs, number, notes)
+    _require_agreement(columns, runs, number)
     if "force" in columns:
-        _without_spikes(columns, number, notes)
+        _replace_force_outliers(columns, number, notes)
     off = max(_jitter(time[r]) for r in runs)
     even = off <= EVEN
     if not even:
         notes.append(
-            f"{number}: samples are not evenly spaced (up to {off:.3g} steps off; the step is {step:.3g} s); "
-            "resampled to even steps by straight lines"
+            f"{number}: samples are not evenly spaced (by up to {off:.3g} of a step of {step:.3g} s); "
+            "they were resampled evenly by linear interpolation"
         )
     return Clean(columns, runs, step, even, notes)
 
 
-def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
-    """Refuse a measured velocity that is another multiple of the position's slope.
+def _require_agreement(columns: dict[str, Array], runs: list[slice], number: str) -> None:
+    """Compare a measured velocity with the slope of the position.
 
     Raises:
-        InputError: naming the factor.
+        InputError: the velocity is a multiple of the slope; the message states the factor.
     """
     if not {"position", "velocity"} <= set(columns):
         return
     ratio = disagreement([(columns["time"][r], columns["position"][r], columns["velocity"][r]) for r in runs])
     if ratio is not None:
         raise InputError(
-            f"{arg('velocity')}: {number}: is {ratio:.3g} times the slope of the position; a sign or a unit is wrong "
-            f"({arg('units')}), or it is another body's: leave out {arg('position')} then"
+            f"{arg('velocity')}: {number}: is {ratio:.3g} times the slope of the position; a sign or a unit ({arg('units')}) "
+            f"is wrong, or it is the velocity of another body (then leave out {arg('position')})"
         )
 
 
 def disagreement(runs: Iterable[tuple[Array, Array, Array]]) -> float | None:
-    """How many times the position's slope a velocity is, by runs of time, position and velocity; None where it is the slope.
+    """The ratio of a velocity to the slope of the position, or None if both agree.
 
-    Way made over fifty rows is compared, in which noise counts little: as it is, and less its mean, which a tachometer's
-    zero does not touch. Where a wrapped angle jumps nothing is compared.
+    Displacements over fifty rows are compared, so that noise counts little. They are compared also without their means,
+    which a tachometer's zero offset does not change. Intervals in which a wrapped angle jumps are left out.
+
+    Args:
+        runs: time, position and velocity of each run.
     """
     ways, sums = [], []
     for time, x, v in runs:
@@ -144,7 +156,7 @@ def disagreement(runs: Iterable[tuple[Array, Array, Array]]) -> float | None:
 
 
 def _ratio(measured: Array, summed: Array) -> float | None:
-    """How many times the ways by the velocity are those by the position, where the two are alike."""
+    """The ratio of displacements by velocity to those by position, or None if they do not correlate."""
     size = float(np.linalg.norm(measured)) * float(np.linalg.norm(summed))
     alike = float(measured @ summed)
     if size == 0.0 or abs(alike) < _ALIKE * size:
@@ -152,9 +164,12 @@ def _ratio(measured: Array, summed: Array) -> float | None:
     return float(np.linalg.norm(summed)) / float(np.linalg.norm(measured)) * float(np.sign(alike))
 
 
-def _without_glitches(columns: dict[str, Array], runs: list[slice], number: str, notes: list[str]) -> None:
-    """Put cubics in place of single values of the motion that stand out of it for one row and no longer, as no body moves: a
-    lost bit, a light that flickered. A jump and a kink leave another trace in the differences, and stay."""
+def _replace_motion_outliers(columns: dict[str, Array], runs: list[slice], number: str, notes: list[str]) -> None:
+    """Replace isolated outliers of position and velocity by cubic interpolation.
+
+    Such an outlier lasts one row and is no motion of a body: a lost bit, or a disturbed optical encoder. A jump or a kink
+    has another pattern of differences and stays.
+    """
     for role in ("position", "velocity"):
         if role not in columns:
             continue
@@ -165,15 +180,17 @@ def _without_glitches(columns: dict[str, Array], runs: list[slice], number: str,
             columns[role] = columns[role] - off
             first = columns["time"][np.flatnonzero(off)[0]]
             notes.append(
-                f"{number}: {role}: {count} single rows stand out of the motion by up to {np.max(abs(off)):.3g} (first at "
-                f"{first:.6g} s): cubics through the rows beside in their place"
+                f"{number}: {role}: {count} isolated outliers of up to {np.max(abs(off)):.3g} (first at {first:.6g} s) "
+                "were replaced by cubic interpolation"
             )
 
 
 def _glitches(x: Array) -> Array:
-    """By how much single values, or two close to each other, stand out of a run; 0 for the others, and for all where they are
-    many."""
-    glitches, off = np.zeros(len(x)), _beside_cubic(x)
+    """The sizes of the outliers of a run, 0 for all other rows.
+
+    An outlier is a single value, or two that are close to each other. If outliers are frequent, all sizes are 0.
+    """
+    glitches, off = np.zeros(len(x)), _distance_from_cubic(x)
     usual = max(1.4826 * float(np.median(abs(off))), float(np.quantile(abs(off), 0.95)) / 1.96)
     far = abs(off) > _GLITCH * usual
     if not 0 < np.count_nonzero(far) < 3 * _RARE * len(x):
@@ -189,7 +206,7 @@ def _glitches(x: Array) -> Array:
 
 
 def _explained(off: Array, places: tuple[int, ...], usual: float) -> dict[int, float] | None:
-    """The sizes of glitches at these places, if they explain what the rows around show down to its noise."""
+    """The sizes of outliers at these places, or None if they do not explain the rows around them down to the noise."""
     first, last = min(places) - 2, max(places) + 3
     if first < 0 or last > len(off):
         return None
@@ -203,14 +220,16 @@ def _explained(off: Array, places: tuple[int, ...], usual: float) -> dict[int, f
     return dict(zip(places, sizes.tolist(), strict=True))
 
 
-def _beside_cubic(x: Array) -> Array:
-    """How far each value, but for two at either end, lies beside a cubic through the two before and the two behind it; a value
-    that is off by 1 shows as 1, with -2/3 to each side."""
+def _distance_from_cubic(x: Array) -> Array:
+    """The distance of each value from a cubic through its two neighbors on each side; two values at each end have none.
+
+    An outlier of 1 has the distance 1, and its neighbors have -2/3.
+    """
     return np.asarray(x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6)
 
 
-def _without_spikes(columns: dict[str, Array], number: str, notes: list[str]) -> None:
-    """Put straight lines in place of single forces far beyond all others: a plug, a bit."""
+def _replace_force_outliers(columns: dict[str, Array], number: str, notes: list[str]) -> None:
+    """Replace isolated outliers of the force, as of a loose plug or a lost bit, by linear interpolation."""
     force = columns["force"]
     thin = force[:: max(len(force) // MANY_ROWS, 1)]
     middle = float(np.median(thin))
@@ -220,8 +239,8 @@ def _without_spikes(columns: dict[str, Array], number: str, notes: list[str]) ->
     if usual > 0.0 and 0 < len(spikes) < _RARE * len(force):
         largest = float(np.max(abs(force[spikes])))
         notes.append(
-            f"{number}: force: {len(spikes)} single rows of up to {largest:.3g} beyond all others ({usual:.3g} about the middle; "
-            f"first at {columns['time'][spikes[0]]:.6g} s): straight lines in their place"
+            f"{number}: force: {len(spikes)} isolated outliers of up to {largest:.3g} ({usual:.3g} is usual; first at "
+            f"{columns['time'][spikes[0]]:.6g} s) were replaced by linear interpolation"
         )
         kept = np.delete(np.arange(len(force)), spikes)
         columns["force"] = force.copy()
@@ -229,7 +248,7 @@ def _without_spikes(columns: dict[str, Array], number: str, notes: list[str]) ->
 
 
 def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[str]) -> list[slice]:
-    """The rows between breaks and stretches of bad sensors, as far as they are many enough."""
+    """The runs between breaks, without the rows of stuck or clipped sensors, if they are long enough."""
     bad = _clipped(columns, number, notes)
     bad |= _stuck(columns, number, notes, bad)
     breaks = breaks | (bad[1:] != bad[:-1])
@@ -237,31 +256,31 @@ def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[st
     pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
     runs = [r for r in pieces if r.stop - r.start >= FEWEST]
     if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST):
-        notes.append(f"{number}: {lost} rows stand in pieces shorter than {FEWEST} rows and were left out")
+        notes.append(f"{number}: {lost} rows were left out, in pieces shorter than {FEWEST} rows")
     if not runs:
-        raise InputError(f"{arg('data')}: {number}: no {FEWEST} rows stand together in one run without a gap")
+        raise InputError(f"{arg('data')}: {number}: no run without a gap has {FEWEST} rows")
     return runs
 
 
 def _jitter(time: Array) -> float:
-    """How far times are from an even grid of their own, in steps."""
+    """The largest distance of the times from an even grid, in steps."""
     step = float(time[-1] - time[0]) / (len(time) - 1)
     blocks = range(0, len(time), MANY_ROWS)
     off = (time[b : b + MANY_ROWS] - time[0] - step * np.arange(b, min(b + MANY_ROWS, len(time))) for b in blocks)
     return max(float(np.max(abs(x))) for x in off) / step
 
 
-def _enough(columns: dict[str, Array], number: str) -> None:
+def _require_rows(columns: dict[str, Array], number: str) -> None:
     rows = len(columns["time"])
     if rows < FEWEST:
         raise InputError(f"{arg('data')}: {number}: has {rows} rows; a fit needs {FEWEST} or more")
 
 
-def _possible(columns: dict[str, Array], number: str) -> None:
-    """Refuse values whose squares are no numbers any more.
+def _require_magnitudes(columns: dict[str, Array], number: str) -> None:
+    """Check that the squares of all values are finite.
 
     Raises:
-        InputError: a line for each such column.
+        InputError: a line for each column that is too large or too small.
     """
     wrong = [f"{arg(role)}: {number}: {text}" for role, x in columns.items() if (text := impossible(x))]
     if wrong:
@@ -269,7 +288,7 @@ def _possible(columns: dict[str, Array], number: str) -> None:
 
 
 def impossible(x: Array) -> str | None:
-    """What is wrong with the magnitude of a column (SI), or None."""
+    """The fault in the magnitude of a column (SI), in words, or None."""
     with np.errstate(all="ignore"):
         peak = float(np.nanmax(abs(x)))
     if not peak or 1 / LARGEST <= peak <= LARGEST:
@@ -279,10 +298,10 @@ def impossible(x: Array) -> str | None:
 
 
 def unwrapped(time: Array, angle: Array) -> tuple[Array, int]:
-    """A wrapped angle (rad) without its jumps, and their number; 0 of an angle that is not wrapped.
+    """An angle (rad) without the jumps of wrapping, and the number of these jumps.
 
-    A wrapped angle never leaves one turn, but for a step that noise and rounding add. Where it jumps by more than half a turn,
-    the unwrapped motion is at most twice as fast as elsewhere; any other jump is a slip.
+    A wrapped angle stays within one turn, apart from a step due to noise and rounding. At a wrap the unwrapped motion is at
+    most twice as fast as elsewhere; any other jump is a slip of the sensor.
     """
     there = np.isfinite(angle) & np.isfinite(time)
     x, apart = angle[there], np.diff(time[there])
@@ -298,22 +317,21 @@ def unwrapped(time: Array, angle: Array) -> tuple[Array, int]:
     return whole, int(np.sum(wraps))
 
 
-def of_turns(turns: int) -> list[str]:
-    """What to say of an angle that was unwrapped."""
-    return [f"begins anew after each turn, {turns} times; read as one that goes on"] if turns else []
+def unwrapping_note(turns: int) -> list[str]:
+    """The note for the user that an angle was unwrapped."""
+    return [f"wraps after each turn, {turns} times; it was unwrapped"] if turns else []
 
 
-def wild(x: Array) -> str | None:
-    """What is wrong with a column (SI) of which single samples are far beyond all others, or None: whoever simulates with one
-    takes steps as small as it is large."""
+def isolated_outliers(x: Array) -> str | None:
+    """The isolated outliers of a column (SI), in words, or None. A simulation with one would need extremely small steps."""
     size = abs(x[np.isfinite(x)])
-    usual = float(np.quantile(size, _ALL_BUT, method="lower"))
-    far = size > (_WILD * usual if usual else _WILDEST)
+    usual = float(np.quantile(size, _QUANTILE, method="lower"))
+    far = size > (_OUTLIER * usual if usual else _OUTLIER_OF_ZEROS)
     alone = np.flatnonzero(far & ~np.append(False, far[:-1]) & ~np.append(far[1:], False))
     if not len(alone):
         return None
-    text = f"{len(alone)} single samples of up to {size[alone].max():.3g} beyond all others ({usual:.3g} or less)"
-    return f"{text}: must be mended, or left empty"
+    text = f"{len(alone)} isolated outliers of up to {size[alone].max():.3g} (other samples reach {usual:.3g})"
+    return f"{text}: correct them or leave their cells empty"
 
 
 def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> dict[str, Array]:
@@ -322,17 +340,21 @@ def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> 
         empty = ~np.isfinite(x)
         if count := int(empty.sum()):
             if count > len(x) / 2:
-                raise InputError(f"{arg(role)}: {number}: {count} of {len(x)} cells are empty or no finite numbers")
-            notes.append(f"{number}: {role}: {count} cells are empty or no finite numbers; their rows were left out")
+                raise InputError(f"{arg(role)}: {number}: {count} of {len(x)} cells are empty or not finite")
+            notes.append(f"{number}: {role}: {count} cells are empty or not finite; their rows were left out")
             keep &= ~empty
     if not keep.any():
-        raise InputError(f"{arg('data')}: {number}: no row has a number in each of its columns: {', '.join(columns)}")
+        raise InputError(f"{arg('data')}: {number}: no row has a finite value in every column ({', '.join(columns)})")
     return columns if keep.all() else {role: x[keep] for role, x in columns.items()}
 
 
 def _repeats(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], float, int]:
-    """First rows and lengths of the stretches of one value, two rows or longer; the usual length (nine in ten stretches
-    are no longer), and the number of stretches of any length."""
+    """Stretches of one repeated value.
+
+    Returns:
+        First rows and lengths of the stretches of two rows or more; the usual length, which 90 % of all stretches do not
+        exceed; and the number of stretches of any length.
+    """
     same = x[1:] == x[:-1]
     edges = np.flatnonzero(np.diff(same, prepend=False, append=False))
     starts, lengths = edges[::2], edges[1::2] - edges[::2] + 1
@@ -342,7 +364,7 @@ def _repeats(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], float, int]:
 
 
 def _stuck(columns: dict[str, Array], number: str, notes: list[str], known: Mask) -> Mask:
-    """A sensor that repeats one value for long, though it does not do so by its nature and the body moves."""
+    """Rows of a stuck sensor: one value for many samples while the body moves, though the sensor usually changes."""
     bad = np.zeros(len(columns["time"]), bool)
     motion = columns["position"] if "position" in columns else np.cumsum(columns["velocity"])
     for role in ("force", "velocity", "load", "pressure"):
@@ -361,8 +383,8 @@ def _stuck(columns: dict[str, Array], number: str, notes: list[str], known: Mask
         rows = int(sum(lengths[i] for i in long))
         first = columns["time"][starts[long[0]]]
         notes.append(
-            f"{number}: {role}: the sensor repeats one value while the body moves, {rows} rows in all "
-            f"(first at {first:.6g} s); the log is cut there, without them"
+            f"{number}: {role}: the sensor is stuck at one value while the body moves, in {rows} rows "
+            f"(first at {first:.6g} s); these rows were left out and the log was split there"
         )
         for i in long:
             bad[starts[i] : starts[i] + lengths[i]] = True
@@ -370,7 +392,7 @@ def _stuck(columns: dict[str, Array], number: str, notes: list[str], known: Mask
 
 
 def _clipped(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
-    """A sensor at the end of its range: its largest or smallest value again and again, and not by coarse steps."""
+    """Rows of a clipped sensor: it repeats its largest or smallest value, and not because of coarse quantization."""
     bad = np.zeros(len(columns["time"]), bool)
     for role in ("force", "velocity"):
         x = columns.get(role)
@@ -386,7 +408,7 @@ def _clipped(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
             if rows:
                 notes.append(
                     f"{number}: {role}: clipped at its {word} value {end:.6g} in {rows} rows "
-                    f"(first at {columns['time'][starts[at[0]]]:.6g} s); the log is cut there, without them"
+                    f"(first at {columns['time'][starts[at[0]]]:.6g} s); these rows were left out and the log was split there"
                 )
                 for i in at:
                     bad[starts[i] : starts[i] + lengths[i]] = True

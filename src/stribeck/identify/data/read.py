@@ -20,11 +20,11 @@ from stribeck.recorded import Source, listed, no_column, opened
 
 @dataclass(frozen=True)
 class ColumnNames:
-    """Which column of a file is what.
+    """The roles of the columns of a file.
 
     Attributes:
         names: the column's name in the file by role: time, position, velocity, acceleration, force, load, pressure,
-            command, run. The columns of a CSV file without a head are called 1, 2, 3, ...
+            command, run. The columns of a CSV file without a header are called 1, 2, 3, ...
         units: the unit of a column by its name; SI unless given.
         force_gain: force per unit of the force column: a number, or the name of a constant in the file.
     """
@@ -34,15 +34,15 @@ class ColumnNames:
     force_gain: float | str | None = None
 
     def over(self, other: ColumnNames) -> ColumnNames:
-        """These where given, the other's elsewhere."""
+        """These names, units and gain, completed by the other's."""
         gain = self.force_gain if self.force_gain is not None else other.force_gain
         return ColumnNames({**other.names, **self.names}, {**other.units, **self.units}, gain)
 
 
 def beside(path: Path) -> ColumnNames:
-    """The columns that the TOML file of the same name beside the data names: [columns], [units] and force_gain.
+    """The columns in the TOML file of the same name as the data: [columns], [units] and force_gain.
 
-    A file that states a schema is a scenario or a machine, and describes no log.
+    A file with a schema is a scenario or a machine, and describes no log.
 
     Raises:
         InputError: the file cannot be read or holds something else.
@@ -84,22 +84,22 @@ def named_in(source: Source, columns: ColumnNames) -> ColumnNames:
 
 
 def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str, Array]:
-    """The columns of a file or table by role, in SI units, as long as each other; NaN where a cell is empty.
+    """The columns of a file or table by role, in SI units and of equal length; NaN for an empty cell.
 
     Args:
         data: a file or table.
-        columns: which of its columns is what.
-        needs_force: refuse a record without a force.
+        columns: the roles of its columns.
+        needs_force: whether a force column is required.
 
     Raises:
-        InputError: the file or a column is not there, or holds no numbers; an unknown unit; a line for each problem.
+        InputError: a file or column is missing or not numeric, or a unit is unknown; a line for each problem.
     """
     source = opened(data)
     return read_named(source, named_in(source, columns), needs_force)
 
 
 def read_named(source: Source, columns: ColumnNames, needs_force: bool = True) -> dict[str, Array]:
-    """As :func:`read`, of an open file or table, with the columns that :func:`named_in` has completed."""
+    """Like :func:`read`, for an open file or table whose columns :func:`named_in` has completed."""
     used, problems = set(columns.names.values()), _missing(columns, source, needs_force)
     wanted = {role: name for role, name in columns.names.items() if name in source.names}
     problems += [no_column(role, name, source) for role, name in columns.names.items() if role not in wanted]
@@ -118,7 +118,7 @@ def read_named(source: Source, columns: ColumnNames, needs_force: bool = True) -
         raise InputError(problems)
     values = source.columns(wanted)
     if (arrow := sys.modules.get("pyarrow")) is not None:
-        arrow.default_memory_pool().release_unused()  # it would keep as much as the columns take
+        arrow.default_memory_pool().release_unused()  # else it keeps as much memory as the columns need
     if "force" in factors:
         factors["force"] *= gain
     for role, column in values.items():
@@ -127,12 +127,12 @@ def read_named(source: Source, columns: ColumnNames, needs_force: bool = True) -
         if factors[role] != 1.0:
             with np.errstate(over="ignore"):
                 np.multiply(column, factors[role], out=column)
-        column[np.isinf(column)] = np.nan  # no number either
+        column[np.isinf(column)] = np.nan  # no measurement either
     return values
 
 
 def _missing(columns: ColumnNames, source: Source, needs_force: bool) -> list[str]:
-    """What must be named and is not."""
+    """A message for each required column that is not named."""
     there, problems = f"({source.path} has {listed(source.names)})", []
     if "time" not in columns.names:
         problems.append(f"{arg('time')}: must be given, the name of the time column {there}")

@@ -1,11 +1,11 @@
-"""The smoother of a measured motion: its order and its cut-off are the likeliest of the record.
+"""The smoother of a measured motion, with the order and the cut-off that are most likely for the record.
 
 Let the n-th derivative of the motion be white noise, and let the measurement add white noise. Then the Kalman smoother gives
 the best estimate of the motion. Inside a long record it is a Butterworth filter of order n that runs forwards and backwards.
 Its cut-off is the frequency at which motion and noise have the same spectral density. The likelihood of Gaussian noise is
-largest where the one-step prediction errors of the Kalman filter are least (Harvey 1989, Forecasting, Structural Time Series
-Models and the Kalman Filter, 3.4). A speed that jumps has a low order, a smooth motion the highest. The noise is at least that
-of rounding, which a slow motion does not show.
+largest where the one-step prediction errors of the Kalman filter are least.
+See Harvey (1989), Forecasting, Structural Time Series Models and the Kalman Filter, 3.4. A speed that jumps has a low
+order, a smooth motion the highest. The noise is at least that of quantization, which a slow motion does not show.
 """
 
 from __future__ import annotations
@@ -20,20 +20,21 @@ from scipy.optimize import minimize_scalar
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import HIGHEST, ORDER, SETTLED
 
-_SETTLES = 0.25  # of the longest run, the most that may pass until the filter has settled
-LOOK = 1 << 18  # samples that are predicted: the cut-off is known long before
-_STEP, _CLOSE = 1.3, 0.01  # from one cut-off of the first look to the next; of a cut-off, where the search ends
-_WHOLE = 0.1  # of a step of an encoder: what a unit's conversion leaves of whole numbers
-_FAINT, _REAL, _LEAST = 1e-6, 1e-12, 1e-300  # of a motion, a pole, a square: 0 but for rounding
+_SETTLES = 0.25  # of the longest run: the longest time in which the filter may settle
+LOOK = 1 << 18  # samples that are predicted: fewer already determine the cut-off
+_STEP, _CLOSE = 1.3, 0.01  # ratio of the cut-offs on the first grid; relative error at which the search ends
+_WHOLE = 0.1  # of an encoder step: rounding of the unit conversion
+_FAINT, _REAL, _LEAST = 1e-6, 1e-12, 1e-300  # zero except for rounding: of a motion, a pole, a square
 _SEGMENT = 4096  # samples of a segment of the spectrum: it resolves 0.25 Hz at 1 kHz
 
 
 class Smoother(NamedTuple):
-    """The likeliest filter of a motion.
+    """The most likely filter of a motion.
 
     Attributes:
-        order: the derivative of the motion that is taken as white noise.
-        cutoff: where motion and noise are equally strong, Hz; ``noise``: its spectral density.
+        order: the derivative of the motion that is modeled as white noise.
+        cutoff: frequency at which motion and noise have the same spectral density, Hz.
+        noise: spectral density of the noise.
     """
 
     order: int
@@ -42,7 +43,7 @@ class Smoother(NamedTuple):
 
 
 def likeliest(runs: Sequence[Array], step: float) -> Smoother:
-    """The smoother under which the runs of a motion are likeliest; ``step``: between samples, s."""
+    """The maximum-likelihood smoother of the runs of a motion; ``step``: between samples, s."""
     highest, longest = HIGHEST / step, max(map(len, runs)) * step
     ends = min(SETTLED / (_SETTLES * longest), highest), highest
     some = _shortened(runs)
@@ -53,15 +54,15 @@ def likeliest(runs: Sequence[Array], step: float) -> Smoother:
 def _of_order(
     order: int, runs: Sequence[Array], step: float, ends: tuple[float, float], least: float
 ) -> tuple[float, Smoother]:
-    """The deviance of the likeliest cut-off between ends (Hz), and its smoother; ``least``: variance of the noise."""
+    """The least deviance for cut-offs between ends (Hz), and its smoother; ``least``: least variance of the noise."""
     differences = [np.diff(x, order) for x in runs]
 
     def deviance(log_cutoff: float) -> tuple[float, float]:
-        """Also the variance of the noise: the least, or what the prediction errors tell."""
+        """The deviance, and the variance of the noise by the prediction errors, or the least."""
         cutoff = float(np.exp(log_cutoff)) * step
         poles = _poles(order, cutoff)
         errors, gain = (
-            _missed(differences, poles),
+            _prediction_error(differences, poles),
             np.prod(abs(1 - poles)) ** 2 / (2 * np.sin(np.pi * cutoff)) ** (2 * order),
         )
         noise = max(errors * float(gain), least)
@@ -77,7 +78,7 @@ def _of_order(
 
 
 def encoder_step(runs: Sequence[Array]) -> float:
-    """The step of a motion's encoder, or of its digits; 0 if not all changes are multiples of the least one."""
+    """The quantization step of a motion, or 0 if not all changes are multiples of the smallest."""
     changes = np.concatenate([abs(np.diff(x)) for x in _shortened(runs)])
     if not changes.any():
         return 0.0
@@ -87,7 +88,7 @@ def encoder_step(runs: Sequence[Array]) -> float:
 
 
 def _shortened(runs: Sequence[Array]) -> list[Array]:
-    """As many runs as are looked at."""
+    """The first samples of all runs, at most ``LOOK``."""
     ends = np.cumsum([len(x) for x in runs])
     return [x[: LOOK - (end - len(x))] for x, end in zip(runs, ends, strict=True) if end - len(x) < LOOK]
 
@@ -103,14 +104,14 @@ def _poles(order: int, cutoff: float) -> Array:
     return np.asarray(np.where(abs(half - root) < 1, half - root, half + root))
 
 
-def _missed(differences: Sequence[Array], poles: Array) -> float:
+def _prediction_error(differences: Sequence[Array], poles: Array) -> float:
     """The mean square of the one-step prediction errors, from differences of the motion.
 
-    The errors before a run are unknown. What they would change is a sum of the filter's own motions, and is taken away.
+    The errors before a run are unknown. Their effect is a sum of the filter's free responses, and is projected out.
     """
     sections, total, count = signal.zpk2sos(np.zeros(len(poles)), poles, 1.0), 0.0, 0
     lasts = 1 + int(np.log(_FAINT) / np.log(abs(poles).max()))
-    above = poles[poles.imag > -_REAL]  # of a pair one
+    above = poles[poles.imag > -_REAL]  # one of each conjugate pair
     for x in differences:
         errors = signal.sosfilt(sections, x)
         own = above ** np.arange(min(len(x), lasts))[:, None]
@@ -121,7 +122,7 @@ def _missed(differences: Sequence[Array], poles: Array) -> float:
 
 
 def spectrum(runs: Sequence[Array], step: float) -> tuple[Array, Array]:
-    """Frequencies (Hz) and power spectral density in sixths of an octave, of the longest run; trends do not leak into it."""
+    """Frequencies (Hz) and power spectral density of the longest run, in sixths of an octave and without trends."""
     rate = np.diff(max(runs, key=len)[:LOOK]) / step
     f, p = signal.welch(signal.detrend(rate), 1 / step, nperseg=min(len(rate), _SEGMENT))
     f, p = f[1:], p[1:]

@@ -31,10 +31,10 @@ def known_units(role: str) -> Mapping[str, float]:
 
 
 def with_counts(units: Mapping[str, str], counts: float | None) -> dict[str, str]:
-    """The units of columns, with an encoder's ``counts`` as the part of a turn that they are: ``rev/2000``.
+    """The units of columns, with an encoder's ``counts`` as fractions of a turn: ``rev/2000``.
 
     Raises:
-        InputError: counts a turn are missing, not wanted, or no whole number above 0.
+        InputError: counts a turn are missing, unused, or not a whole number above 0.
     """
     counted = {column for column, unit in units.items() if _COUNT.match(unit)}
     if counts is None:
@@ -51,10 +51,10 @@ def with_counts(units: Mapping[str, str], counts: float | None) -> dict[str, str
 
 
 def factor(role: str, column: str, unit: str) -> float:
-    """What a column in ``unit`` is multiplied by to be in SI.
+    """The factor from ``unit`` to SI.
 
     Raises:
-        InputError: no such unit, or one that does not measure this.
+        InputError: no such unit, or a unit of another quantity.
     """
     known = _KNOWN[role]
     if (part := _PART.match(unit)) and int(part[1]) > 0 and (whole := f"rev{unit[part.end() :]}") in known:
@@ -71,10 +71,10 @@ def factor(role: str, column: str, unit: str) -> float:
 
 
 def is_rotary(unit: str) -> bool:
-    """True for an angle or its rate: the machine turns."""
+    """True for a unit of an angle or of its rate."""
     return unit == "rpm" or unit.partition("/")[0] in ANGLE
 
 
 def is_drive(unit: str) -> bool:
-    """True for a current or a voltage, which a gain turns into a force."""
+    """True for a unit of current or voltage, which needs a gain to force."""
     return unit in DRIVE

@@ -1,1 +1,1 @@
-"""What a log shows by itself: levels, stretches, rough values."""
+"""Features of a log before any fit: friction level, rest, initial values."""

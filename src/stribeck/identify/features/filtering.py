@@ -1,4 +1,4 @@
-"""The motion as it might be as well: behind a lower cut-off, and with its noise once more."""
+"""Variants of a log that show the effect of noise and of the filter on estimates."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.log import Log
 
-_LOWER = float(np.sqrt(0.5))  # of the cut-off: a filter's bias, which goes with its inverse square, is then doubled
-_MEDIAN = 0.6745  # of a normal number's size, by its deviation
-_DRAWS = 6  # of the motion's noise: these tell a deviation to 30 %
+_LOWER = float(np.sqrt(0.5))  # of the cut-off: doubles a filter's bias, which goes with its inverse square
+_MEDIAN = 0.6745  # of the absolute value of a normal variable, in standard deviations
+_DRAWS = 6  # of the motion's noise: six draws give a standard deviation to 30 %
 
 
 def other_motions(log: Log) -> dict[str, list[Log]]:
-    """By cause, the record as it might be as well, if its motion was filtered: with its noise once more, and filtered lower."""
+    """Variants of a log with a filtered motion, by cause: noise added once more, and a lower cut-off."""
     if log.bandwidth is None:
         return {}
     rng, deviation = np.random.default_rng(0), noise(log)
@@ -28,12 +28,12 @@ def other_motions(log: Log) -> dict[str, list[Log]]:
 
 
 def noise(log: Log) -> float:
-    """The standard deviation of white noise of the measured motion; 0 where no spectrum tells it."""
+    """The standard deviation of white noise of the measured motion, or 0 if its spectrum is unknown."""
     return math.sqrt(log.spectrum[2] / (2 * log.step)) if log.spectrum is not None else 0.0
 
 
 def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
-    """The noise of a column's pieces, by the median of their differences of this order, which few that are large do not move."""
+    """The noise of a column's pieces, from the median of their differences of this order, which is robust to outliers."""
     differences = np.concatenate([np.diff(x, order) for x in parts])
     return (
         float(np.median(abs(differences))) / _MEDIAN / math.sqrt(math.comb(2 * order, order))
@@ -43,7 +43,7 @@ def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
 
 
 def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
-    """The record with the noise of its motion once more, behind the same filter."""
+    """The log with filtered noise of the same density added to its motion."""
     assert log.bandwidth is not None
     position, velocity, acceleration = log.position.copy(), log.velocity.copy(), log.acceleration.copy()
     by_position = log.sources.get("unfiltered") == "position"
@@ -60,14 +60,14 @@ def _noisier(log: Log, deviation: float, rng: np.random.Generator) -> Log:
 
 
 def smoother_log(log: Log) -> Log:
-    """The log with position, velocity and acceleration of a lower cut-off."""
+    """The log with position, velocity and acceleration at a lower cut-off."""
     assert log.bandwidth is not None
     motion = {n: _smoothed(log, getattr(log, n), log.bandwidth) for n in ("position", "velocity", "acceleration")}
     return log.with_columns(**motion, bandwidth=_LOWER * log.bandwidth)
 
 
 def _smoothed(log: Log, x: Array, bandwidth: float) -> Array:
-    """A column of this bandwidth with a lower cut-off, as it is at the ends of runs."""
+    """A column of this bandwidth at a lower cut-off; the ends of runs stay unchanged."""
     smoothed = x.copy()
     edge = round(1 / (bandwidth * log.step))
     for rows in log.runs():

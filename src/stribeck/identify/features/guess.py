@@ -1,4 +1,4 @@
-"""Where to start: rough values of a law's constants from a log, and the ranges they may have."""
+"""Initial values of a law's constants from a log, and their search ranges."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from stribeck.identify.log import STILL, Log
 from stribeck.laws.base import Law
 
 _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 % of their number
-RISE = 0.3  # of the friction level: less is noise or inertia
-_FEWEST_AT_REST = 8  # samples, of which a quarter at the edges is left out: a slope takes the rest
-HALF = 0.5  # of the fastest speed: a v_s above it bends the curve over all speeds, which viscous friction does too
-# Of the fastest speed: tried v_s, a factor of 2 apart, as its error squared then fits.
+RISE = 0.3  # of the friction level: a smaller rise is noise or inertia
+_FEWEST_AT_REST = 8  # samples: a quarter at the edges is left out, and the rest determines a slope
+HALF = 0.5  # of the fastest speed: with a larger v_s, the curve cannot be separated from viscous friction
+# Values of v_s on the grid, over the fastest speed: nine values are a factor of 2 apart.
 _BENDS, _PLACES = (1e-3, HALF), 9
-# Of the fastest speed, and of v_s, whose bend it must not hide: the width of the smooth sign.
+# Width of the smooth sign, over the fastest speed; and over v_s, so that it does not hide the Stribeck effect.
 _SIGN, _WITHIN = 0.01, 0.3
-_TYPICAL_BREAK_AWAY = 1e-4  # of the travel, where a log shows no reversal: some 10 um of an axis of 0.1 m
+_TYPICAL_BREAK_AWAY = 1e-4  # of the travel, for a log without reversals: 10 um of an axis of 0.1 m
 
 
 @dataclass(frozen=True)
 class Guess:
-    """A rough value, and the bounds of the search."""
+    """An initial value, and the bounds of the search."""
 
     value: float
     low: float
@@ -33,8 +33,15 @@ class Guess:
 
 @dataclass(frozen=True)
 class Sizes:
-    """Natural sizes of a log: friction level (N), largest speed (m/s), stiffness at rest and after reversals (N/m), travel
-    (m), and the step of its samples (s)."""
+    """Scales of a log.
+
+    Attributes:
+        force: friction level, N.
+        fast: largest speed, m/s.
+        stiffness: at rest and after reversals, N/m.
+        travel: range of the position, m.
+        step: between samples, s.
+    """
 
     force: float
     fast: float
@@ -44,7 +51,7 @@ class Sizes:
 
 
 def sizes_of(log: Log) -> Sizes:
-    """The natural sizes of a log that moves against a force."""
+    """The scales of a log of a body driven against friction."""
     speed, force = abs(log.velocity), log.force
     fast = float(np.max(speed, initial=0.0))
     moving = speed > 0.02 * fast
@@ -55,21 +62,21 @@ def sizes_of(log: Log) -> Sizes:
 
 
 def _reversals(v: Array) -> list[tuple[int, int]]:
-    """First and last row of the motion after each reversal or rest of a run, until the next."""
+    """First and last row of the motion between a reversal or rest of a run and the next one."""
     turns = np.flatnonzero(np.diff(np.sign(v)) != 0).tolist()
     return list(zip(turns, [*turns[1:], len(v) - 1], strict=True)) if turns else []
 
 
 def _stiffness(log: Log, force: Array, level: float) -> float:
-    """The stiffness that a contact shows where it holds: over stretches of rest and after reversals, the upper quartile."""
+    """The stiffness of the contact in presliding: the upper quartile over stretches of rest and reversals."""
     slopes = [*_at_rest(log, force, level), *_after_reversals(log, force, level)]
     if not slopes:
         return level / max(_TYPICAL_BREAK_AWAY * float(np.ptp(log.position)), 1e-12)
-    return float(np.quantile(slopes, 0.75))  # of many reversals some slide at once
+    return float(np.quantile(slopes, 0.75))  # after some reversals the contact slides at once
 
 
 def _at_rest(log: Log, force: Array, level: float) -> list[float]:
-    """Force over way by least squares in each stretch of rest in which the force changes much."""
+    """Force over displacement by least squares, in each stretch of rest with a large change of force."""
     fast = float(np.max(abs(log.velocity)))
     slopes = []
     for rows in log.runs():
@@ -87,16 +94,16 @@ def _at_rest(log: Log, force: Array, level: float) -> list[float]:
 
 
 def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
-    """Force over way on the first half of the rise that follows a reversal, where it takes a few samples."""
+    """Force over displacement in the first half of the rise after each reversal, if it lasts a sample or more."""
     every = rises(log, force, level, _REVERSALS_LOOKED_AT)
     return [rise / way for samples, rise, way in every if way > 0 and samples]
 
 
 def rises(log: Log, force: Array, level: float, most: int) -> Iterator[tuple[int, float, float]]:
-    """After reversals behind which the force rises much: samples, force and way until half of the rise is made.
+    """Samples, force and displacement in the first half of each large rise of the force after a reversal.
 
     Args:
-        most: reversals of a run that are looked at.
+        most: largest number of reversals per run.
     """
     for rows in log.runs():
         y, f = log.position[rows], force[rows]
@@ -108,10 +115,12 @@ def rises(log: Log, force: Array, level: float, most: int) -> Iterator[tuple[int
 
 
 def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array, dict[str, float]]:
-    """Coefficients of the columns ``beside`` friction, and rough values of a Stribeck curve: least squares for some v_s.
+    """Initial values of a Stribeck curve, and the coefficients of other force columns, by least squares for each v_s of a grid.
 
     Args:
-        v: the speed, m/s; ``force``: of friction and the columns, N.
+        v: velocity, m/s.
+        beside: columns of the other forces.
+        force: sum of friction and the other forces, N.
     """
     fast = float(np.max(abs(v), initial=1e-300))
     curves = []
@@ -125,12 +134,12 @@ def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array
         curves.append((float(left @ left), of_beside, {"F_c": F_c, "F_s": F_c + bend, "v_s": v_s, "sigma_2": sigma_2}))
     falling = [each for each in curves if each[2]["F_s"] > each[2]["F_c"] > 0]
     _, of_beside, values = min(falling or curves, key=lambda each: each[0])
-    values["F_s"] = max(values["F_s"], values["F_c"])  # no law has a curve that rises from rest
+    values["F_s"] = max(values["F_s"], values["F_c"])  # F_s >= F_c in every law
     return np.array(of_beside), {n: float(x) for n, x in values.items()}
 
 
 def ranges(law: type[Law], sizes: Sizes, curve: Mapping[str, float]) -> dict[str, Guess]:
-    """A rough value and bounds for each constant of the law that a fit may free; ``curve``: of :func:`steady_curve`."""
+    """An initial value and bounds for each constant that a fit may estimate; ``curve``: of :func:`steady_curve`."""
     f, fast, k = sizes.force, sizes.fast, sizes.stiffness
 
     def rough(name: str, low: float, high: float) -> Guess:
@@ -138,7 +147,7 @@ def ranges(law: type[Law], sizes: Sizes, curve: Mapping[str, float]) -> dict[str
 
     known = {
         "sigma_0": Guess(k, k / 200, k * 200),
-        "sigma_1": Guess(k * sizes.step, k * sizes.step / 300, k * sizes.step * 300),  # else no sample shows it
+        "sigma_1": Guess(k * sizes.step, k * sizes.step / 300, k * sizes.step * 300),  # else invisible
         "sigma_2": rough("sigma_2", 1e-4 * f / fast, 10 * f / fast),
         "F_c": rough("F_c", 0.03 * f, 6 * f),
         "F_s": rough("F_s", 0.05 * f, 10 * f),
