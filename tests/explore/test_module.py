@@ -77,6 +77,9 @@ def test_a_law_takes_from_a_set_what_the_scenarios_own_law_has_not():
     data = Scenario.load(examples.path("stick_slip")).data
     scenario = Scenario({**data, "law": {"name": "dahl", "parameters": own}})
     assert under(scenario, find("lugre")).law.p.numbers == {**parameter_sets.load("canudas1995").values, **own}
+    small = Scenario({**data, "law": {"name": "dahl", "parameters": {"sigma_0": 2e5, "F_c": 0.1}}})
+    law = under(small, find("elastoplastic_majorant")).law
+    assert 0.5 * 0.1 < law.p.z_ba * law.p.sigma_0 < 0.1
 
 
 def test_a_sine_moves_with_its_numbers():

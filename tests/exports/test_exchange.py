@@ -61,6 +61,31 @@ def test_bam_s_models_have_its_friction(model):
     assert back == pytest.approx(MODELS[model])
 
 
+def test_a_joint_that_a_current_drives_has_no_motor():
+    current = {n: x for n, x in PLAIN.items() if n != "R"}
+    data = from_bam({**current, "model": "m1", "actuator": "servo"})
+    assert "motors" not in data
+    data["loads"]["drive"]["signal"] = {"kind": "points", "t": [0.0, 1.0], "value": [0.4, 0.4]}
+    found = simulate(Scenario(data))
+    assert found["drive.f"][-1] == pytest.approx(1.5 * 0.4)
+    back = to_bam(data)
+    assert {n: back[n] for n in current} == pytest.approx(current)
+    assert "R" not in back
+
+
+def test_a_machine_of_another_form_is_no_model_of_bam():
+    data = from_bam({**PLAIN, "model": "m1"})
+    data["contacts"]["friction"]["law"]["name"] = "lugre"
+    with pytest.raises(InputError, match=r"^contacts\.friction\.law\.name: 'lugre': BAM has"):
+        to_bam(data)
+    for missing in ("friction", "joint"):
+        other = {
+            n: {m: x for m, x in table.items() if m != missing} for n, table in data.items() if isinstance(table, dict)
+        }
+        with pytest.raises(InputError, match=f"^{missing}: missing: BAM's models have"):
+            to_bam(other)
+
+
 def test_a_file_becomes_a_machine_that_runs(tmp_path):
     data = {"model": "m1", "actuator": "servo", **MODELS["m1"]}
     (tmp_path / "m1.json").write_text(json.dumps(data))

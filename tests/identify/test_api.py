@@ -87,6 +87,7 @@ def test_messages_name_arguments_and_not_options():
         ("stribeck", {"mass": -1.0}, "mass: -1.0: must be a number from 0"),
         ("lugre_sobczyk", {"free": ("k_v",), "constants": {"k_v": 1e5}}, "k_v: is given with .*constants as well"),
         ("lugre_majorant", {"free": ("smooth_abs",)}, "smooth_abs: is a word, not a number"),
+        ("lugre_majorant", {"free": ("k_w",)}, "free: k_w: law 'lugre_majorant' has no such constant"),
         (None, {"method": "dynamic"}, "method: needs .*law: without one, static laws are compared"),
         (None, {"free": ("k_v",)}, "free: needs .*law"),
         (None, {"constants": {"F_q": 1.0}}, "F_q: no law has such a constant"),
@@ -97,6 +98,30 @@ def test_what_a_law_cannot_be_asked_for(law, options, said):
     with pytest.raises(InputError) as caught:
         asked.check(law) if law else asked.check_without_law()
     assert re.search(said, " ".join(caught.value.problems)), caught.value.problems
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"output": "speed"}, "output: 'speed': must be force"),
+        ({"output": "velocity"}, "output: .*must be given with one law"),
+        ({"law": ["lugre", "lugre_majorant"], "output": "velocity"}, "output: .*must be given with one law"),
+        ({"filter": "none"}, "filter: 'none': must be"),
+        ({"speeds": (0.1, 0.0)}, r"speed: 0\.0: must be above 0"),
+        ({"require": {"F_c": 0.0}}, r"require: F_c: 0\.0: must be a half width above 0"),
+        ({"law": ["stribeck", "stribeck"]}, "law: 'stribeck': given twice"),
+        ({"law": 3}, "law: 3: must be a law's name or several, not a"),
+        ({"law": {"guide": ["stribeck"]}}, "law: .*: laws by contact need logs"),
+        ({"law": "stribeck", "logs": "logs.toml"}, "law: 'stribeck': must be laws by contact with logs"),
+        ({"law": "stribeck", "unknown": {"F_c": {"low": 1.0, "high": 2.0}}}, "unknown: F_c: is found by linear least squares"),
+    ],
+)  # fmt: skip
+def test_what_a_fit_cannot_be_asked_for(options, said):
+    options = {"law": None} | options
+    columns = {} if "logs" in options else COLUMNS
+    with pytest.raises(InputError) as caught:
+        stribeck.fit(table(), **options, **columns)
+    assert re.search(f"^{said}", caught.value.problems[0]), caught.value.problems
 
 
 def test_the_law_of_a_fit_is_the_law_of_its_curve():

@@ -312,7 +312,9 @@ def test_missing_masked_and_huge_cells_of_a_table():
         found = read_columns({"time": T, "F": column}, {"time": "time", "force": "F"})["force"]
         assert not np.isfinite(found[0])
         assert found[1:].tolist() == x[1:]
-    for column in (["1.0", *x[1:]], [[1.0], *x[1:]], [1 + 1j, *x[1:]]):
+    for column in (
+        ["1.0", *x[1:]], pd.Series(["1.0", *x[1:]], dtype=object), [[1.0], *x[1:]], [1 + 1j, *x[1:]],
+    ):  # fmt: skip
         with pytest.raises(InputError):
             read_columns({"time": T, "F": column}, {"time": "time", "force": "F"})
     with pytest.raises(InputError, match="force: 'F': this variable of the table is one value"):

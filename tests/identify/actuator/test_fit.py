@@ -1,5 +1,7 @@
 """Machines whose numbers are known by construction: found, with intervals that hold them; or said not to be told."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -165,6 +167,46 @@ def test_mistakes_in_the_file_are_told_line_by_line(recordings):
         fit_machine(machine(), logs(recordings, [{"file": "run0.csv", "outputs": {"a.q": "y"}}], WANTED))
     with pytest.raises(InputError, match=r"bodies\.a\.mas: no such number.*bodies\.a\.mass"):
         fit_machine(machine(), logs(recordings, ["run0.csv"], {"bodies.a.mas": {"low": 1.0, "high": 2.0}}))
+
+
+RUN, BOUNDS = {"file": "run0.csv"}, {"low": 0.2, "high": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("entry", "wanted", "told"),
+    [
+        (
+            RUN | {"outputs": {"a.y": {"column": "y", "gain": 0.0}}},
+            WANTED,
+            r"log\.0\.outputs\.a\.y\.gain: 0\.0: must be",
+        ),
+        (RUN | {"outputs": {"a.y": {"column": "y", "noise": 1e200}}}, WANTED, "noise: 1e\\+200: must lie between"),
+        (RUN, {MASS: {"low": 1.0}}, r"unknown\.bodies\.a\.mass\.high: missing"),
+        (RUN, {MASS: BOUNDS | {"start": 9.0}}, r"mass\.start: 9\.0: must be a number from low to high"),
+        (RUN, {MASS: {"low": 1e-200, "high": 1e200}}, r"mass\.high: 1e\+200: must lie"),
+        (RUN, {}, "unknown: missing"),
+        (RUN | {"hold_out": True}, WANTED, r"log\.0\.hold_out: true"),
+        (RUN | {"outputs": {"a.y": "z"}}, WANTED, r"log\.0\.outputs\.a\.y: 'z': .*run0\.csv has no such column"),
+        (RUN | {"window": 1e-3}, WANTED, r"log\.0\.window: 0\.001: must be at least"),
+        ({"file": "none.csv"}, WANTED, r"log\.0\.file: .*none\.csv"),
+        ({"file": "few.csv"}, WANTED, r"log\.0\.file: 'few\.csv': has 2 rows"),
+        ({"file": "words.csv"}, WANTED, r"log\.0\.file: .*words\.csv: "),
+        ({"file": "x" * 300 + ".csv"}, WANTED, r"log\.0\.file: .*cannot be read"),
+        (RUN, {"log.3." + MASS: BOUNDS}, r"unknown\.log\.3\.bodies\.a\.mass: log\.3: there are 1 recordings"),
+        (RUN, {"initial.a.y": BOUNDS}, r"unknown\.initial\.a\.y: must begin with log"),
+        (RUN, {"outputs.b.y.offset": BOUNDS}, r"unknown\.outputs\.b\.y\.offset: b\.y: is not measured"),
+        (RUN, {"outputs.a.y.wobble": BOUNDS}, r"unknown\.outputs\.a\.y\.wobble: wobble: must be"),
+        (RUN, {MASS: {"low": -1.0, "high": 5.0}}, r"unknown\.bodies\.a\.mass: "),
+    ],
+    ids=lambda x: x if isinstance(x, str) else "",
+)
+def test_each_mistake_in_the_file_is_told_at_its_place(entry, wanted, told, recordings):
+    (recordings / "few.csv").write_text("t,y,u\n0,0,0\n0.1,0,0\n")
+    (recordings / "words.csv").write_text("t,y,u\n" + "0.1,much,0\n" * 9)
+    with pytest.raises(InputError) as error:
+        coordinates(Scenario(machine()), read_logs(logs(recordings, [entry], wanted)))
+    assert len(error.value.problems) == 1
+    assert re.search(told, error.value.problems[0])
 
 
 def test_gaps_are_told(recordings, tmp_path):

@@ -273,3 +273,29 @@ def test_a_log_of_bam_has_constants_beside_its_columns(tmp_path):
     found = source.columns({"time": "t", "position": "position"})
     np.testing.assert_allclose(found["time"], T, atol=1e-15)
     assert found["position"].tolist() == ELBOW.tolist()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [("{", "is not JSON"), ("[1]", "must be a log of BAM"), ('{"entries": []}', "must be a log of BAM"),
+     ('{"entries": [1]}', "must be a log of BAM"), (None, "cannot be read")],
+)  # fmt: skip
+def test_what_is_no_log_of_bam_is_refused(content, said, tmp_path):
+    if content is not None:
+        (tmp_path / "run.json").write_text(content)
+    with pytest.raises(InputError, match=rf"run\.json': {said}"):
+        opened_log(tmp_path / "run.json", None)
+
+
+def test_a_log_of_bam_may_state_its_times(tmp_path):
+    for times, dt in (({}, {"dt": 0.5}), ({"timestamp": [0.0, 0.5, 1.0]}, {}), ({"t": [0.0, 0.5, 1.0]}, {"dt": 7.0})):
+        rows = [{"position": 1.0, "said": "x", **{n: x[i] for n, x in times.items()}} for i in range(3)]
+        (tmp_path / "run.json").write_text(json.dumps({"entries": rows, **dt}))
+        source = opened_log(tmp_path / "run.json", None)
+        assert source.columns({"time": "t"})["time"].tolist() == [0.0, 0.5, 1.0]
+        assert "said" not in source.names
+    with pytest.raises(InputError, match="has no episodes"):
+        opened_log(tmp_path / "run.json", 0)
+    (tmp_path / "part.db3").touch()
+    with pytest.raises(InputError, match=r"is a part of a rosbag: give the folder"):
+        opened_log(tmp_path / "part.db3", None)

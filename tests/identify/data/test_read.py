@@ -83,8 +83,22 @@ def test_a_scenario_beside_the_data_describes_no_log(tmp_path):
     (tmp_path / "log.toml").write_text(examples.path("machine").read_text(encoding="utf-8"), encoding="utf-8")
     found = read(path, ColumnNames(NAMES, {}, 1.0))
     np.testing.assert_array_equal(found["position"], X)
-    (tmp_path / "log.toml").write_text('[colums]\ntime = "t"\n')
-    with pytest.raises(InputError, match=r"colums: unknown key \(did you mean 'columns'\?\)"):
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[colums]\ntime = "t"\n', r"colums: unknown key \(did you mean 'columns'\?\)"),
+        ('[columns]\ntine = "t"\n', r"columns\.tine: unknown key \(did you mean 'time'\?\)"),
+        ('columns = "t"\n', "columns: 't': must be a table of names"),
+        ("[units]\nt = [1]\n", "units: .*: must be a table of names"),
+        ("force_gain = [1.0]\n", "force_gain: .*: must be a number or the name of a constant"),
+    ],
+)
+def test_a_mistake_in_the_file_beside_the_data_is_told(text, said, tmp_path):
+    path = _csv(tmp_path / "log.csv", _rows())
+    (tmp_path / "log.toml").write_text(text)
+    with pytest.raises(InputError, match=rf"log\.toml: {said}"):
         read(path, ColumnNames(NAMES, {}, 1.0))
 
 
@@ -101,6 +115,7 @@ def test_a_csv_file_without_a_head_has_numbered_columns(tmp_path):
         (ColumnNames({"position": "x", "force": "i"}), "^time: must be given"),
         (ColumnNames({**NAMES, "position": "y"}), "^position: 'y': .* has no such column"),
         (ColumnNames(NAMES, {"x": "kg"}), "^units: 'x=kg': no unit of position"),
+        (ColumnNames(NAMES, {"x": "counts"}), "^units: 'x=counts': must be rev/N"),
         (ColumnNames(NAMES, {"q": "mm"}), "^units: 'q': no column of that name is used"),
         (ColumnNames(NAMES, {"i": "A"}), "^force_gain: must be given"),
         (ColumnNames(NAMES, {}, "nothing"), "^force_gain: 'nothing': must be a number"),
@@ -120,6 +135,7 @@ def test_bad_columns_are_one_clear_line(columns, said, tmp_path):
         ([*_rows()[:300], "0.3,abc,1", *_rows()[301:]], "column 'x' holds text: 'abc'"),
         (_rows()[:3], "has 3 rows; a fit needs 50"),
         ([*_rows()[:200], *_rows()[100:]], "time goes backwards in row 201"),
+        (_rows(t=np.full(400, 2.0)), r"^time: log\.csv: 2 s in every row; must rise"),
         (_rows(f=np.full(400, np.nan)), "400 of 400 cells are empty"),
         (_rows(x=np.full(400, np.inf)), "400 of 400 cells are empty or not finite"),
         (_rows(t=np.where(T > 0.1, np.inf, T)), "cells are empty or not finite"),
@@ -136,11 +152,14 @@ def test_bad_files_are_one_clear_line(rows, said, tmp_path):
     assert len(caught.value.problems) == 1
 
 
-@pytest.mark.parametrize("name", ["empty.csv", "junk.mat", "junk.parquet", "junk.npz", "none.csv", "log.xls"])
+@pytest.mark.parametrize(
+    "name", ["empty.csv", "zero.csv", "junk.mat", "junk.parquet", "junk.npz", "none.csv", "log.xls"]
+)
 def test_files_that_are_none_are_refused(name, tmp_path):
     if name != "none.csv":
-        (tmp_path / name).write_bytes(b"" if "empty" in name else b"no such thing" * 50)
-    with pytest.raises(InputError, match=r"^data: "):
+        (tmp_path / name).write_bytes({"e": b"", "z": b"t,x\n1,\0\n"}.get(name[0], b"no such thing" * 50))
+    said = {"e": ".*: is empty", "z": ".*: is not text"}.get(name[0], "")
+    with pytest.raises(InputError, match=f"^data: {said}"):
         read(tmp_path / name, ColumnNames(NAMES))
 
 

@@ -154,11 +154,12 @@ def test_a_law_that_leaves_half_of_what_a_static_one_does_is_fitted_in_full(monk
 
     def simulated(log, name, options, progress, rough=False):
         asked.append(rough)
-        return SimpleNamespace(stopped=False, error=error)
+        return SimpleNamespace(stopped=False, error=error, rough=rough)
 
     monkeypatch.setattr(bristles, "simulated", simulated)
-    bristles._simulated(None, "lugre", None, 0.1, None)
+    found = bristles._simulated(None, "lugre", None, 0.1, None)
     assert asked == looks
+    assert found.rough is looks[-1]
 
 
 @pytest.mark.thorough
