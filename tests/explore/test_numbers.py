@@ -4,6 +4,7 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.constants import Constant
+from stribeck.explore.measured import _narrower
 from stribeck.explore.numbers import number_of, numbers
 from stribeck.explore.page import _tables
 from tests.scenario.valid_scenarios import VALID
@@ -24,6 +25,10 @@ def test_a_slider_goes_as_far_as_its_number_is_large(value, bounds, size, ends):
     made = number_of("law", "F_c", value, Constant("N", "a force", **bounds), size, "law.F_c", reach=10.0)
     assert (made.low, made.high, made.log) == pytest.approx(ends)
     assert (made.path, made.value, made.unit) == ("law.F_c", value, "N")
+    for share in (1.0, 0.25):
+        narrow = _narrower(made, share * 10.0)
+        wanted = (value / (10 * share), value * 10 * share) if made.log else (value + share * (x - value) for x in ends[:2])
+        assert (narrow.low, narrow.high) == pytest.approx(tuple(wanted))
 
 
 @pytest.mark.parametrize(("count", "short"), [(12, True), (13, False)])

@@ -234,9 +234,10 @@ ARM = """<mujoco><option timestep="2e-4" integrator="RK4" gravity="0 0 0"/>
 def test_a_dcmotor_with_its_lugre_moves_alike_there_and_comes_back(tmp_path):
     mujoco = pytest.importorskip("mujoco")
     path = tmp_path / "arm.xml"
-    path.write_text(ARM.format(DCMOTOR))
-    machine = from_mujoco_file(path)
-    assert set(machine["contacts"]) == {"m_lugre"}
+    for sigma_1 in ("0", "0.3"):
+        path.write_text(ARM.format(DCMOTOR.replace("20 0.3", f"20 {sigma_1}")))
+        machine = from_mujoco_file(path)
+        assert set(machine["contacts"]) == {"m_lugre"}
     assert machine["motors"]["m"]["L"] == pytest.approx(0.002)
     text = to_mujoco(machine)
     assert DCMOTOR.strip() in text

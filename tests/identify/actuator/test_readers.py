@@ -93,6 +93,7 @@ def test_topics_have_their_own_times(name, tmp_path):
     np.testing.assert_allclose(y.x, ELBOW, rtol=1e-12)
     np.testing.assert_allclose(u.t, T[::2] + 0.003, atol=1e-9)  # no header: when it was recorded
     np.testing.assert_allclose(u.x, PUSH, rtol=1e-6)
+    assert opened_log(tmp_path / name, None).columns({"time": "/joints.t"})["time"][0] == 0
 
 
 def test_a_topic_that_is_not_there_and_a_file_that_is_none(tmp_path):
