@@ -10,6 +10,7 @@ import mpmath
 import pytest
 from flint import fmpq
 
+from stribeck_verify import schema
 from stribeck_verify.expressions import Node, Refused, derivative, name, read, replace
 from stribeck_verify.identities import Normal, written_out
 from stribeck_verify.intervals import evaluate
@@ -214,6 +215,50 @@ def test_rules_of_functions_without_bounds(statement, ends, atom, holds):
     except Refused:
         found = False
     assert found is holds
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ([], "no expression"), (None, "no expression"), (3, "no expression"), (["nope", "u"], "no expression"),
+        (["add", "u"], "no expression"), (["add", "u", "w", "u"], "no expression"), ("x", "unknown name"),
+        ("1/0", "no rational number"), ("--1", "no rational number"), ("1e3", "no rational number"),
+        (["add", ["lt", "u", "1"], "w"], "a condition stands"), (["where", "u", "u", "w"], "a condition stands"),
+        (["both", "u", ["lt", "u", "1"]], "a condition stands"), (["where", ["lt", "u", "1"], "u", "w"], None),
+        (["pow", ["sub", "u", "2"], "1/2"], "pow"),
+        (["div", "1", ["sub", "u", "1"]], "a divisor may be 0"), (["log", ["sub", "u", "1"]], "log"),
+    ],
+)  # fmt: skip
+def test_what_is_no_expression_or_has_no_value_is_refused(data, said):
+    box = {"u": (fmpq(0), fmpq(1)), "w": (fmpq(0), None)}
+    if said is None:
+        assert evaluate(read(data, NAMES), box) == (0, None)
+        return
+    with pytest.raises(Refused, match=said):
+        Leaf(Region(box, box, False), []).holds(read(data, NAMES), ">0")
+
+
+@pytest.mark.parametrize(
+    ("check", "right", "wrong"),
+    [
+        (schema._whole(1, 3), [1, 3], [0, 4, True, "2", 2.0, None]),
+        (schema._sign, [1, -1], [0, True, "1", 1.0]),
+        (schema._one_of("a", "b"), ["a", "b"], ["c", ["a"], None]),
+        (schema._within, ["Z", "1/2"], ["z", 1, None]),
+        (schema._formula("u"), ["u", ["mul", "u", "pi"]], ["w", ["lt", "u", "1"]]),
+        (schema._formula("u", condition=True), [["lt", "u", "1"]], ["u", ["lt", "w", "1"]]),
+        (schema._formula("u", condition=None), ["u", ["lt", "u", "1"]], ["w"]),
+        (schema.ends, [["1", "2"], ["-1", "inf"], ["1", "1"]], [["2", "1"], ["inf", "1"], ["1"], "1", None]),
+        (schema._range, [["0", "2"], ["1", "inf"]], [["-1", "2"], ["2", "1"], ["1", "2", "3"]]),
+        (schema._list(schema._sign), [[], [1, -1]], [[1, 0], 1, {}]),
+    ],
+)
+def test_a_field_is_of_its_type(check, right, wrong):
+    for x in right:
+        check(x)
+    for x in wrong:
+        with pytest.raises(Refused):
+            check(x)
 
 
 def test_derivatives_are_those_of_differences():
