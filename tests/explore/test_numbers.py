@@ -27,7 +27,9 @@ def test_a_slider_goes_as_far_as_its_number_is_large(value, bounds, size, ends):
     assert (made.path, made.value, made.unit) == ("law.F_c", value, "N")
     for share in (1.0, 0.25):
         narrow = _narrower(made, share * 10.0)
-        wanted = (value / (10 * share), value * 10 * share) if made.log else (value + share * (x - value) for x in ends[:2])
+        wanted = (
+            (value / (10 * share), value * 10 * share) if made.log else (value + share * (x - value) for x in ends[:2])
+        )
         assert (narrow.low, narrow.high) == pytest.approx(tuple(wanted))
 
 

@@ -204,7 +204,7 @@ def test_a_set_in_a_file_is_found_from_the_folder_of_the_machine_that_is_written
 
 INTERVALS = """
 [parameters]
-F_c = {low = 0.5, high = 1.5}
+F_c = {low = 0.5, high = 2.2}
 "contacts.guide.law.parameters.F_s" = {value = 2.0, low = 1.8, high = 2.4}
 sigma_0 = {value = 1e5}
 sigma_2 = {low = 3.0}
@@ -214,11 +214,11 @@ sigma_2 = {low = 3.0}
 def test_the_intervals_of_a_file_hold_for_each_contact_that_has_the_constant(tmp_path):
     (tmp_path / "fit.toml").write_text(INTERVALS)
     found = uncertainty.friction_intervals(Scenario(axis()), tmp_path / "fit.toml")
-    assert found == {"contacts.guide.law.parameters.F_c": (0.5, 1.5), "contacts.guide.law.parameters.F_s": (1.8, 2.4)}
+    assert found == {"contacts.guide.law.parameters.F_c": (0.5, 2.2), "contacts.guide.law.parameters.F_s": (1.8, 2.4)}
     samples = uncertainty.friction_samples(found)
     F_c, F_s = (samples[path] for path in found)
     assert (F_s >= F_c).all()
-    assert (F_c.min(), F_c.max(), F_s.min(), F_s.max()) == (0.5, 1.5, 1.8, 2.4)
+    assert (F_c.min(), F_c.max(), F_s.min(), F_s.max()) == (0.5, 2.2, 1.8, 2.4)
 
 
 @pytest.mark.parametrize(
