@@ -136,7 +136,7 @@ def simulated(
         InputError: constants are unknown, missing or not allowed; nothing moves.
         StribeckError: the law cannot be simulated along the motion.
     """
-    log = log if len(log) <= ENOUGH_ROWS else in_stretches(log, at_rest(log))[0]
+    log = log if len(log) <= ENOUGH_ROWS else in_stretches(log, at_rest(log), ENOUGH_ROWS)[0]
     model = _model(log, name, options)
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
     doubted = tuple(recordings if rough else _doubted(recordings, log, model))

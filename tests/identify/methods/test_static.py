@@ -220,3 +220,13 @@ def test_data_that_cannot_be_used_are_refused_in_a_line(velocity, force, said):
     with pytest.raises(InputError, match=said) as caught:
         stribeck.fit(_log(velocity, force), "coulomb_viscous")
     assert len(caught.value.problems) == 1
+
+
+def test_a_filtered_start_from_rest_does_not_bias_the_prediction():
+    """A filter moves some of the motion into the rest, whose force is not that of the motion."""
+    draw, t = np.random.default_rng(5), 2e-3 * np.arange(3000)
+    v = np.where(t // 0.75 % 4 < 1, 0.0, np.sin(7 * t) + 0.6 * np.sin(3 * t + 1))
+    force = 2.0 * np.gradient(v, 2e-3) + 8.0 * np.tanh(v / 0.03) + 4.0 * v + 0.05 * draw.standard_normal(len(t))
+    table = {"t": t, "v": v + 1e-3 * draw.standard_normal(len(t)), "F": force}
+    found = stribeck.fit(table, "stribeck_tanh", time="t", velocity="v", force="F")
+    assert found.predictor.body["mass"] == pytest.approx(2.0, rel=0.05)

@@ -1,10 +1,12 @@
 """Predicts the force, separately from identification. Block cross-validation chooses the model.
 
-Candidates are the chosen forms or the law alone. Identification leaves out rows (filtered, thinned,
-about reversals) that bias estimates. A prediction needs all rows, so its coefficients and shapes are fitted again to all
-measured rows in motion. Each stretch of the record is left out in turn, and the choice is repeated on the others. The
-candidate with the least held-out error is used. Forms of the record itself (time, filter) are chosen, so that they do not
-bias the rest, but not used in predictions.
+Candidates are the chosen forms or the law alone. Identification leaves out rows (filtered, thinned, about reversals) that
+bias estimates. A prediction needs all rows, so its coefficients and shapes are fitted again to all measured rows in motion.
+Only rows beside a rest stay out: the motion's filter has mixed them with the rest.
+
+Each stretch of the record is left out in turn, and the choice is repeated on the others. The candidate with the least
+held-out error is used. Forms of the record itself (time, filter) are chosen, so that they do not bias the rest, but not
+used in predictions.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import MANY_ROWS, Log
 from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import LawColumns, body_columns
-from stribeck.identify.models.static_problem import MOST_ROWS, in_stretches
+from stribeck.identify.models.static_problem import MOST_ROWS, beside_rest, in_stretches
 
 FOLDS = 6  # stretches left out in turn
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
@@ -105,7 +107,8 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
     """
     if len(log) > MANY_ROWS:
         log, _ = in_stretches(log, at_rest(log), MANY_ROWS)
-    moving, block = np.flatnonzero(~at_rest(log)), choice.library.record.block
+    rest = at_rest(log)
+    moving, block = np.flatnonzero(~(rest | beside_rest(rest, log))), choice.library.record.block
     if not len(moving):
         moving = np.arange(len(log))
     count = len(choice.library.gram)

@@ -59,9 +59,9 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     share = float(np.mean(rest))
     if share <= _LITTLE_REST or share > 0.98:
         rest[:] = False
-    smeared = _beside(rest, log)
+    smeared = beside_rest(rest, log)
     if len(log) > ENOUGH_ROWS:
-        log, every = in_stretches(log, rest)
+        log, every = in_stretches(log, rest, ENOUGH_ROWS)
         rest, smeared = rest[every], smeared[every]
         notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
     if rest.any():
@@ -77,7 +77,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     return Rows(log, source, q, [why, *notes], kept, np.where((near | smeared)[kept], 0.0, 1.0), rest)
 
 
-def _beside(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
+def beside_rest(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
     """Rows so near a rest that the motion's filter may have moved them there: the force is the rest's. A short motion keeps
     the middle half of it."""
     out = np.zeros(len(rest), bool)
@@ -142,7 +142,7 @@ def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
     return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
 
 
-def in_stretches(log: Log, rest: NDArray[np.bool_], enough: int = ENOUGH_ROWS) -> tuple[Log, NDArray[np.intp]]:
+def in_stretches(log: Log, rest: NDArray[np.bool_], enough: int) -> tuple[Log, NDArray[np.intp]]:
     """Stretches of a long record, ``enough`` rows in all, evenly over what moves of every run, as runs of their own; and which
     rows these are."""
     parts, owner = [], []
