@@ -88,3 +88,18 @@ def test_exact_slopes_would_move_no_number():
     exact = (4 * nearer - near) / 3
     assert spread(J, width) == pytest.approx(spread(exact, width), rel=1e-3)
     assert np.all(abs(left_step(problem, u, r, J) - left_step(problem, u, r, exact)) < 0.02 * spread(exact, width))
+
+
+@pytest.mark.parametrize("by", [None, [1]])
+def test_slopes_go_the_other_way_at_bounds_and_where_nothing_can_be_simulated(by):
+    A = np.array([[1.0, 2.0], [3.0, -1.0], [0.5, 4.0]])
+
+    def residuals(U):
+        return np.where(U[:, :1] > 0.5, np.nan, U @ A.T)
+
+    relations = SimpleNamespace(lower=lambda: np.zeros(0, int))
+    problem = SimpleNamespace(residuals=residuals, low=np.zeros(2), high=np.ones(2), size=3, _relations=relations)
+    U = np.array([[0.5, 0.2], [0.1, 1.0], [0.5, 0.0], [0.495, 0.4]])
+    base, J = MachineProblem.slopes(problem, U, np.full(2, 0.01), by)
+    np.testing.assert_allclose(base, U @ A.T)
+    np.testing.assert_allclose(J, np.repeat(A[None, :, by or [0, 1]], 4, axis=0), rtol=1e-9)
