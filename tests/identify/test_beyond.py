@@ -9,7 +9,7 @@ import pytest
 import stribeck
 from stribeck.errors import InputError
 from stribeck.identify.api import read_log
-from stribeck.identify.beyond import beyond, seen
+from stribeck.identify.beyond import Beyond, beyond, seen
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.result import Fit
@@ -105,3 +105,9 @@ def test_a_range_that_is_none_is_refused(saved, tmp_path, range_):
     (tmp_path / "fit.json").write_text(json.dumps(data), encoding="utf-8")
     with pytest.raises(InputError, match=r"seen.velocity: .*: must be a range"):
         Fit.load(tmp_path)
+
+
+def test_where_nothing_lies_beyond_nothing_is_said():
+    assert Beyond(0, 100, None, 0.1, {}).text() == ""
+    assert "3 rows (3%) lie beyond" in Beyond(3, 100, 0.2, 0.1, {"velocity": (3, (0.0, 1.0), (0.0, 2.0))}).text()
+    assert "(less than 1 %)" in Beyond(3, 1000, 0.2, 0.1, {}).text()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stribeck
+from stribeck.identify import figures
 from stribeck.identify.api import read_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.formula import model_lines
@@ -99,3 +100,8 @@ def test_a_law_with_bristles_has_its_deflection_explained():
     lines = model_lines(stribeck.fit(log.rows(slice(0, 100)), "dahl", starts=1))
     assert any(line.startswith("dz/dt = ") for line in lines)
     assert "z deflection of the bristles (m)" in lines
+
+
+def test_files_stand_behind_each_other_on_the_axis_of_time():
+    assert figures._in_a_row(np.array([0.5, 1.0, 3.0]))[0].tolist() == [0.5, 1.0, 3.0]
+    assert figures._in_a_row(np.array([0.0, 1.0, 3.0, 0.0, 1.0]))[0].tolist() == [0.0, 1.0, 3.0, 3.0, 4.0]

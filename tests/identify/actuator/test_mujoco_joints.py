@@ -73,6 +73,8 @@ def test_what_is_missing_is_told(arm, tmp_path):
         from_mujoco(model, {n: x for n, x in table.items() if n != "elbow.position"})
     with pytest.raises(InputError, match="wrist"):
         from_mujoco(model, table, torques={"wrist": "t"})
+    with pytest.raises(InputError, match="torques: no joint has a torque in every recording"):
+        from_mujoco(model, [table, {n: x for n, x in table.items() if not n.endswith(".torque")}])
     with pytest.raises(InputError, match="evenly sampled"):
         from_mujoco(model, table | {"t": table["t"] ** 1.1})
     (tmp_path / "arm.xml").write_text("<mujoco><nothing/></mujoco>")

@@ -253,6 +253,13 @@ def test_an_episode_of_lerobot(version, tmp_path):
     assert "episode must be given" in missing
     assert "7: there is none (it has 2, from 0)" in none
     assert "log.2.episode: -1: must be a whole number >= 0" in wrong
+    for file, text in (
+        (min((tmp_path / "arm" / "data").rglob("*.parquet")), "torn"),
+        (tmp_path / "arm/meta/info.json", "[]"),
+    ):
+        file.write_text(text)
+        with pytest.raises(InputError, match=r"log\.0\.file: .*arm': .*cannot be read"):
+            read_logs(logs(tmp_path, [{"file": "arm", "episode": 0, **columns}], UNKNOWN))
 
 
 def test_the_units_that_a_file_states_are_used_unless_others_are_given(tmp_path):

@@ -163,6 +163,10 @@ def test_forms_are_those_about_the_optimum_of_the_law_alone_if_that_is_possible(
     assert v_s == pytest.approx(TRUTH["v_s"], rel=1e-6) or not possible
 
 
+def test_slopes_are_taken_about_coefficients_that_are_not_0():
+    assert curve_of("stribeck", {}).anchored([5.0, 0.0]) == {"F_c": 5.0, "rise": 0.5}
+
+
 def test_rows_about_reversals_do_not_count_unless_hardly_another_is_left():
     for log, ringing in ((record(3), 4), (record(3, slow=10, end=4.0), 0)):
         rows = rows_of(log)

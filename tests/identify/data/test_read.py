@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from contextlib import nullcontext
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
@@ -18,7 +19,7 @@ from stribeck.errors import StribeckNote
 from stribeck.identify.api import fit
 from stribeck.identify.data.clocks import released
 from stribeck.identify.data.filters import decimate, low_pass
-from stribeck.identify.data.prepare import Preparation, load_log
+from stribeck.identify.data.prepare import Preparation, _samples, load_log
 from stribeck.identify.data.quality import clean, unwrapped
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.recorded import opened_with
@@ -340,6 +341,18 @@ def test_the_noise_of_files_of_unlike_sampling_is_that_of_their_own_clocks(tmp_p
     for rows in log.runs():
         wrong = log.acceleration[rows] + 0.1 * np.pi**2 * np.sin(np.pi * log.time[rows])
         assert np.std(wrong[200:-200]) < 0.05
+
+
+def test_the_noise_is_that_of_files_that_were_not_resampled_if_there_are_any():
+    def part(resampled):
+        columns = {"time": T, "position": X + resampled}
+        return SimpleNamespace(resampled=resampled, runs=[slice(0, 50), slice(50, 90)], columns=columns, even=True)
+
+    own, other = part(False), part(True)
+    for parts, wanted in (([own, other], [own]), ([other], [other]), ([own, own], [own, own])):
+        found = _samples(parts, "position", 1e-3)
+        expected = [p.columns["position"][run] for p in wanted for run in p.runs]
+        assert [x.tolist() for x in found] == [x.tolist() for x in expected]
 
 
 def test_two_clocks_in_a_file_are_noticed(tmp_path):

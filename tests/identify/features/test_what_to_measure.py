@@ -34,6 +34,11 @@ def test_fast_reversals_have_samples_enough():
     assert at["loop"] < at["loop_fast"]
 
 
+@pytest.mark.parametrize(("v_s", "middle"), [(1e-3, 0.015), (1e-2, 0.1), (0.1, 0.15), (0.2, 0.05), (0.0, 0.05)])
+def test_the_middle_speed_lies_beyond_the_bend_and_below_the_fastest(v_s, middle):
+    assert reachable({**VALUES, "v_s": v_s}, SIZES)["middle"] == pytest.approx(middle)
+
+
 def test_the_smallest_speed_does_not_follow_a_v_s_that_is_nowhere():
     assert reachable({**VALUES, "v_s": 1e-9}, SIZES, {"v_s"})["slowest"] == pytest.approx(1e-3 * SIZES.fast)
     assert reachable(VALUES, SIZES, {"v_s"})["slowest"] == pytest.approx(1e-4)
