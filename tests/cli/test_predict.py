@@ -1,11 +1,14 @@
 """stribeck predict as a user runs it."""
 
 import json
+from functools import reduce
+from operator import getitem
 
 import numpy as np
 import pytest
 
-from stribeck import examples
+from stribeck import Fit, InputError, examples
+from stribeck.identify.saved import text_with_digest
 from stribeck.mouth.cells import percent
 from tests.pages import Page
 
@@ -185,46 +188,33 @@ def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
     assert "is a machine; must be a law on a single body" in found.err
 
 
-@pytest.mark.parametrize(
-    ("part", "value", "told"),
-    [
-        ("values", {"F_c": "x"}, "values.F_c: must be"), ("values", {"F_c": [1]}, "values.F_c: must be"),
-        ("values", {"mass": None}, "values.mass: must be a number"), ("columns", [1], "columns: [1]: must be a table"),
-        ("units", {"v": 3}, "units.v: 3: must be text"), ("cutoff", "x", "cutoff: 'x': must be"),
-        ("cutoff", -4, "cutoff: -4: must be a finite number >= 0"), ("force_gain", [1], "force_gain: [1]: must be"),
-        ("values", {"F_c": 1e308}, "values.F_c: 1e+308: must be at most 1e+30"), ("published", 3, "published: 3: must be"),
-        ("values", {"mass": 1.0}, "fit.json': values.F_c: missing"),
-        ("fit", [1], "fit: [1]: must be a table"), ("files", 3, "files: 3: must be"), ("method", [1], "method: [1]: must be"),
-        ("fit", {"friction_error": -0.1}, "fit.friction_error: -0.1: must be"),
-        ("fit", {"error": 1}, "fit.error: 1: unknown key"),
-        ("fit", {}, "fit.relative_force_error: missing"),
-        ("values", {"mass": 10**400}, "values.mass: must be a number"), ("cutoff", 10**400, "cutoff: a whole number of 401"),
-        ("values", {"mass": float("nan")}, "values.mass: must be a number"), ("force_gain", 10**400, "force_gain: a whole"),
-        ("method", "dynamics", "method: 'dynamics': must be one of static, dynamic"),
-        ("output", "positon", "output: 'positon': must be one of force, position, velocity"),
-        ("data_sha256", 3, "data_sha256: 3: must be text"),
-        ("cut_off", 3.0, "cut_off: 3.0: unknown key (did you mean 'cutoff'?)"), ("format", True, "is no model of a fit"),
-        ("logs", [{"file": "a", "held_out": False, "errors": {"y": {"rms": 10**400, "relative": 0.1}}}],
-         "a table with file, held_out, errors: must be"),
-    ],
-)  # fmt: skip
-def test_a_fit_s_file_that_was_tampered_with_is_refused_in_a_line(stribeck, fitted, tmp_path, part, value, told):
-    data = json.loads((fitted / "out" / "fit.json").read_text())
-    kind = {"kind": "machine"} if part == "logs" else {}
-    (tmp_path / "fit.json").write_text(json.dumps({**data, **kind, part: value}))
-    found = stribeck("predict", fitted / "none.csv", "--fit", tmp_path)
-    assert (found.status, found.out) == (2, "")
-    assert told in found.err
+def leaves(data, path=()):
+    """Every place of a file's data."""
+    yield path
+    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    for key, x in items:
+        yield from leaves(x, (*path, key))
 
 
-def test_a_part_of_a_fit_that_is_missing_is_named(stribeck, fitted, tmp_path):
-    """Without ``published`` the record was read in another way, and without ``cutoff`` filtered in another, unasked."""
-    data = json.loads((fitted / "out" / "fit.json").read_text())
-    for part in data.keys() - {"format", "values", "law", "method"}:
-        (tmp_path / "fit.json").write_text(json.dumps({n: x for n, x in data.items() if n != part}))
-        found = stribeck("predict", fitted / "train.csv", "--fit", tmp_path)
-        assert (found.status, found.out) == (2, "")
-        assert f"fit.json': {part}: missing" in found.err
+def test_a_fit_s_file_that_was_changed_is_refused_in_a_line(stribeck, fitted, tmp_path):
+    """One number less or another, wherever it stands, and the prediction would be another's."""
+    text = (fitted / "out" / "fit.json").read_text()
+    places = [path for path in leaves(json.loads(text)) if path and path[0] != "format"]
+    changes = [lambda part, key: part.pop(key), lambda part, key: part.__setitem__(key, 10**400)]
+    for *above, key in [*places[::9], ("predictor", "body", "sigma_2"), ("law",)]:
+        for change in changes:
+            data = json.loads(text)
+            change(reduce(getitem, above, data), key)
+            (tmp_path / "fit.json").write_text(json.dumps(data))
+            with pytest.raises(InputError, match=r"fit\.json': was changed"):
+                Fit.load(tmp_path)
+    for more in ('"x": ' + "[" * 900 + "]" * 900, '"law": "dahl"'):  # of two of a name the last counts
+        (tmp_path / "fit.json").write_text(f"{text.rstrip()[:-1]}, {more}}}")
+        found = stribeck("predict", fitted / "none.csv", "--fit", tmp_path)
+        assert (found.status, found.out, len(found.err.splitlines())) == (2, "", 1)
+        assert "was changed" in found.err
+    (tmp_path / "fit.json").write_text(json.dumps(dict(reversed(json.loads(text).items()))))
+    assert Fit.load(tmp_path).law_name == Fit.load(fitted / "out").law_name
 
 
 @pytest.mark.parametrize("words", [("--cutoff", "nan"), ("--cutoff", "-1"), ("--set", "mass=nan")])
@@ -241,9 +231,10 @@ def test_a_strangers_fit_executes_no_law_from_elsewhere(stribeck, fitted, tmp_pa
     mine = "from pathlib import Path\nfrom stribeck.laws.static import CoulombViscous as Mine\n"
     (tmp_path / "away" / "mine.py").write_text(f"{mine}Path(r'{tmp_path}', 'executed').touch()\n")
     told = json.loads((fitted / "out" / "fit.json").read_text())
+    del told["digest"]
     monkeypatch.chdir(tmp_path / "here")
     for law in (f"{tmp_path}/away/mine.py:Mine", "../away/mine.py:Mine"):
-        (tmp_path / "fit" / "fit.json").write_text(json.dumps({**told, "law": law}))
+        (tmp_path / "fit" / "fit.json").write_text(text_with_digest({**told, "law": law}))
         found = stribeck("predict", fitted / "train.csv", "--fit", tmp_path / "fit")
         assert (found.status, found.out) == (2, "")
         assert all(word in found.err for word in ("would be executed", "--trust"))

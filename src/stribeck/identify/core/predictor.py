@@ -84,19 +84,12 @@ class Predictor:
 
 
 def of_json(saved: Kept) -> Predictor:
-    """The predictor from fit.json.
-
-    Raises:
-        KeyError, TypeError, ValueError: the content is not a predictor.
-    """
+    """The predictor from fit.json."""
     curve = curve_of(saved["curve"]["law"], saved["curve"]["given"], saved["curve"]["free"])
-    lists = {n: tuple(map(float, saved["at"][n])) for n in ("speeds", "waves", "level_waves")}
-    named = {(str(form), str(column)): float(c) for form, column, c in saved["forms"]}
-    shape, law, body = ({n: float(x) for n, x in saved[part].items()} for part in ("shape", "law", "body"))
-    if set(shape) != set(curve.shapes) or set(law) != set(curve.names):
-        raise ValueError
+    lists = {n: tuple(saved["at"][n]) for n in ("speeds", "waves", "level_waves")}
+    named = {(form, column): c for form, column, c in saved["forms"]}
     anchor = Anchor(curve, **{**saved["at"], **lists})
-    return Predictor(anchor, shape, law, body, named, float(saved["error"]))
+    return Predictor(anchor, saved["shape"], saved["law"], saved["body"], named, saved["error"])
 
 
 def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:

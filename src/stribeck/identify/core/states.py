@@ -89,14 +89,10 @@ class Estimate:
 
     @classmethod
     def of_dict(cls, data: Kept) -> Estimate:
-        """The estimate from the data of :meth:`to_dict`.
-
-        Raises:
-            KeyError, TypeError, ValueError: the data are not an estimate.
-        """
+        """The estimate from the data of :meth:`to_dict`."""
         interval, wide = _ends(data["interval"]), data["range"]
         unit, form, why, experiment = (str(data.get(key, "")) for key in ("unit", "depends_on", "why", "experiment"))
-        value = np.nan if data["estimate"] is None else _double(data["estimate"])
+        value = np.nan if data["estimate"] is None else data["estimate"]
         state = EstimateState(data["state"])
         return cls(value, interval, wide and _ends(wide), state, unit, form, why=why, experiment=experiment)
 
@@ -104,15 +100,7 @@ class Estimate:
 def _ends(pair: Sequence[float | None]) -> tuple[float, float]:
     """The ends of an interval, infinite for an open end."""
     low, high = pair
-    return -np.inf if low is None else _double(low), np.inf if high is None else _double(high)
-
-
-def _double(x: float) -> float:
-    """A number of a file, which may be whole and have any number of digits."""
-    try:
-        return float(x)
-    except OverflowError:
-        raise ValueError("a number beyond those of floats") from None
+    return -np.inf if low is None else low, np.inf if high is None else high
 
 
 def _open(pair: tuple[float, float]) -> list[float | None]:
