@@ -66,14 +66,6 @@ def test_a_keyword_that_is_no_role_is_refused_with_a_log_too():
         stribeck.fit(log(), "coulomb_viscous", cutoff=20.0)
 
 
-def test_messages_name_arguments_and_not_options():
-    with pytest.raises(InputError) as caught:
-        stribeck.fit(log(), "coulomb_viscous", method="x")
-    assert str(caught.value).startswith("method: 'x': must be static, dynamic")
-    with pytest.raises(InputError, match=r"^output: 'velocity': belongs to method dynamic, not static$"):
-        stribeck.fit(log(), "coulomb_viscous", output="velocity", method="static")
-
-
 @pytest.mark.parametrize(
     ("law", "options", "said"),
     [
@@ -103,7 +95,9 @@ def test_what_a_law_cannot_be_asked_for(law, options, said):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
+        ({"method": "x"}, "method: 'x': must be static, dynamic"),
         ({"output": "speed"}, "output: 'speed': must be force"),
+        ({"law": "stribeck", "output": "velocity", "method": "static"}, "output: 'velocity': belongs to method dynamic"),
         ({"output": "velocity"}, "output: .*must be given with one law"),
         ({"law": ["lugre", "lugre_majorant"], "output": "velocity"}, "output: .*must be given with one law"),
         ({"filter": "none"}, "filter: 'none': must be"),

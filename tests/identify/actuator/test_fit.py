@@ -172,21 +172,22 @@ def test_mistakes_in_the_file_are_told_line_by_line(recordings):
 RUN, BOUNDS = {"file": "run0.csv"}, {"low": 0.2, "high": 5.0}
 
 
+def measured(**column):
+    return RUN | {"outputs": {"a.y": {"column": "y", **column}}}
+
+
 @pytest.mark.parametrize(
     ("entry", "wanted", "told"),
     [
-        (
-            RUN | {"outputs": {"a.y": {"column": "y", "gain": 0.0}}},
-            WANTED,
-            r"log\.0\.outputs\.a\.y\.gain: 0\.0: must be",
-        ),
-        (RUN | {"outputs": {"a.y": {"column": "y", "noise": 1e200}}}, WANTED, "noise: 1e\\+200: must lie between"),
+        (measured(gain=0.0), WANTED, r"log\.0\.outputs\.a\.y\.gain: 0\.0: must be"),
+        (measured(noise=1e200), WANTED, r"noise: 1e\+200: must lie between"),
+        (measured(column="z"), WANTED, r"log\.0\.outputs\.a\.y: 'z': .*run0\.csv has no such column"),
         (RUN, {MASS: {"low": 1.0}}, r"unknown\.bodies\.a\.mass\.high: missing"),
         (RUN, {MASS: BOUNDS | {"start": 9.0}}, r"mass\.start: 9\.0: must be a number from low to high"),
         (RUN, {MASS: {"low": 1e-200, "high": 1e200}}, r"mass\.high: 1e\+200: must lie"),
+        (RUN, {MASS: {"low": -1.0, "high": 5.0}}, r"unknown\.bodies\.a\.mass: "),
         (RUN, {}, "unknown: missing"),
         (RUN | {"hold_out": True}, WANTED, r"log\.0\.hold_out: true"),
-        (RUN | {"outputs": {"a.y": "z"}}, WANTED, r"log\.0\.outputs\.a\.y: 'z': .*run0\.csv has no such column"),
         (RUN | {"window": 1e-3}, WANTED, r"log\.0\.window: 0\.001: must be at least"),
         ({"file": "none.csv"}, WANTED, r"log\.0\.file: .*none\.csv"),
         ({"file": "few.csv"}, WANTED, r"log\.0\.file: 'few\.csv': has 2 rows"),
@@ -196,7 +197,6 @@ RUN, BOUNDS = {"file": "run0.csv"}, {"low": 0.2, "high": 5.0}
         (RUN, {"initial.a.y": BOUNDS}, r"unknown\.initial\.a\.y: must begin with log"),
         (RUN, {"outputs.b.y.offset": BOUNDS}, r"unknown\.outputs\.b\.y\.offset: b\.y: is not measured"),
         (RUN, {"outputs.a.y.wobble": BOUNDS}, r"unknown\.outputs\.a\.y\.wobble: wobble: must be"),
-        (RUN, {MASS: {"low": -1.0, "high": 5.0}}, r"unknown\.bodies\.a\.mass: "),
     ],
     ids=lambda x: x if isinstance(x, str) else "",
 )

@@ -304,6 +304,3 @@ def test_a_log_of_bam_may_state_its_times(tmp_path):
         assert "said" not in source.names
     with pytest.raises(InputError, match="has no episodes"):
         opened_log(tmp_path / "run.json", 0)
-    (tmp_path / "part.db3").touch()
-    with pytest.raises(InputError, match=r"is a part of a rosbag: give the folder"):
-        opened_log(tmp_path / "part.db3", None)
