@@ -8,6 +8,9 @@ import pytest
 import stribeck as st
 from stribeck import examples
 from stribeck.errors import StribeckNote
+from stribeck.exports.fmu.description import dimensions
+from stribeck.laws import builtin
+from stribeck.machine.table import ConstantField, FileTable
 
 
 def rig():
@@ -198,3 +201,18 @@ def test_what_is_hardly_meant_is_said():
         "output.step: 2: is longer than solve.t_end = 1: the output is one row, t = 0",
         "contacts.c.loads.0: F_c grows more than F_s: from |force| = 1.25 on friction is less at rest than in motion",
     ]
+
+
+def test_every_number_of_a_file_or_law_has_a_unit():
+    """A constant is declared by its unit and its meaning, which are both text."""
+
+    def kinds(kind):
+        return [kind, *(each for below in kind.__subclasses__() for each in kinds(below))]
+
+    fields = [f for kind in kinds(FileTable) for f in kind.model_fields.values()]
+    declared = [x.constant for f in fields for x in f.metadata if isinstance(x, ConstantField)]
+    declared += [constant for kind in builtin().values() for constant in kind.constants().values()]
+    assert len(declared) > 100
+    for unit in {x for constant in declared for x in (constant.unit, constant.rotary_unit or "")}:
+        for word in unit.replace("signal", "1").split(" or "):
+            assert dimensions(word) is not None, unit
