@@ -133,6 +133,7 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert found.status == 0, found.err
     errors = json.loads(found.out)["errors"]
     assert errors["position"]["relative"] < 1e-6
+    assert 1 <= errors["position"]["largest"] / errors["position"]["rms"] < 20
     assert errors["force"]["unit"] == "N"
     page = Page(tmp_path / "page" / "validation.html")
     assert page.pictures == 1
