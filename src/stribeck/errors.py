@@ -203,9 +203,11 @@ def needed(what: str, extra: str = "") -> Iterator[None]:
 
 @contextmanager
 def left_out(what: str) -> Iterator[None]:
-    """Around what is written besides: where a package for it is missing, one note says so, and all goes on."""
+    """Around what is written beside the numbers: without a package or room on the disk for it, one note reports that it lacks."""
     try:
         with needed(what):
             yield
     except MissingExtra as error:
         note(f"without {what}: {error.package} is not installed ({error.remedy})")
+    except OSError as error:
+        note(f"without {what}: {error.strerror or error}")

@@ -130,6 +130,8 @@ def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | Non
 
     ``parents``: missing parent folders will be created.
     """
+    if not folder and os.path.islink(path):  # noqa: PTH114 (no error for too long a name)
+        path, parents = Path(os.path.realpath(path)), False  # the link's target is written
     if any(len(part) > _LONGEST_NAME for part in path.parts):  # Windows reports such a file as not found
         return "cannot be written: File name too long"
     try:

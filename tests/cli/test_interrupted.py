@@ -253,9 +253,14 @@ def test_a_check_that_ends_while_it_writes_leaves_the_older_result_whole(stribec
     assert stribeck("check", "lugre", *asked).status == 0
     before = content(tmp_path / "out")
     assert {"report.html", "passive.toml"} <= set(before)
-    monkeypatch.setattr("stribeck.mouth.page.write", _ends)
-    assert stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked).status != 0
+    with monkeypatch.context() as patch:
+        patch.setattr("stribeck.properties.written._scenarios", _ends)
+        assert stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked).status != 0
     assert content(tmp_path / "out") == before
+    monkeypatch.setattr("stribeck.mouth.page.write", _ends)  # without room for the page the results are there
+    found = stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked)
+    assert (found.status, "without the page: No space left" in found.err) == (0, True)
+    assert "report.html" not in content(tmp_path / "out")
 
 
 def test_a_fit_that_ends_while_it_writes_leaves_the_older_result_whole(stribeck, tmp_path, monkeypatch):

@@ -137,6 +137,29 @@ def test_a_full_disk_leaves_nothing_half_written(stribeck, scenario, tmp_path, m
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
+def test_without_room_for_the_page_the_numbers_are_kept(stribeck, scenario, tmp_path, monkeypatch):
+    monkeypatch.setattr("stribeck.mouth.page.write_text", lambda path, text: _fails(path))
+    result = stribeck("run", scenario, "--out", tmp_path / "out")
+    assert (result.status, "without the plot and the page: No space left" in result.err) == (0, True)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "trajectory.csv",
+        "trajectory.parquet",
+        "summary.json",
+    }
+
+
+def _fails(path):
+    raise OSError(28, "No space left on device", str(path))
+
+
+@pytest.mark.parametrize("words", [("run",), ("run", "--law", "lugre", "--law", "lugre_sobczyk"), ("design",)])
+def test_a_folder_in_a_file_s_place_is_refused_before_anything_runs(stribeck, scenario, tmp_path, words):
+    (tmp_path / "out" / "summary.json").mkdir(parents=True)
+    result = stribeck(words[0], scenario, *words[1:], "--out", tmp_path / "out")
+    assert (result.status, result.out) == (2, "")
+    assert "summary.json in it is a folder" in result.err
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGINT") or sys.platform == "win32", reason="needs POSIX signals")
 def test_ctrl_c_stops_a_long_run_and_writes_nothing(scenario, tmp_path):
     out = tmp_path / "out"

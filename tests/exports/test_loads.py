@@ -347,6 +347,7 @@ def test_a_target_without_inputs_refuses_them_by_name(tmp_path, capsys):
     """Nearly all friction of this servo grows with the load: F_c alone is 1e-5 N m."""
     file = tmp_path / "mx106.toml"
     assert _status(["library", "mx106", "--out", str(file), "--json"]) == 0
+    assert _status(["library", "mx106", "--out", str(file)]) == 2  # a file that may have been edited is kept
     capsys.readouterr()
     words = ["export", str(file), "--contact", "friction", "--out", str(tmp_path / "out")]
     assert _status([*words, "--target", "table"]) == 2

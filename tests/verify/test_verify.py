@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import random
 import re
 import runpy
+import subprocess
+import sys
 from itertools import cycle, islice, product
 from typing import Any
 
@@ -501,6 +504,15 @@ def test_it_is_a_module_that_runs(monkeypatch, capsys):
         runpy.run_module("stribeck_verify", run_name="__main__")
     assert ended.value.code == 0
     assert "check the certificates" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes end otherwise there")
+def test_a_reader_that_goes_early_is_no_traceback():
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run([sys.executable, "-m", "stribeck_verify", "--help"], stdout=write, stderr=subprocess.PIPE)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (2, b"")
 
 
 @pytest.mark.parametrize(("words", "status"), [(["--help"], 0), (["-h"], 0), ([], 2), (["a.json", "b.json"], 2)])

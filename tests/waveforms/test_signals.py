@@ -25,6 +25,11 @@ def points(t, value):
     return PointsSignal(np.array(t, float), np.array(value, float))
 
 
+def test_a_slope_that_is_no_number_warns_of_nothing_before_it_is_reached():
+    with np.errstate(over="raise"):
+        assert np.isinf(points([0, 1, 1 + 1e-3], [0, 1, -1.7e308]).segments.slope).any()
+
+
 def test_points_are_lines_that_jump_where_two_times_are_equal():
     signal = points([1, 2, 2, 3], [0, 4, -1, 1])
     t = [0, 1, 1.5, 2 - 1e-9, 2, 2.5, 3, 9]

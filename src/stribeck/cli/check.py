@@ -139,7 +139,7 @@ def _decide(
     asked: _Machine | _Law, v_max: float | None, out: Path | None, certificate: Path | None, *, verify: bool, json: bool
 ) -> None:
     """Decide, write the files asked for, print the verdicts."""
-    with OutputFolder(out):
+    with OutputFolder(out, writes=["report.html"]):
         if certificate is not None:
             check_file("--certificate", certificate, *asked.reads)
         with progress(f"check {asked.name}"):

@@ -59,10 +59,10 @@ def design(
     """
     from stribeck.loops import design as judge
     from stribeck.loops.boundary import Turned
-    from stribeck.loops.written import MACHINES, write_design
+    from stribeck.loops.written import FILES, write_design
 
     loaded = source.load(*(partial(Turned.parse, text) for text in vary or []))
-    with OutputFolder(out, [source.scenario], MACHINES):
+    with OutputFolder(out, [source.scenario], FILES):
         with stages(loaded.name) as share:
             result = judge(
                 loaded, vary=vary or [], compensate=compensate, uncertainty=uncertainty, controller=controller, v_max=v_max,

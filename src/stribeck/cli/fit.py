@@ -205,8 +205,7 @@ def _fit(
     from stribeck.identify.required import unmet
     from stribeck.identify.written import FILES, write_fit
 
-    reads, names = ([data[0], given["logs"]], FILES) if "logs" in given else ([], ())
-    with OutputFolder(out, reads, names):
+    with OutputFolder(out, [data[0], given["logs"]] if "logs" in given else [], FILES):
         with progress("fit") as share:
             given["progress"] = share
             if "logs" in given:

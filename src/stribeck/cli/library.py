@@ -60,7 +60,7 @@ def _write(selection: Library, names: list[str], out: Path) -> str:
 
     if len(names) != 1 or len(selection.machines) != 1:
         raise InputError(f"--out: needs the NAME of one machine, not {', '.join(names) or 'none'}")
-    check_file("--out", out)
+    check_file("--out", out, new=True)
     (machine,) = selection.machines.values()
     Scenario(dict(machine.machine))  # a file that is written can be run
     words = ("title", "source", "record", "licence", "date")

@@ -74,7 +74,7 @@ def new(
     belonging = examples.companions(example) if known else []
     copies = {target.parent / data.name.replace(f"{example}.", f"{target.stem}."): data for data in belonging}
     for path in (target, *copies):
-        _check(path)
+        check_file("--out", path, new=True)
     for path, data in copies.items():
         write_text(path, data.read_text(encoding="utf-8"))
         wrote([path])
@@ -90,13 +90,7 @@ def _schema(out: Path | None) -> int:
     from stribeck.scenario import schema
 
     target = out or Path(schema.FILE)
-    _check(target)
+    check_file("--out", target, new=True)
     write_text(target, schema.text())
     wrote([target], f"; many editors use it where a scenario begins with the line: #:schema {target}")
     return 0
-
-
-def _check(path: Path) -> None:
-    check_file("--out", path)
-    if path.exists():
-        raise InputError(f"--out: {str(path)!r}: exists already; must be a new file")

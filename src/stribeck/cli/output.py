@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 class OutputFolder:
-    """The folder of a command, made if need be: refused where it cannot be written or where a file that is read would be
-    replaced. What the block leaves empty is taken away again.
+    """The folder of a command, created if missing, and removed again if the block leaves it empty. Refused if it cannot be
+    written, if a file that is read would be replaced, or if a folder stands in a file's place.
 
     Args:
         out: the folder; None where nothing is to be written.
@@ -34,6 +34,8 @@ class OutputFolder:
             return
         if text := trouble(out, folder=True):
             raise InputError(f"--out: {shown(str(out))}: {text}")
+        for name in (name for name in writes if (out / name).is_dir()):
+            raise InputError(f"--out: {shown(str(out))}: {name} in it is a folder; must be a file, or another --out")
         for path in (path for name in writes for path in reads if _same_file(out / name, path)):
             text = f"{path.name}, which is read, would be replaced: must be another folder"
             raise InputError(f"--out: {shown(str(out))}: {text}")
@@ -58,8 +60,8 @@ class OutputFolder:
                 folder.rmdir()
 
 
-def check_file(option: str, path: Path, *reads: Path, parents: bool = False) -> None:
-    """Refuse, before anything runs, a file that cannot be written, or that is read.
+def check_file(option: str, path: Path, *reads: Path, parents: bool = False, new: bool = False) -> None:
+    """Refuse, before anything runs, a file that cannot be written, or that is read, or that exists though it must be ``new``.
 
     Raises:
         InputError: with the reason.
@@ -67,6 +69,8 @@ def check_file(option: str, path: Path, *reads: Path, parents: bool = False) -> 
     text = trouble(path, parents=parents)
     if text is None and any(_same_file(path, each) for each in reads):
         text = "is read by this command: must be another file"
+    if text is None and new and path.exists():
+        text = "exists already; must be a new file"
     if text:
         raise InputError(f"{option}: {shown(str(path))}: {text}")
 

@@ -39,7 +39,8 @@ def plan(
     experiment = plan_files.simulated(limits, law, constants, seed) if simulate else None
     tests, files = programme(limits), list[str]()
     if out is not None:
-        with OutputFolder(out), together(out, last="programme.csv", older=plan_files.SYNTHETIC) as place:
+        name = "programme.csv"
+        with OutputFolder(out, writes=[name]), together(out, last=name, older=plan_files.SYNTHETIC) as place:
             written = plan_files.write_rig(limits, place)
             written += plan_files.write_simulated(experiment, place) if experiment is not None else []
         files = [str(out / name) for name in written]

@@ -82,7 +82,7 @@ def _by_fit(data: list[Path], fit: Path, given: Keywords, *, out: Path | None, j
     from stribeck.identify.predict import Predicted
     from stribeck.identify.predict import predict as predicted
 
-    with OutputFolder(out):
+    with OutputFolder(out, writes=["prediction.html"]):
         with progress("predict"):
             prediction = predicted(data, fit, trust=trust, **given)
         assert isinstance(prediction, Predicted)
@@ -109,7 +109,7 @@ def _by_machine(
     from stribeck.identify.predict import predict as predicted
     from stribeck.identify.validate import Validated
 
-    with OutputFolder(out):
+    with OutputFolder(out, writes=["validation.html"]):
         loaded = load_scenario(machine, assignments, trust)
         with progress("predict"):
             comparison = predicted(data, machine=loaded, **given)

@@ -72,8 +72,9 @@ def _simulate(scenario: Scenario, keep_c: Path | None, out: Path | None, json: b
     """Simulate, write the files asked for, print the summary."""
     from stribeck.files import write_text
     from stribeck.simulation import c_source, simulate
+    from stribeck.simulation.tables import RUN
 
-    with OutputFolder(out):
+    with OutputFolder(out, writes=RUN):
         with progress(scenario.name) as share:
             solution = simulate(scenario, progress=share)
         summary, files = solution.summary(), list[str]()
@@ -96,8 +97,9 @@ def _simulate(scenario: Scenario, keep_c: Path | None, out: Path | None, json: b
 def _compare(variants: dict[str, Scenario], name: str, out: Path | None, json: bool) -> int:
     """Simulate under each law, print the deviations from the first, write an overlay."""
     from stribeck.simulation.comparison import compare_laws
+    from stribeck.simulation.tables import COMPARISON
 
-    with OutputFolder(out):
+    with OutputFolder(out, writes=COMPARISON):
         with progress(name) as share:
             comparison = compare_laws(variants, share)
         summary, files = comparison.summary(), list[str]()
@@ -158,7 +160,7 @@ def _draw(scenario: Scenario, out: Path | None, json: bool) -> int:
     from stribeck.scenario.counterpart import as_machine
 
     machine, files = as_machine(scenario), list[str]()
-    with OutputFolder(out):
+    with OutputFolder(out, writes=["machine.svg"]):
         if out is not None:
             files.append(str(out / "machine.svg"))
             write_text(out / "machine.svg", schematic.svg(machine.elements, machine.name))

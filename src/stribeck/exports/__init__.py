@@ -188,6 +188,10 @@ def _write_file(out: Path, content: Content) -> list[Path]:
 
 def _write_folder(out: Path, content: Content) -> list[Path]:
     """All files, or none."""
+    if taken := [name for name in content if (out / name).is_dir()]:
+        raise InputError(
+            [f"{arg('out')}: {show(str(out))}: {name} in it is a folder; must be a file" for name in taken]
+        )
     with together(out, last=next(iter(content))) as beside:
         for name, data in content.items():
             (beside / name).write_bytes(_encode(data))

@@ -16,6 +16,7 @@ from stribeck.scenario import Scenario
 from stribeck.scenario.moved import moved
 
 MACHINES = ("machine.toml", "overcompensated.toml")  # the machine files among those written
+FILES = (*MACHINES, "report.html", "summary.json")
 _HEADS = (
     "# Written by 'stribeck design': the machine with the compensation that was best.\n",
     "# Written by 'stribeck design': nothing but friction and its compensation, 5 % beyond what friction can take. Run it:\n"

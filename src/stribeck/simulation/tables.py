@@ -17,6 +17,8 @@ from stribeck.simulation.solution import Solution
 if TYPE_CHECKING:
     from stribeck.simulation.comparison import Comparison
 
+RUN = ("trajectory.csv", "trajectory.parquet", "plot.svg", "report.html", "summary.json")
+COMPARISON = ("compare.svg", "report.html", "summary.json")
 _LONGEST = 100  # characters of a label in a file's name, which file systems limit to 255 bytes
 
 

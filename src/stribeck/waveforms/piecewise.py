@@ -340,7 +340,8 @@ def _polyline(t: Array, value: Array) -> Segments:
     inner = np.flatnonzero(length > 0)
     start = np.concatenate([[min(0.0, t[0])], t[:-1][inner], t[-1:]])
     levels = np.concatenate([value[:1], value[:-1][inner], value[-1:]])
-    slope = np.concatenate([[0.0], np.diff(value)[inner] / length[inner], [0.0]])
+    with np.errstate(over="ignore"):  # a motion that comes there is no longer finite
+        slope = np.concatenate([[0.0], np.diff(value)[inner] / length[inner], [0.0]])
     return Segments(start, levels, slope)
 
 
