@@ -90,7 +90,9 @@ def test_a_rotary_joint_carries_weight_unless_that_is_denied():
 
 
 def test_a_curve_of_bends_has_the_nearest_stribeck_law_beside_it():
-    fit = stribeck.fit(record(5), "coulomb_viscous")
+    fit = stribeck.fit(record(5, extra=lambda t, y, v, a: 25.0 * y), "coulomb_viscous")
+    assert any("bend" in form for form in fit.forms)
+    assert any("bend" not in form for form in fit.forms)
     near = fit.nearest_stribeck
     assert near["F_c"] == pytest.approx(TRUTH["F_c"], rel=0.2)
     assert near["F_s"] > near["F_c"]
