@@ -5,6 +5,7 @@ import pytest
 
 from stribeck.identify.core import judging
 from stribeck.identify.core.choice import chosen
+from stribeck.identify.core.forms import ripple_waves
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.predictor import of_json, predictor
 from stribeck.identify.core.search import library, refine
@@ -161,6 +162,13 @@ def test_forms_are_those_about_the_optimum_of_the_law_alone_if_that_is_possible(
     *grid, v_s = (node["v_s"] for node in lib.nodes)
     assert (v_s in grid) is not possible
     assert v_s == pytest.approx(TRUTH["v_s"], rel=1e-6) or not possible
+
+
+def test_the_largest_ripples_within_the_range_are_found_largest_first():
+    y = np.linspace(-0.1, 0.3, 4000)
+    left = sum(size * np.sin(wave * y) for size, wave in ((9.0, 40.0), (1.0, 500.0), (2.0, 350.0), (3.0, 200.0)))
+    for most in (1, 2, 3):
+        assert ripple_waves(y, left, 90.0, 800.0, most) == pytest.approx([200.0, 350.0, 500.0][:most], rel=0.02)
 
 
 def test_slopes_are_taken_about_coefficients_that_are_not_0():
