@@ -24,7 +24,7 @@ from measure import options, write
 from stribeck.identify.api import read_log
 from stribeck.identify.core.choice import chosen
 from stribeck.identify.core.judging import judged
-from stribeck.identify.core.states import Estimate
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import Log
@@ -36,6 +36,7 @@ from stribeck.identify.options import FitOptions
 
 PAGE = Path(__file__).parent.parent / "docs" / "evidence" / "static-fits.md"
 NAMES, SPEED = {"time": "t", "position": "y", "force": "F"}, {"time": "t", "velocity": "v", "force": "F"}
+OUTSIDE = 0.05  # of its rows: a motion with more beyond the ranges that the fit saw is outside
 OF_ALL = ("mass", "offset", "F_c", "sigma_2")
 FAMILIES = {
     "lacking": ("stribeck_tanh", "coulomb_viscous"), "bent": ("stribeck", "stribeck_tanh", "coulomb_viscous"),
@@ -167,11 +168,17 @@ def motions(family: str, seed: int) -> Iterator[dict[str, Any]]:
         for weigh in (False, True) if seen[0][3].shape[1] else (False,):
             v, a, force, w = seen[0]
             plain.append((weigh, way(v, a, force, w if weigh else w[:, :0])))
-    made_by = fit_static(logs[0], LAWS, FitOptions()).predictor
-    assert made_by is not None
+    fit = fit_static(logs[0], LAWS, FitOptions())
+    assert fit.predictor is not None
     for log, r, (v, a, force, w) in zip(logs[1:], rows[1:], seen[1:], strict=True):
         best = min(np.linalg.norm(force - f(v, a, w if weigh else w[:, :0])) for weigh, f in plain if f)
-        yield {"kind": kind, "worse": float(np.log(np.linalg.norm(force - made_by.force(log)[r]) / best))}
+        left = force - fit.predictor.force(log)[r]
+        of_motion = [n for n in ("position", "velocity") if n in fit.seen]
+        far = [(x < lo) | (x > hi) for n in of_motion for lo, hi in [fit.seen[n]] for x in [getattr(log, n)[r]]]
+        yield {
+            "kind": kind, "worse": float(np.log(np.linalg.norm(left) / best)),
+            "outside": bool(np.mean(np.any(far, axis=0)) > OUTSIDE),
+        }  # fmt: skip
 
 
 def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
@@ -185,6 +192,11 @@ def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
         complete = [e["interval"] for e in own if e["kind"] in ("complete", "nothing")]
         if complete:
             out |= {"complete n": len(complete), "complete interval": np.mean(complete)}
+        for name, state in (("F_s", EstimateState.AT_LEAST), ("v_s", EstimateState.AT_MOST)):
+            one_sided = [e["range"] for e in own if e["name"] == name and e["state"] == state]
+            two_sided = [e["range"] for e in own if e["name"] == name and e["state"] != state]
+            for label, hold in ((f"{name} two-sided", two_sided), (f"{name} {state}", one_sided)):
+                out |= {f"{label} n": len(hold), f"{label} holds": float(np.mean(hold))} if hold else {}
         if levels:
             half = [e["half"] for e in levels if e["half"] is not None]
             out |= {
@@ -196,14 +208,14 @@ def counted(family: str, found: list[dict[str, Any]]) -> dict[str, float]:
         out = {"n": len(apart), "agree": np.mean(apart <= 1), "median difference": np.median(apart)}
         out |= {"complete n": len(held), "complete interval": np.mean(held)} if held else {}
     else:
-        x = np.array([e["worse"] for e in found])
-        out = {
-            "n": len(x),
-            "mean log ratio": x.mean(),
-            "within 1 %": np.mean(x <= 0.01),
-            "within 5 %": np.mean(x <= 0.05),
-        }
-        out |= {"worst": x.max()}
+        out = {}
+        for prefix, some in (("", (True, False)), ("inside ", (False,)), ("outside ", (True,))):
+            x = np.array([e["worse"] for e in found if e["outside"] in some])
+            of_all = {
+                "n": len(x), "mean log ratio": x.mean(), "within 1 %": np.mean(x <= 0.01), "within 5 %": np.mean(x <= 0.05),
+                "worst": x.max(),
+            } if len(x) else {}  # fmt: skip
+            out |= {f"{prefix}{name}": value for name, value in of_all.items()}
     return {name: round(float(value), 4) for name, value in out.items()}
 
 
@@ -268,7 +280,39 @@ def page(kept: dict[str, Any]) -> str:
         lines.append(
             f"| {ASKED[name]} | {c['seeds']} | {c['n']:.0f} | {c['mean log ratio']:+.2f} | {told_shares} | {c['worst']:+.2f} |"
         )
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_by_range(kept), *_bounds(kept)]) + "\n"
+
+
+def _by_range(kept: dict[str, Any]) -> list[str]:
+    """The further motions of all rigs, by whether they leave the ranges that the fit saw."""
+    head = f"Motions with more than {100 * OUTSIDE:.0f} % of their rows beyond the position or speed that the fit saw:"
+    rows = ["", head, "", "| motions | n | mean log ratio | within 1 % | within 5 % |", "|---|---|---|---|---|"]
+    for part in ("inside", "outside"):
+        of = [c for n in ("held", "rigs", "kinds") if f"{part} n" in (c := kept.get(n, {}))]
+        n = sum(c[f"{part} n"] for c in of)
+        mean, one, five = (
+            sum(c[f"{part} {what}"] * c[f"{part} n"] for c in of) / max(n, 1)
+            for what in ("mean log ratio", "within 1 %", "within 5 %")
+        )
+        rows.append(f"| {part} | {n:.0f} | {mean:+.2f} | {100 * one:.0f} % | {100 * five:.0f} % |")
+    return rows
+
+
+def _bounds(kept: dict[str, Any]) -> list[str]:
+    """Static friction and Stribeck velocity, which may be bounds, over all families of wrong friction."""
+    rows = [
+        "",
+        "Where no slow rows exist, F_s and v_s are bounds:",
+        "",
+        "| estimate | n | range holds |",
+        "|---|---|---|",
+    ]
+    for label in ("F_s two-sided", "F_s at least", "v_s two-sided", "v_s at most"):
+        of = [c for n in FAMILIES if f"{label} n" in (c := kept.get(n, {}))]
+        n = sum(c[f"{label} n"] for c in of)
+        held = sum(c[f"{label} holds"] * c[f"{label} n"] for c in of)
+        rows.append(f"| {label} | {n:.0f} | {100 * held / max(n, 1):.1f} % |")
+    return rows
 
 
 def main() -> None:
