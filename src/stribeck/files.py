@@ -46,8 +46,8 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
     """A temporary folder for the files of one result, which all move into ``folder`` if the block succeeds.
 
     The file ``last`` marks a complete result: it is removed first and moved last, so that it is never beside files of
-    another run. On any failure, Ctrl-C included, the folder is unchanged. Files of an older result that the new one does not
-    replace are removed: those in the list of its summary.json, and those of ``older``.
+    another run. On any failure, Ctrl-C included, the folder is unchanged. Remaining files of an older result are removed:
+    those in the list of its summary.json, and those of ``older``.
 
     Args:
         folder: the folder of the result.

@@ -151,8 +151,9 @@ def _cache() -> CacheFound:
 
 
 def _self_test() -> SelfTest:
-    """The shortest of the paper's scenarios must agree within 1e-6 of the peaks with WebAssembly's solution; where that is
-    the backend, with one at a far smaller tolerance."""
+    """The shortest of the paper's scenarios must agree with WebAssembly's solution, within 1e-6 of the peaks.
+
+    If WebAssembly is the backend, the reference is a solution at a far smaller tolerance."""
     import numpy as np
 
     from stribeck import examples

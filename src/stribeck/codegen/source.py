@@ -1,4 +1,4 @@
-"""The C source of a system: its equations, Jacobian and linear algebra as straight lines, then the runtime's solver."""
+"""The C source of a system: its equations, Jacobian and linear algebra as straight-line code, then the runtime's solver."""
 
 from __future__ import annotations
 
@@ -48,8 +48,9 @@ def source(system: Equations, lanes: bool = False) -> str:
 
 
 def with_columns(system: Equations, columns: Callable[[], dict[str, Expr]]) -> str:
-    """The C file of the system for a stand-alone program, which sees nothing of it from outside, with a further function
-    ``columns`` for all output columns."""
+    """The C file of the system for a stand-alone program, with static functions only.
+
+    A further function ``columns`` computes all output columns."""
     code = SystemCode(system, False, PRIVATE)
     text = code.text()
     outputs = [(f"out[{i}]", node) for i, node in enumerate(columns().values())]

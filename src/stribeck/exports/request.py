@@ -178,11 +178,11 @@ _LONGEST = 48  # letters: C99 compilers keep 63 of a name apart, and our own wor
 
 
 def identifier(name: str, kind: str = "machine") -> str:
-    """A name that the exported files can begin theirs with, in every language.
+    """A valid prefix of names in every language.
 
-    It is of ASCII, of bounded length, and different for different names. It is no word of C, C++, Python or the templates,
-    no beginning of such a word up to a "_", and no name of a file beside them. Libraries may rename their functions and
-    types, so no exported C calls anything by this name alone.
+    It is ASCII, of bounded length, and different for different names. It is no word of C, C++, Python or the templates, and
+    no beginning of such a word up to a "_". It is no name of another exported file. Libraries may rename their functions and
+    types, so no exported C uses this name alone.
     """
     text = re.sub(r"\W", "_", name, flags=re.ASCII)
     if len(text) > _LONGEST:

@@ -1,7 +1,7 @@
 """Expressions as terms of the Coq proof assistant, over its real numbers; and inequalities as goals for it.
 
-A term has the equation's meaning over the real numbers: a float is written as the dyadic fraction that it equals, and
-an exact constant such as pi as itself (:mod:`stribeck.expressions.exact`).
+A term has the equation's meaning over the real numbers. A float is written as the dyadic fraction that it equals. An exact
+constant such as pi is written as itself (:mod:`stribeck.expressions.exact`).
 """
 
 from __future__ import annotations

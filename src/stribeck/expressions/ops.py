@@ -1,9 +1,9 @@
 """The operations that equations are written in.
 
 An equation of Stribeck is a plain Python function over these operations, the arithmetic operators, ``abs`` and
-comparisons. The same function then runs on NumPy arrays (step through it in a debugger), on the nodes of
-:mod:`stribeck.expressions.graph` (Jacobian, C) and on SymPy symbols (LaTeX, proofs). Which one is decided here, by
-the type of the arguments; :func:`register` adds a further kind of value.
+comparisons. The same function then runs on NumPy arrays, on the nodes of
+:mod:`stribeck.expressions.graph` (Jacobian, C) and on SymPy symbols (LaTeX, proofs). The type of the arguments decides.
+:func:`register` adds a further kind of value.
 """
 
 from __future__ import annotations

@@ -21,8 +21,10 @@ SMALLEST, _LARGEST = 1e-12, 1e12  # in SI units: no rig is beyond, and squares a
 
 @dataclass(frozen=True)
 class Limits:
-    """What the rig can do: stroke (m), speed (m/s) and force (N); and, where it is roughly known, the deflection (m)
-    at which friction breaks away, F_c/sigma_0."""
+    """Limits of a rig: stroke (m), speed (m/s) and force (N).
+
+    The deflection at break-away (m), F_c/sigma_0, may be given if it is roughly known.
+    """
 
     stroke: float
     speed: float
@@ -88,8 +90,10 @@ def _soft(x: Array, end: float, ramp: float) -> Array:
 
 
 def programme(limits: Limits) -> list[Test]:
-    """The tests for a rig: loops for sigma_0 and sigma_1, strokes for F_c, F_s, v_s and sigma_2, force ramps for the
-    break-away force, and accelerations for the mass."""
+    """The tests for a rig: loops for sigma_0 and sigma_1, and strokes for F_c, F_s, v_s and sigma_2.
+
+    Force ramps give the break-away force, and accelerations the mass.
+    """
     return [*_loops(limits), *_strokes(limits), *_ramps(limits), _accelerate(limits)]
 
 

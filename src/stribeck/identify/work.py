@@ -64,8 +64,10 @@ class Work:
             raise Stopped
 
     def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T | None]:
-        """``what`` of each on all cores, or many at once where a cluster solves the lanes; None for those that were not
-        reached when Ctrl-C ended the work."""
+        """``what`` of each on all cores, or many at once if a cluster solves the lanes.
+
+        After Ctrl-C the remaining ones are None.
+        """
         items = list(of)
         results: list[T | None] = [None] * len(items)
 

@@ -1,4 +1,4 @@
-"""Friction laws, each equation written once; a new file in this folder is found by itself."""
+"""Friction laws. Each equation is written once, and every file in this folder is registered."""
 
 from __future__ import annotations
 
@@ -64,14 +64,14 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
 
 
 def _force_in_floats(law: Law, v: float, z: float) -> Value:
-    """The force from the equations as they are written, on Python's floats: what leaves their range raises."""
+    """The force from the equations on Python's floats, which raise an error on overflow."""
     with np.errstate(all="ignore"):
         speed, length = np.float64(v), np.float64(z)
         return law.friction(law.p, speed, length, law.dz_dt(law.p, speed, length))
 
 
 def overflow(law: Law) -> str | None:
-    """That a law's constants are too large or too small for its equations, or None."""
+    """A message if a law's constants are too large or too small for its equations, or None."""
     try:
         _force_in_floats(law, law.scales(law.p).speed, 0.0)
         bool(law.jumps_at_rest)
@@ -81,7 +81,7 @@ def overflow(law: Law) -> str | None:
 
 
 def trouble(law: Law) -> str | None:
-    """What keeps a law's equations from being evaluated, for a law of the user's own; None where all is well."""
+    """The reason why the equations of a user's law cannot be evaluated, or None."""
     try:
         scales = law.scales(law.p)
         at = scales.speed, 0.5 * scales.length
@@ -89,7 +89,7 @@ def trouble(law: Law) -> str | None:
         if not all(np.ndim(x) == 0 for x in values):
             return "its equations must give one number for one v and z"
         given = {"F": law.force} | ({"dz/dt": law.rate} if law.has_z else {})
-        wrong = [n for n, f in given.items() if np.isnan(f(*at)) and np.isnan(f(at[0], 0.0))]  # some end on the way
+        wrong = [n for n, f in given.items() if np.isnan(f(*at)) and np.isnan(f(at[0], 0.0))]  # not all finite
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -98,7 +98,7 @@ def trouble(law: Law) -> str | None:
 
 
 def gap(law: Law) -> str | None:
-    """A speed at which a law of the user's own has no force though it has one at others, in words; None where none is seen."""
+    """A message about a speed at which a user's law has no finite force, or None; samples of speeds are tested."""
     speed = law.scales(law.p).speed
     for v in (-speed, 0.0, 1e3 * speed, -1e3 * speed):
         try:
@@ -114,16 +114,16 @@ def gap(law: Law) -> str | None:
 def parameters_for(
     law: type[Law] | None, name: str, folder: Path | None = None, given: Container[str] = ()
 ) -> dict[str, float]:
-    """The values that a law takes from a parameter set: a machine's set may hold the constants of other laws too.
+    """The values that a law takes from a parameter set, which may hold the constants of other laws too.
 
     Args:
-        law: the law; None where it is not known, and the machine's own parameters are wanted.
+        law: the law, or None for the machine's own parameters.
         name: a built-in set, or a TOML file.
-        folder: where a file's path begins.
-        given: parameters that are given beside the set: the set need not determine these.
+        folder: base of a relative path.
+        given: parameters that replace those of the set, which need not determine them.
 
     Raises:
-        InputError: there is no such set, or it holds a number that no law knows.
+        InputError: there is no such set, or no law has one of its constants.
     """
     needs = None if law is None else [n for n in law.constants() if n not in given]
     parameter_set = parameter_sets.load(name, folder, needs)
@@ -145,7 +145,7 @@ def parameters_for(
                 for n in wrong
             ]
         )
-    kinds = {  # 0 straight, 1 turning; of constants whose unit tells it
+    kinds = {  # 0 linear, 1 rotary, by the units of the constants
         n: meant[n].index(u)
         for n, u in parameter_set.units.items()
         if n in meant and len(set(meant[n])) == 3 and u != "SI"

@@ -1,9 +1,9 @@
-"""What a friction law is: its constants, its equations, what it claims, and all that follows from the equations.
+"""The base of friction laws: constants, equations, claims, and all that is derived from the equations.
 
 A law is a class with one or two short functions written like the literature prints them::
 
     class MyLaw(BristleLaw):
-        '''One line that says what it is.'''
+        '''One line that describes the law.'''
 
         source = "Who, where, which equation"
         claims = Claims(unique=True, bounded=True, smooth=False, passive=False, drift_free=False)
@@ -42,7 +42,7 @@ from stribeck.laws.steady import SLOWEST, steady_deflection, steady_force
 from stribeck.laws.values import Constants, OnTerm
 from stribeck.laws.values import Scales as Scales
 
-# Parameters of a machine: they belong to the contact, whichever law describes it.
+# Parameters of a machine: they belong to the contact, whatever its law.
 PARAMETERS: dict[str, Constant] = {
     "sigma_0": Constant("N/m", "bristle stiffness", above=0, rotary_unit="N m/rad"),
     "sigma_1": Constant("N s/m", "bristle damping", at_least=0, rotary_unit="N m s/rad"),
@@ -59,7 +59,7 @@ Claim = bool | Callable[[SimpleNamespace], Value] | None
 
 @dataclass(frozen=True)
 class Relation:
-    """A condition between constants: the one to blame, what is allowed in words, and the test."""
+    """A condition between constants: the constant at fault, the allowed values in words, and the test."""
 
     key: str
     allowed: str
@@ -69,13 +69,16 @@ class Relation:
 
 @dataclass(frozen=True)
 class Claims:
-    """What a law claims to guarantee: True, False, or a condition on its constants; None where it does not apply.
+    """The claims of a law: True, False, a condition on its constants, or None if a property does not apply.
 
-    Where a condition is not met nothing is claimed; it may be sufficient only.
+    A condition may be sufficient only. If it does not hold, nothing is claimed.
 
-    unique: one solution z(t) for every piecewise continuous v(t). bounded: z stays within :meth:`Law.z_bound`
-    whatever v(t). smooth: dz/dt is continuously differentiable in (v, z). passive: from v to F, with z within that
-    bound (unrestricted where there is none). drift_free: dz/dt = v exactly for ``|z|`` <= :meth:`Law.z_elastic`.
+    Attributes:
+        unique: one solution z(t) for every piecewise continuous v(t).
+        bounded: z stays within :meth:`Law.z_bound` for every v(t).
+        smooth: dz/dt is continuously differentiable in (v, z).
+        passive: from v to F, with z within its bound, or any z if there is no bound.
+        drift_free: dz/dt = v exactly for ``|z|`` <= :meth:`Law.z_elastic`.
     """
 
     unique: Claim = None
@@ -88,7 +91,7 @@ class Claims:
 STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c, ("F_c", "F_s")),)
 
 
-_TAKEN = {  # what the equations and the files call so; a constant of that name would be taken for it
+_TAKEN = {  # names of the equations and files, which no constant may have
     "v": "the velocity", "z": "the bristle deflection", "t": "the time", "y": "the position", "F": "the friction force",
     "u": "the driving force", "dz_dt": "the bristles' rate", "parameters": "the machine's parameters",
 }  # fmt: skip
@@ -104,7 +107,7 @@ def _constants(law: type[Law]) -> dict[str, Constant]:
 
 @cache
 def _taken_names() -> dict[str, str]:
-    """Names that a constant cannot have, and what they are: variables, and what every law is made of."""
+    """Names that a constant cannot have, and their meanings: variables, and attributes of every law."""
     attributes = {n: "it is a part of every law" for n in dir(Law) if not isinstance(getattr(Law, n), Constant)}
     return attributes | dict.fromkeys((*dir(Constants), "machine", "p"), "it is a part of every law") | _TAKEN
 
@@ -120,16 +123,21 @@ def _may_be_none(constant: Constant) -> bool:
 
 
 def _shaped(value: Value, v: Value, z: Value) -> Array:
-    """A value that may not depend on one of v and z, with the shape of both."""
+    """A value, which need not depend on both v and z, in their common shape."""
     shape = np.broadcast_shapes(np.shape(v), np.shape(z))
     return np.asarray(value if np.shape(value) == shape else np.full(shape, value))[()]
 
 
 @dataclass(frozen=True)
 class _Graph:
-    """What the graph of a law's equations gives, as functions of its constants and more: ``function`` of v and z gives F
-    and the derivatives of dz/dt and F by v and by z, ``steady`` of v and its sign the steady deflection and force;
-    ``linear``: whether dz/dt is linear in z."""
+    """Functions made from the graph of a law's equations.
+
+    Attributes:
+        function: of the constants, v and z: F, and the derivatives of dz/dt and F by v and by z.
+        steady: of the constants, v and its sign: the steady deflection and force.
+        names: of the constants.
+        linear: whether dz/dt is linear in z.
+    """
 
     function: Callable[..., tuple[Value, ...]]
     steady: Callable[..., tuple[Value, ...]]
@@ -142,7 +150,7 @@ class Law(metaclass=FromFile):
 
     Args:
         values: the constants by name, SI units.
-        rotary: of a machine that turns: N m in the place of N, rad in that of m; the numbers are the same.
+        rotary: units N m and rad instead of N and m; the values are the same.
 
     Raises:
         InputError: a constant is unknown, missing, of the wrong type, not finite or unphysical; every problem found.
@@ -154,7 +162,7 @@ class Law(metaclass=FromFile):
     uses: ClassVar[tuple[str, ...]] = ()  # the machine parameters that the equations use
     relations: ClassVar[tuple[Relation, ...]] = ()
     has_z: ClassVar[bool] = True
-    inputs: ClassVar[tuple[str, ...]] = ()  # constants that are given anew at each instant: loads of a contact
+    inputs: ClassVar[tuple[str, ...]] = ()  # constants that vary in time: loads of a contact
     beside: ClassVar[tuple[str, ...]] = ()  # the keys of a machine's file that the inputs stand for
     symmetric: ClassVar[bool] = True  # F and dz/dt change sign with (v, z)
     p: Constants
@@ -181,7 +189,7 @@ class Law(metaclass=FromFile):
             text = "this name is taken: a constant must have another"
             raise InputError([f"{cls.__name__}.{n}: {text} ({_taken_names()[n]})" for n in taken])
 
-    # -- equations: the part that a law writes ---------------------------------------------------------------------
+    # -- equations, which a law defines ------------------------------------------------------------------------------
 
     @staticmethod
     def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
@@ -217,7 +225,7 @@ class Law(metaclass=FromFile):
 
     @classmethod
     def constants(cls) -> dict[str, Constant]:
-        """Every constant of the law by name: the machine's parameters first, then its own, what may be left out last."""
+        """Every constant by name: the machine's parameters, the law's own, and optional constants last."""
         return dict(_constants(cls))
 
     @classmethod
@@ -227,9 +235,9 @@ class Law(metaclass=FromFile):
 
     @classmethod
     def problems(cls, values: Mapping[str, Any]) -> list[tuple[str, str]]:
-        """What is wrong with the values: (name, message) for each problem; an empty list when all is well.
+        """Invalid values: (name, message) for each problem.
 
-        Parameters of a machine that the law does not use are allowed, and checked.
+        Parameters of a machine that the law does not use are allowed, and checked too.
         """
         declared = cls.constants()
         known = {**PARAMETERS, **declared}
@@ -254,7 +262,7 @@ class Law(metaclass=FromFile):
 
     @classmethod
     def broken(cls, on: Mapping[str, float | str]) -> list[tuple[str, str]]:
-        """The relations that do not hold, of those whose constants are all ``on`` and valid by themselves."""
+        """The violated relations among those whose constants are all in ``on`` and valid by themselves."""
         problems = []
         for relation in dict.fromkeys((*cls.relations, *STATIC_ABOVE_COULOMB)):
             if all(need in on for need in relation.needs):
@@ -267,7 +275,7 @@ class Law(metaclass=FromFile):
 
     @property
     def values(self) -> dict[str, float | None]:
-        """The constants that are numbers, None where an optional one is off; ``p.numbers`` are those that are on."""
+        """The numeric constants, None for an optional one that is off; ``p.numbers`` are those that are on."""
         return {name: x for name, x in vars(self.p).items() if not isinstance(x, str)}
 
     @property
@@ -277,7 +285,7 @@ class Law(metaclass=FromFile):
 
     @property
     def form(self) -> Form:
-        """What of these constants changes the form of the equations."""
+        """The form of the equations with these constants."""
         constants, p = self.constants(), vars(self.p)
         on = tuple(name for name, c in constants.items() if c.optional and p[name] is not None)
         return Form(on, tuple((n, p[n]) for n, c in constants.items() if c.choices and p[n] != c.choices[0]))
@@ -297,7 +305,7 @@ class Law(metaclass=FromFile):
 
     @classmethod
     def numbers(cls, form: Form = USUAL) -> dict[str, Constant]:
-        """The constants that are numbers in that form of the equations: no choices, and no optional ones that are off."""
+        """The numeric constants in a form of the equations, without choices and optional ones that are off."""
         return {n: c for n, c in cls.constants().items() if not c.choices and (not c.optional or n in form)}
 
     @classmethod
@@ -312,7 +320,7 @@ class Law(metaclass=FromFile):
         return Constants(values, on_term)
 
     def same_as(self, other: Law | None) -> bool:
-        """Whether another law has the same equations, in the same form, and the same numbers."""
+        """Whether another law has the same equations, form and constants."""
         return type(self) is type(other) and isinstance(other, Law) and self.p == other.p
 
     def guarantees(self) -> dict[str, bool | None]:
@@ -327,7 +335,7 @@ class Law(metaclass=FromFile):
 
     @property
     def _numbers(self) -> dict[str, Value]:
-        """Every constant that is on; the machine's parameters, also those that the law does not use, first."""
+        """Every constant that is on; first all of the machine's parameters, used or not."""
         return {**self.machine, **self.p.numbers, **self.p.words}
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -357,14 +365,13 @@ class Law(metaclass=FromFile):
         return type(self)({**self._numbers, **constants}, self.rotary)
 
     def of_motion(self, rotary: bool) -> Self:
-        """The same law in a machine that turns, or in one that does not: its units are others, its numbers are not."""
+        """The same law with the units of rotary or linear motion; the values are the same."""
         return self if self.rotary == rotary else type(self)(self._numbers, rotary)
 
     def to_dict(self) -> dict[str, object]:
-        """The table ``[law]`` of a scenario (``[contacts.NAME.law]`` of a machine) that describes this law: its name, every
-        constant and choice.
+        """The table ``[law]`` of a scenario, or ``[contacts.NAME.law]`` of a machine, with name, constants and choices.
 
-        A law of a file of the user's is named ``FILE.py:NAME``; one that a program defined is known to this process only.
+        A law of a user's file is named ``FILE.py:NAME``. A law that a program defined is known to this process only.
         """
         kind = type(self)
         name = kind.name
@@ -382,7 +389,7 @@ class Law(metaclass=FromFile):
         """For notebooks: the equations and the constants."""
         from html import escape
 
-        from stribeck.laws.render import equations  # for people alone
+        from stribeck.laws.render import equations  # needs SymPy, for display only
 
         rows = equations(type(self), self.form)
         lines = "".join(f"<div style='margin-left:1.5em'><i>{escape(row.text)}</i></div>" for row in rows)
@@ -395,7 +402,7 @@ class Law(metaclass=FromFile):
         )
         return f"<b>{escape(self.name)}</b>{lines}<table>{cells}</table>"
 
-    # -- what its equations say of it ------------------------------------------------------------------------------
+    # -- derived from the equations ---------------------------------------------------------------------------------
 
     @property
     def jumps_at_rest(self) -> bool:
@@ -405,8 +412,10 @@ class Law(metaclass=FromFile):
 
     @property
     def differentiable(self) -> bool:
-        """True where F has a time derivative wherever v has one: as the law claims, or where it claims nothing as is found
-        at rest, with and without a deflection."""
+        """True if F has a time derivative wherever v has one.
+
+        This is as the law claims. Without a claim it is tested at rest, with and without deflection.
+        """
         smooth = self.guarantees()["smooth"]
         if smooth is not None:
             return smooth
@@ -439,11 +448,11 @@ class Law(metaclass=FromFile):
         return np.asarray(self._in_floats(lambda p: self.friction(p, v, z, dz_dt)))
 
     def _in_floats(self, equation: Callable[[Constants], Value]) -> Value:
-        """An equation's value; inf or nan, as NumPy has it, where a number of its constants leaves the range of floats."""
+        """An equation's value; inf or nan, as with NumPy, if a result leaves the range of floats."""
         with np.errstate(all="ignore"):
             try:
                 return equation(self.p)
-            except ArithmeticError:  # Python's own floats raise
+            except ArithmeticError:  # raised by Python's floats
                 return equation(self.p.replaced({n: np.asarray(x, float)[()] for n, x in self.p.numbers.items()}))
 
     def jacobian(self, v: ArrayLike, z: ArrayLike = 0.0) -> tuple[Array, Array]:
@@ -461,13 +470,13 @@ class Law(metaclass=FromFile):
         value, _ = self._force_rate(v, z, dv_dt)
         at_rest = v == 0
         if at_rest.any():
-            # both limits v -> 0+ and v -> 0-; where the equations are smooth they agree to rounding
+            # the limits v -> 0+ and v -> 0-, which agree to rounding if the equations are smooth
             (above, force_above), (below, force_below) = (
                 self._force_rate(np.where(at_rest, side, v), z, dv_dt) for side in (1e-300, -1e-300)
             )
             with np.errstate(all="ignore"):
-                differs = ~(abs(above - below) <= 1e-9 * (abs(above) + abs(below)) + 1e-250)  # what 1e-300 m/s leaves
-                # a force that jumps is met only when v passes through 0
+                differs = ~(abs(above - below) <= 1e-9 * (abs(above) + abs(below)) + 1e-250)  # rounding at 1e-300 m/s
+                # a jump of the force matters only if v passes through 0
                 jumps = (abs(force_above - force_below) > 1e-9 * self.scales(self.p).force) & (dv_dt != 0)
             if (at_rest & (differs | jumps)).any():
                 raise NotDifferentiable(
@@ -480,15 +489,15 @@ class Law(metaclass=FromFile):
     def steady_deflection(self, v: ArrayLike) -> Array:
         """The deflection z in m at which dz/dt = 0 when v (m/s) is held; 0 at v = 0.
 
-        The root that a bristle starting from z = 0 reaches. Slower speeds than 1e-100 m/s are taken as that: products
-        of them would vanish.
+        It is the root that a bristle reaches from z = 0. Speeds below 1e-100 m/s are evaluated at that speed, as
+        products of them would underflow.
         """
         return self._steady(v)[0]
 
     def steady_force(self, v: ArrayLike) -> Array:
-        """The friction force in N when v (m/s) is held for long.
+        """The steady friction force in N at constant v (m/s).
 
-        At v = 0 a body can be held by a range of forces; 0, the middle, is returned.
+        At v = 0 the force lies in a range; its middle, 0, is returned.
         """
         return self._steady(v)[1]
 
@@ -538,7 +547,7 @@ class BristleLaw(Law):
     With the constant v_d the bristle damping sigma_1 falls with speed; delta is the exponent of the Stribeck curve.
     """
 
-    v_d: ClassVar[Constant | None] = terms.V_D  # None in a law whose force is another
+    v_d: ClassVar[Constant | None] = terms.V_D  # None in a law with another force
     delta: ClassVar[Constant | None] = terms.DELTA  # None in a law without the Stribeck curve g
     uses: ClassVar[tuple[str, ...]] = ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")
     relations: ClassVar[tuple[Relation, ...]] = STATIC_ABOVE_COULOMB
@@ -554,7 +563,7 @@ class BristleLaw(Law):
         """The bristles' elastic energy, J.
 
         Raises:
-            InputError: of a law without sigma_0 that does not say its own.
+            InputError: the law has no sigma_0 and does not override this method.
         """
         if not hasattr(p, "sigma_0"):
             raise InputError("output.energy: true: must be false for a law without sigma_0 and stored_energy(p, z)")
@@ -578,11 +587,11 @@ class StaticLaw(Law):
 
     @staticmethod
     def scales(p: SimpleNamespace) -> Scales:
-        """v_s and F_s (or F_c) where the law has them, else 1 mm/s and 1 N; the distance gone in 10 ms."""
+        """v_s and F_s (or F_c) if the law has them, or else 1 mm/s and 1 N; and the distance in 10 ms at this speed."""
         speed, force = getattr(p, "v_s", 1e-3), getattr(p, "F_s", getattr(p, "F_c", 1.0))
         return Scales(1e-2 * speed, speed, force)
 
     @staticmethod
     def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
-        """There is no z: 0."""
+        """0, as there is no z."""
         return 0.0 * v

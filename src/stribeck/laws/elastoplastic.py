@@ -32,7 +32,7 @@ def alpha(p: SimpleNamespace, v: Value, z: Value) -> Value:
 
 @term("s")
 def s(p: SimpleNamespace, v: Value, z: Value) -> Value:
-    """Where |z| stands between z_ba (0) and g(v) (1)."""
+    """Position of |z| between z_ba (0) and g(v) (1)."""
     return clip((abs(z) - p.z_ba) / (g(p, v) - p.z_ba), 0.0, 1.0)
 
 
@@ -43,7 +43,7 @@ def a(p: SimpleNamespace, v: Value, z: Value) -> Value:
 
 
 class _ElastoPlastic(BristleLaw):
-    """What the three elasto-plastic laws share."""
+    """Base of the three elasto-plastic laws."""
 
     z_ba = Z_BA
     relations = (*STATIC_ABOVE_COULOMB, BREAK_AWAY)

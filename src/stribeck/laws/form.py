@@ -1,4 +1,4 @@
-"""The form of equations: which optional constants are on, and which words are chosen."""
+"""The form of equations: optional constants that are on, and choices."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Form:
-    """What of the constants changes the equations and not only their numbers.
+    """Constants that change the equations and not only their values.
 
     Attributes:
         on: the optional constants that are given.
         choices: (constant, word) for words other than the first.
-        counts: (constant, how many) for constants that are lists; elements of machines have such.
+        counts: (constant, length) for constants that are lists, as in elements of machines.
     """
 
     on: tuple[str, ...] = ()

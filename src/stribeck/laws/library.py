@@ -37,7 +37,7 @@ class Library:
     machines: Mapping[str, MachineSet]
 
     def to_dict(self) -> dict[str, object]:
-        """What ``stribeck library --json`` prints: equations, constants and sources of all that is in the library.
+        """The JSON of ``stribeck library --json``: equations, constants and sources of all entries.
 
         Raises:
             InputError: a law of a user's file has equations that cannot be evaluated.
@@ -51,13 +51,13 @@ class Library:
         }
 
     def document(self) -> Document:
-        """All that there is, a line each."""
+        """All entries, a line each."""
         from stribeck.laws import said
 
         return said.shelf(self)
 
     def documents(self) -> list[Document]:
-        """All that is known of each law, set and machine, in this order.
+        """Documents with all details of each law, set and machine, in this order.
 
         Raises:
             InputError: a law of a user's file has equations that cannot be evaluated.
@@ -99,11 +99,11 @@ def library(*names: str) -> Library:
 
 
 def described(law: type[Law], name: str) -> dict[str, object]:
-    """A law's equations, constants, source and guarantees, as JSON has them.
+    """A law's equations, constants, source and guarantees, as JSON.
 
     Args:
         law: the law's class.
-        name: the name by which it was asked for.
+        name: its name in the request.
 
     Raises:
         InputError: the equations of a law from a user's file cannot be evaluated.
@@ -123,7 +123,7 @@ def described(law: type[Law], name: str) -> dict[str, object]:
 
 
 def _problem(law: type[Law]) -> str | None:
-    """Why the equations cannot be evaluated with constants that are allowed; None also if no such constants are known."""
+    """The reason why the equations cannot be evaluated with allowed constants, or None; None too if none are known."""
     values = {n: v for n, v in parameter_sets.load("canudas1995").values.items() if n in law.constants()}
     values |= {n: c.example for n, c in law.own_constants().items() if c.example is not None and n not in values}
     values |= {n: 1.0 for n, c in law.constants().items() if c.required and n not in values and not c.problem(1.0)}
@@ -168,7 +168,7 @@ def _guarantees(law: type[Law], form: Form = USUAL) -> dict[str, object]:
 
 
 def _changed(law: type[Law], form: Form) -> dict[str, object]:
-    """The equations and guarantees that this form of the law has and the usual one has not."""
+    """The equations and guarantees of this form of the law that differ from the usual form."""
     usual, claims = _equations(law), _guarantees(law)
     return {
         "equations": [e for e in _equations(law, form) if e not in usual],

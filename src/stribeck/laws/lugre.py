@@ -16,24 +16,24 @@ def _damped(p: SimpleNamespace, above: Value = 0.0) -> Value:
 
 
 def passive_as_lugre(p: SimpleNamespace) -> Value:
-    """LuGre's condition, necessary and sufficient (Barabanov & Ortega 2000); with v_d, sufficient only, as is v_d small."""
+    """LuGre's condition, necessary and sufficient (Barabanov & Ortega 2000). With v_d it is sufficient; so is a small v_d."""
     constant = p.sigma_2 * p.F_c >= p.sigma_1 * (p.F_s - p.F_c)
     return constant if p.v_d is None else either(constant, _damped(p))
 
 
 def passive_as_majorant(p: SimpleNamespace) -> Value:
-    """LuGre's condition; k_v large enough that m - |v| <= F_s/sigma_1 makes it sufficient. With v_d, also v_d small."""
+    """LuGre's condition, sufficient if k_v is so large that m - |v| <= F_s/sigma_1. With v_d, a small v_d is sufficient too."""
     constant = both(p.sigma_2 * p.F_c >= p.sigma_1 * (p.F_s - p.F_c), p.sigma_1 * m_0(p) <= p.F_s)
     return constant if p.v_d is None else either(constant, _damped(p, m_0(p)))
 
 
 def passive_as_arctan(p: SimpleNamespace) -> Value:
-    """Without bristle damping, as z is not bounded; or with v_d small."""
+    """Without bristle damping, as z is not bounded; or with a small v_d."""
     return p.sigma_1 <= 0 if p.v_d is None else _damped(p)
 
 
 def smooth_curve(p: SimpleNamespace) -> Value:
-    """Where |v| in the Stribeck curve has a derivative at rest that nothing multiplies by 0: delta above 1."""
+    """delta above 1: then the Stribeck curve has a derivative at rest."""
     return True if p.delta is None else p.delta > 1
 
 

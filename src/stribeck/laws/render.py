@@ -1,4 +1,4 @@
-"""Equations of a law for people, from the functions that are simulated."""
+"""Equations of a law as LaTeX and text, from the functions that are simulated."""
 
 from __future__ import annotations
 
@@ -25,8 +25,10 @@ class Equation:
 
 
 def equations(law: type[Law], form: Form = USUAL) -> list[Equation]:
-    """The law's equations: dz/dt (where it has a z), F, then the functions that they use, each once; in that form, one of
-    :meth:`Law.forms`."""
+    """The law's equations: dz/dt (if it has a z), F, then the functions that they use, each once.
+
+    ``form`` is one of :meth:`Law.forms`.
+    """
     names = [*law.constants(), "v", "z"]
     latex = {name: pretty.name(name, latex=True) for name in names} | {"dz_dt": r"\dot{z}"}
     text = {name: pretty.name(name, latex=False) for name in names} | {"dz_dt": "dz/dt"}
@@ -48,7 +50,7 @@ def equations(law: type[Law], form: Form = USUAL) -> list[Equation]:
 
 
 def condition(claim: Callable[[SimpleNamespace], Value], law: type[Law], form: Form = USUAL) -> Equation | bool:
-    """A claim that depends on the constants, as a condition; or what it is in a form where it does not."""
+    """A claim as a condition on the constants, or as its value if it does not depend on them."""
     value = claim(law.symbolic(symbol, form))
     if isinstance(value, bool):
         return value
@@ -64,7 +66,7 @@ class _Terms:
         self.definitions: dict[str, Value] = {}
 
     def by_name(self, name: str, sign: str, args: tuple[Value, ...], value: Value) -> Value:
-        """The symbol; what reads it is added to the names."""
+        """The symbol; its name as text is added to the names."""
         arguments = [
             [pretty.write(wrap(a), names, latex=way) for a in args]
             for names, way in ((self.latex, True), (self.text, False))

@@ -1,4 +1,4 @@
-"""The documents that show laws and the library."""
+"""Documents of laws and of the library."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def chapter(law: Law, key: str = "law", of: str = "") -> Chapter:
 
 
 def shelf(library: Library) -> Document:
-    """All that is in the library, a line each."""
+    """All entries of the library, a line each."""
     laws = [[name, " ".join((each.__doc__ or "").split())] for name, each in library.laws.items()]
     sets = [[each.name, each.title] for each in library.sets.values()]
     machines = [[m.name, f"{m.title} ({m.origin}; {m.licence})"] for m in library.machines.values()]
@@ -59,7 +59,7 @@ def _listed(key: str, what: str, rows: Sequence[Sequence[Cell]]) -> Chapter:
 
 
 def law(description: Mapping[str, Any]) -> Document:
-    """A law as :func:`stribeck.laws.library.described` has it: equations, claims, constants, source."""
+    """A law from :func:`stribeck.laws.library.described`: equations, claims, constants, source."""
     facts = [f"claims: {_claims(description['guarantees']) or _NO_CLAIMS[description['has_z']]}"]
     for form, changed in description["with"].items():
         parts = [*(e["text"] for e in changed["equations"]), _claims(changed["guarantees"])]
@@ -102,7 +102,7 @@ def parameter_set(parameters: ParameterSet) -> Document:
 
 
 def machine(machine_set: MachineSet) -> Document:
-    """A machine with its numbers, and where they are from."""
+    """A machine with its values and their sources."""
     rows: list[list[Cell]] = [
         [
             path,

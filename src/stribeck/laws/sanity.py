@@ -1,6 +1,6 @@
-"""Whether a law's equations make sense as such: finite values, odd ones, arrays as numbers, derivatives as differences.
+"""Sanity tests of a law's equations: finite values, symmetry, arrays, derivatives.
 
-Sampling finds what contradicts that, and proves nothing; what a law claims is for :func:`stribeck.check`.
+Sampling finds counterexamples and proves nothing; :func:`stribeck.check` decides a law's claims.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from stribeck.arrays import Array
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
-_SPEEDS = (1e-9, 1e4)  # sampled, as multiples of the law's own speed
-_ROUNDING = 1e-12  # of the largest term: what is smaller is taken as 0
+_SPEEDS = (1e-9, 1e4)  # range of samples, as multiples of the law's natural speed
+_ROUNDING = 1e-12  # of the largest term: a smaller difference is rounding
 
 
 def problems(law: Law, seed: int = 0) -> list[str]:
-    """What is wrong with a law's equations, in one line each; an empty list when nothing was found.
+    """The faults in a law's equations, a line each.
 
-    F and dz/dt are finite, and change sign with (v, z) unless the law says ``symmetric = False``; they are the same for
-    arrays as for numbers; their derivatives agree with differences.
+    F and dz/dt must be finite, and change sign with (v, z) unless ``symmetric = False``. Arrays must give the values of
+    single numbers. Derivatives must agree with differences.
 
     Args:
         law: the law, with its constants.
@@ -42,7 +42,7 @@ def problems(law: Law, seed: int = 0) -> list[str]:
 
 
 class _Samples:
-    """A law, and random velocities and deflections of every magnitude that matters to it."""
+    """Random velocities and deflections in the relevant range of a law."""
 
     def __init__(self, law: Law, rng: np.random.Generator) -> None:
         self.law, self.rng = law, rng
@@ -50,7 +50,7 @@ class _Samples:
         self.bound = float(law.z_bound(law.p)) if law.has_z and law.guarantees()["bounded"] else 10 * self.length
 
     def v(self, *shape: int) -> Array:
-        """Velocities of both signs, their magnitudes even on a logarithmic scale."""
+        """Velocities of both signs with log-uniform magnitudes."""
         low, high = np.log(_SPEEDS)
         return self.rng.choice([-1.0, 1.0], shape) * self.speed * np.exp(self.rng.uniform(low, high, shape))
 
@@ -64,7 +64,7 @@ class _Samples:
 
 
 def _where(wrong: Value, text: str, **values: Array | float) -> str | None:
-    """The text with the values at the first place that is wrong; None where there is none."""
+    """The text with the values at the first fault, or None without a fault."""
     if not np.any(wrong):
         return None
     i = int(np.argmax(wrong))
@@ -99,7 +99,7 @@ def _arrays(s: _Samples) -> str | None:
 
 
 def _differs(derivative: Value, of: Callable[[Array], Array], step: Array, size: Array) -> Value:
-    """Where a derivative disagrees with each of some central differences, with relative steps of 1e-3 to 1e-7."""
+    """Where a derivative disagrees with all central differences of relative steps from 1e-3 to 1e-7."""
     h = 10.0 ** -np.arange(3, 8)[:, None] * step
     difference = (of(h) - of(-h)) / (2 * h)
     return ~(abs(difference - derivative) <= 1e-5 * abs(derivative) + 1e-14 * size / h).any(axis=0)

@@ -9,7 +9,7 @@ from stribeck.expressions.ops import Value, larger, sign, smaller, tanh
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Scales, StaticLaw
 from stribeck.laws.terms import K_V, S_0, stribeck_level
 
-_TIME = 1e-2  # s; a static law has no length of its own: its scale is the distance gone at its speed in this time
+_TIME = 1e-2  # s; a static law has no natural length: its scale is the distance at its natural speed in this time
 
 
 class CoulombViscous(StaticLaw):
@@ -26,7 +26,7 @@ class CoulombViscous(StaticLaw):
 
     @staticmethod
     def scales(p: SimpleNamespace) -> Scales:
-        """The speed 1/k_v at which the sign is half way."""
+        """The speed 1/k_v, at which the smooth sign is 0.5."""
         return Scales(_TIME / p.k_v, 1 / p.k_v, p.F_c)
 
 
@@ -47,7 +47,7 @@ class Stribeck(StaticLaw):
 
     @staticmethod
     def scales(p: SimpleNamespace) -> Scales:
-        """The Stribeck velocity, or 1/k_v where the smooth sign is given."""
+        """The Stribeck velocity, or 1/k_v with the smooth sign."""
         speed = p.v_s if p.k_v is None else smaller(p.v_s, 1 / p.k_v)
         return Scales(_TIME * speed, speed, p.F_s)
 
@@ -70,7 +70,7 @@ class Makkar(StaticLaw):
 
     @staticmethod
     def scales(p: SimpleNamespace) -> Scales:
-        """The speed at which the steeper tanh bends."""
+        """The speed scale of the steeper tanh."""
         speed = 1 / larger(p.g2, p.g5)
         return Scales(_TIME * speed, speed, larger(larger(p.g1, p.g4), p.g6 * speed))
 
@@ -93,6 +93,6 @@ class StribeckTanh(StaticLaw):
 
     @staticmethod
     def scales(p: SimpleNamespace) -> Scales:
-        """The Stribeck velocity, or 1/k_v where that is slower."""
+        """The Stribeck velocity, or 1/k_v if that is slower."""
         speed = smaller(p.v_s, 1 / p.k_v)
         return Scales(_TIME * speed, speed, p.F_s)

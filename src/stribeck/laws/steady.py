@@ -1,4 +1,4 @@
-"""The steady state of a law while its velocity is held, as expressions."""
+"""The steady state of a law at constant velocity, as expressions."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from stribeck.expressions.ops import Value
 if TYPE_CHECKING:
     from stribeck.laws.base import Law
 
-SLOWEST = 1e-100  # m/s or rad/s: products of slower speeds would vanish
+SLOWEST = 1e-100  # m/s or rad/s: products of slower speeds would underflow
 
 
 def steady_deflection(law: type[Law], p: SimpleNamespace, v: Expr, side: Value = 1.0) -> Expr:
-    """The deflection z at which dz/dt = 0 while v is held: the closed form where dz/dt is linear in z, else the first
-    root that a bristle meets on its way from z = 0. ``side`` is the sign of v."""
+    """The deflection z at which dz/dt = 0 at constant v; ``side`` is the sign of v.
+
+    If dz/dt is linear in z, it is a closed form. Otherwise it is the first root that a bristle reaches from z = 0.
+    """
     rate = wrap(law.dz_dt(p, v, BOUND))
     slope = derivative(rate, BOUND)
     if BOUND.value not in symbols([slope]):
@@ -26,6 +28,6 @@ def steady_deflection(law: type[Law], p: SimpleNamespace, v: Expr, side: Value =
 
 
 def steady_force(law: type[Law], p: SimpleNamespace, v: Expr, side: Value = 1.0) -> Expr:
-    """The friction force while v is held, as an expression: arrays, compiled machines and exports evaluate this one."""
+    """The friction force at constant v, as the expression that arrays, compiled machines and exports share."""
     z = steady_deflection(law, p, v, side) if law.has_z else wrap(0.0)
     return wrap(law.friction(p, v, z, wrap(0.0)))

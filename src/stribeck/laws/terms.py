@@ -20,7 +20,7 @@ SMOOTH_ABS = Constant("", "which smooth majorant of |v|; atan unless given", cho
 
 
 def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
-    """Give a function of an equation a name, under which generated C and rendered equations show it."""
+    """Name a function of an equation; generated C and rendered equations show this name."""
 
     def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
         @wraps(function)
@@ -35,7 +35,7 @@ def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
 
 
 def stribeck_level(p: SimpleNamespace, v: Value) -> Value:
-    """The level in N between F_s at rest and F_c far above v_s; the square of v/v_s where no exponent delta is given."""
+    """The friction level in N, from F_s at rest to F_c far above v_s; the exponent is 2 unless delta is given."""
     x = (v / p.v_s) ** 2 if getattr(p, "delta", None) is None else abs(v / p.v_s) ** p.delta
     return p.F_c + (p.F_s - p.F_c) * exp(-x)
 
@@ -73,7 +73,7 @@ def m(p: SimpleNamespace, v: Value) -> Value:
 
 
 def m_0(p: SimpleNamespace) -> Value:
-    """m(0), which is also the most by which m exceeds |v|, m/s."""
+    """m(0), the largest excess of m over |v|, m/s."""
     if p.smooth_abs == "sqrt":
         return 1 / p.k_v
     return 3 / (8 * p.k_v) if p.smooth_abs == "compact" else 2 / (pi * p.k_v)

@@ -1,4 +1,4 @@
-"""The constants of a law, as its equations take them, and the magnitudes that follow from them."""
+"""The constants of a law for its equations, and the natural scales that follow from them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ OnTerm = Callable[[str, str, tuple[Value, ...], Value], Value]
 
 @dataclass(frozen=True)
 class Scales:
-    """Natural magnitudes of a law with given constants; the default tolerances are proportional to them."""
+    """Natural scales of a law with given constants; the default tolerances are proportional to them."""
 
     length: float
     speed: float
@@ -26,7 +26,7 @@ class Constants(SimpleNamespace):
     Args:
         values: the constants.
         on_term: called with each named term of the equations (its name, its LaTeX, its arguments and value); its result
-            replaces the term. A build of code collects names so, and rendering keeps definitions apart.
+            replaces the term. Code generation collects names with it, and rendering separates definitions.
     """
 
     __slots__ = ("_on_term",)
@@ -37,7 +37,7 @@ class Constants(SimpleNamespace):
         object.__setattr__(self, "_on_term", on_term)
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Copies and pickles hold the constants alone."""
+        """Copies and pickles hold the constants only."""
         return Constants, (vars(self),)
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -45,7 +45,7 @@ class Constants(SimpleNamespace):
 
     @property
     def numbers(self) -> dict[str, Value]:
-        """The constants that are on and no words."""
+        """The numeric constants that are on."""
         return {name: x for name, x in vars(self).items() if x is not None and not isinstance(x, str)}
 
     @property
@@ -54,10 +54,10 @@ class Constants(SimpleNamespace):
         return {name: x for name, x in vars(self).items() if isinstance(x, str)}
 
     def replaced(self, values: Mapping[str, Value]) -> Constants:
-        """The same with others in the place of some."""
+        """The constants with some replaced."""
         return Constants({**vars(self), **values}, self._on_term)
 
 
 def observer_of(p: SimpleNamespace) -> OnTerm | None:
-    """What is called with the terms of equations that take the constants ``p``."""
+    """The function that is called with the terms of equations that take the constants ``p``."""
     return p._on_term if isinstance(p, Constants) else None

@@ -79,8 +79,8 @@ class Turned:
 class Boundary:
     """A value of ``path`` at which the verdict changes from ``below`` to ``above``.
 
-    The change lies within ``[low, high]``. The verdicts hold up to 5 % away on both sides, as simulated at four points
-    each; ``sure`` is always true, since any other change is :class:`Mixed`.
+    The change lies within ``[low, high]``. On both sides the verdicts hold up to 5 % away, as simulated at four points
+    each. ``sure`` is always true, since any other change is :class:`Mixed`.
     """
 
     path: str

@@ -276,8 +276,10 @@ class _LaneRecord:
         return max(last - self.loop.rest, 0.0) / self.tau
 
     def _break_away_time(self) -> float | None:
-        """Time until a contact under growing force may break away, s, extrapolated from its mean force; None if no
-        contact's force changes, or if it settles below F_s."""
+        """Time until a contact under growing force may break away, s, extrapolated from its mean force.
+
+        None if no contact's force changes, or if it settles below F_s.
+        """
         machine, times = self.loop.scenario.elements, list[float]()
         for contact in machine.system.contacts:
             law = machine.laws[contact.law_path]

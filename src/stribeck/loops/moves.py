@@ -86,8 +86,10 @@ def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:
 
 
 def reversal_errors(loop: Loop, controller: str, values: Mapping[str, ArrayLike] | None = None) -> Array:
-    """The largest error within an eighth of a period after the reversals of the standard sine, for each lane (m or rad);
-    nan if the lane's simulation failed."""
+    """The largest error after reversals of the standard sine, within an eighth of a period, for each lane (m or rad).
+
+    It is nan if the lane's simulation failed.
+    """
     moves = moves_of(loop, controller)
     signal, end = signals_of(moves)["sine"]
     lanes = _simulate_lanes(loop, replaced(loop.lean, controller, signal), end, values)
@@ -116,8 +118,10 @@ def on_a_sine(loop: Loop, controller: str, values: Mapping[str, ArrayLike] | Non
 
 
 def errors(loop: Loop, controller: str) -> dict[str, Tracked]:
-    """Tracking of the file's signal ("file") and of the standard moves: peak, root mean square, error after reversals and
-    at rest (m or rad), and settling time (s)."""
+    """Tracking of the file's signal ("file") and of the standard moves.
+
+    The values are peak, root mean square, error after reversals and at rest (m or rad), and settling time (s).
+    """
     tracked = {"file": _track_file_signal(loop, controller)}
     moves = moves_of(loop, controller)
     tracked["sine"] = on_a_sine(loop, controller)

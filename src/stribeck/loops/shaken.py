@@ -43,8 +43,10 @@ def swings(loop: Loop, values: Mapping[str, Array], count: int) -> list[dict[str
 
 
 def frequency_for(scenario: Scenario, controller: str, slowest: float) -> float:
-    """A frequency for a dither, Hz: where the response of the sliding loop falls to a hundredth of its largest; at most an
-    eighth of the sampling rate."""
+    """A frequency for a dither, Hz, at which the response of the sliding loop falls to 1 % of its largest.
+
+    It is at most an eighth of the sampling rate.
+    """
     machine = scenario.elements
     each = controller_of(scenario, controller)
     sliding, name = SlidingLoop(scenario, controller), machine.system.leader(each.body).name

@@ -196,8 +196,10 @@ class Draft:
 
 
 def _in_folder(table: Held) -> Held:
-    """A table of a file; an element of Python's stays as it is, unless it names a recording or follows another element: it is
-    read anew then."""
+    """A table of a file, or an element of Python, which stays unchanged.
+
+    An element that names a recording or follows another element is read again.
+    """
     if not isinstance(table, Element):
         return dict(table) if isinstance(table, Mapping) else table
     unread = table.follows_others or any(

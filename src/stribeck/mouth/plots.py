@@ -146,8 +146,10 @@ def thin(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def in_time(time: Array, y: Array) -> tuple[Array, Array]:
-    """A line over times, thinned, which breaks where rows lack (more than one and a half usual steps) and where another
-    file begins, whose first time is the last one's or before it."""
+    """A decimated line over times, with gaps at missing rows and between files.
+
+    Rows are missing at more than 1.5 usual steps. A file begins at a time that does not rise.
+    """
     kept, steps = _kept(time, y), np.diff(time)
     some = steps[:: max(len(steps) // (8 * _BLOCKS), 1)]
     rising = some[some > 0]

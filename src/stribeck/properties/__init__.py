@@ -1,4 +1,4 @@
-"""What a law with given constants guarantees: proofs, and counterexamples that the simulator replays."""
+"""Decisions about the properties of a law, by proofs or by counterexamples that the simulator replays."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["NAMES", "Verdict", "Verdicts", "check"]
 
-WORK = 2400.0  # regions looked at for all five properties; it does not depend on the machine's speed
+WORK = 2400.0  # regions examined for all five properties; a count does not depend on the computer's speed
 
 
 @overload
@@ -56,7 +56,7 @@ def check(
         **tolerated: of a law with k_v, tolerances: ``creep``, ``steady_error`` at a ``speed``, ``presliding_error`` at a
             ``force_rate``, ``position_error`` in a ``scenario``, ``sample_time``
             (:class:`stribeck.properties.steepness.Tolerated`). ``.steepness`` is then the smallest k_v that meets them.
-        work: largest number of regions of (v, z) to examine; what is not decided by then is None.
+        work: largest number of regions of (v, z) to examine; undecided properties are then None.
 
     Returns:
         The verdicts: each true with a proof, false with a counterexample, or None with the reason

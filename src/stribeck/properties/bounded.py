@@ -24,12 +24,12 @@ _LEVELS = (
     100.0,
     1e4,
     1e6,
-)  # of the bound: a law that passes the last is said to pass any level that was tried
-_REPLAYED = 10.0  # of the bound: as far as a replayed run goes; a longer one shows no more
+)  # of the bound: passing the last level is reported as passing every tried level
+_REPLAYED = 10.0  # of the bound: largest deflection in a replayed run
 
 
 def prove(model: Model, claims: ClaimProver) -> Certificate | None:
-    """Z is never passed outward."""
+    """The proof that z never leaves |z| <= Z."""
     low, high = model.bound
     inward = claims.inward((low, None))
     if inward is not None:
@@ -44,8 +44,10 @@ def prove(model: Model, claims: ClaimProver) -> Certificate | None:
 
 
 def decide(model: Model, claims: ClaimProver) -> tuple[Verdict, Certificate | None]:
-    """Whether |z| = Z is never passed outward, and the proof that it is not; held speeds that pass it are looked for
-    first, as that takes less."""
+    """Decide whether z never leaves |z| <= Z; the proof is the second value.
+
+    A search for constant speeds that pass the bound comes first, as it is cheaper.
+    """
     passed = _passed(model)
     if passed is not None and passed.holds is False:
         return passed, None
@@ -57,7 +59,7 @@ def decide(model: Model, claims: ClaimProver) -> tuple[Verdict, Certificate | No
 
 
 def _passed(model: Model) -> Verdict | None:
-    """Speeds that take z past the bound from z = 0, and how far; None where none was found."""
+    """Speeds that take z from 0 past the bound, and the largest z; None if none was found."""
     law, z_bound = model.law, float(model.bound[1])
     levels: list[dict[str, float]] = []
     for level in (1 + 1e-6, *_LEVELS):
@@ -89,7 +91,7 @@ def _passed(model: Model) -> Verdict | None:
 
 
 def _from_the_edge(model: Model) -> Verdict:
-    """A held speed, or rest, that moves z outward from the bound itself."""
+    """A constant speed, or rest, that moves z outward from the bound."""
     z_bound = float(model.bound[1])
     speeds = np.append(Storage(model.law, per_decade=4).v, 0.0)
     for side in (1.0, -1.0):
@@ -112,7 +114,7 @@ def _from_the_edge(model: Model) -> Verdict:
 
 
 def _to_the_end(model: Model, shown: dict[str, float], level: float) -> dict[str, float]:
-    """The farthest that held speeds get, within a thousandth: z may have a larger bound."""
+    """The largest z at constant speeds, within 0.1 %; z may have a larger bound."""
     z_bound = shown["z"] / shown["z_over_Z"]
     low, high = level, max(2 * level, 2.0)
     for _ in range(12):
@@ -126,7 +128,7 @@ def _to_the_end(model: Model, shown: dict[str, float], level: float) -> dict[str
 
 
 def _fastest(model: Model, level: float) -> tuple[float, float] | None:
-    """The held speed that takes z from 0 to a level soonest, and the time; None where none does."""
+    """The constant speed that takes z from 0 to a level soonest, and the time; None if there is none."""
     law = model.law
     v = Storage(law, per_decade=12).v
     v = v[v > 0]
@@ -138,7 +140,7 @@ def _fastest(model: Model, level: float) -> tuple[float, float] | None:
         time: Array = np.where(slowest > 1e-9 * size, (1 / rate).mean(axis=1) * level, np.inf)
     if not np.isfinite(time).any():
         return None
-    # no faster than need be: the slowest speed that takes at most a second, or twice the shortest time
+    # the slowest speed that needs at most a second, or twice the shortest time
     enough = np.flatnonzero(time <= max(1.0, 2 * float(time.min())))
     chosen = float(v[enough[0]])
     return chosen, integrate(law, chosen, 0.0, level)[0]

@@ -1,4 +1,4 @@
-"""Certificates: proofs as plain data, which a checker that shares no code with the prover can verify.
+"""Certificates: proofs as plain data, for an independent checker that shares no code with the prover.
 
 The format is described in docs/reference/certificates.md.
 """
@@ -24,7 +24,7 @@ _TEXT = {"symbol", "constant"}
 
 
 def rational(x: Fraction | None) -> str:
-    """A rational number as text; "inf" where there is no end."""
+    """A rational number as text; "inf" for no bound."""
     return "inf" if x is None else str(x)
 
 
@@ -42,11 +42,11 @@ def _number(tree: Json) -> Json:
 
 
 class PrefixWriter:
-    """Expressions as prefix lists, with the numbers of a law in place of its constants; shared parts get a name.
+    """Writer of expressions as prefix lists, with a law's values for its constants and names for shared parts.
 
     Args:
         values: the constants.
-        shared: expressions whose parts may be named in ``definitions``; None: nothing is.
+        shared: expressions whose parts may be named in ``definitions``, or None.
     """
 
     def __init__(self, values: Mapping[str, Fraction], shared: Iterable[Expr] = ()) -> None:
@@ -66,7 +66,7 @@ class PrefixWriter:
                 self.definitions.append([self._names[node], text])
 
     def write(self, node: Expr) -> Json:
-        """The expression; what occurs twice is one list."""
+        """The expression; repeated parts are the same list."""
         if node in self._names:
             return self._names[node]
         if node not in self._written:
@@ -85,7 +85,7 @@ class PrefixWriter:
 
 @dataclass
 class Claim:
-    """An elementary statement, and the tree that shows it."""
+    """An elementary statement, and the tree that proves it."""
 
     about: str
     relation: str
@@ -122,7 +122,7 @@ def _tree(tree: Tree, writer: PrefixWriter) -> Json:
 
 @dataclass
 class Certificate:
-    """A proof of one property: the theorem, its elementary claims, and the certificates of other properties it rests on."""
+    """A proof of one property: the theorem, its elementary claims, and certificates of the properties that it uses."""
 
     prop: str
     theorem: str
@@ -132,7 +132,7 @@ class Certificate:
 
     @property
     def leaves(self) -> int:
-        """How many parts of the domain were treated."""
+        """The number of parts of the domain."""
         return sum(_leaves(claim.tree) for claim in self.claims) + sum(c.leaves for c in self.hypotheses.values())
 
     def to_json(self, model: Model) -> dict[str, Json]:

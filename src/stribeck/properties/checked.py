@@ -1,7 +1,7 @@
-"""The five properties of a law, each decided once: with its constants, or while these vary in any way within ranges.
+"""Decisions about the five properties of a law, with fixed constants or for every history within ranges.
 
-Where constants vary, their level (F_c and F_s) above all, one law decides, the worst of all that occur (theory,
-"A level that varies").
+If constants vary, above all the level (F_c and F_s), the worst of all laws in the range decides (theory, "A level that
+varies").
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
 
 _log = logging.getLogger(__name__)
 
-# Of the whole work: passivity and uniqueness divide the plane of v and z into many regions, the others into few. The sum is
-# above 1, because few laws use all of a share.
+# Shares of the work: passivity and uniqueness divide the plane of v and z into many regions, the others into few. The sum
+# is above 1, because few laws use all of a share.
 SHARES = {"bounded": 0.2, "unique": 0.5, "smooth": 0.1, "passive": 0.65, "drift_free": 0.1}
 _PROVED = (
     "the dissipated power, F v - S' dz/dt, is never negative at the worst of all levels (signs of polynomials), with the elastic "
@@ -57,16 +57,16 @@ _SAME = "at the lowest level and, by the same steps, at every level (theory.md):
 _UNKNOWN = (
     "which of its levels is the worst is known for the laws of this package only; no run that draws energy was found"
 )
-_ENDLESS = Fraction(3)  # where a level has no upper end: how far beyond the threshold it is swung
-_HIGH = Fraction(1000)  # the same with v_d, where all that the bristles lose while they are wound up counts
-_TRIED = 4  # cycles, of those found
+_ENDLESS = Fraction(3)  # of the threshold: swing of a level without an upper end
+_HIGH = Fraction(1000)  # the same with v_d, for which all losses during winding up count
+_TRIED = 4  # largest number of cycles to simulate
 _DROPS = (
     1e-2,
     1e-4,
     1e-6,
     1e-9,
     1e-12,
-)  # of the bound: how far below it z begins to unwind; close to the threshold only near it
+)  # of the bound: start of unwinding below it; near the threshold only small values draw energy
 
 
 def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
@@ -85,14 +85,14 @@ def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
 
 
 def _verdicts(verdicts: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts:
-    """Each property; undecided where a law has no z, or its equations are such that the check itself fails."""
+    """Each property; undecided if a law has no z, or if its equations make the check fail."""
     started = process_time()
     if not verdicts.law.has_z:
         verdicts.properties = {name: undecided(why_not(verdicts.law)) for name in NAMES}
         return verdicts
     with needed("a proof"):
         importlib.import_module("flint")
-    with np.errstate(all="ignore"):  # samples may leave the range of floats; they prove nothing
+    with np.errstate(all="ignore"):  # samples may overflow; they prove nothing
         verdicts.properties = {name: _safely(decided, name) for name in NAMES}
     verdicts.seconds = process_time() - started
     return verdicts
@@ -119,7 +119,7 @@ def _safely(decided: Callable[[str], Verdict], name: str) -> Verdict:
 
 
 class Checked:
-    """Decides the properties; ``work`` is shared out among them beforehand, so that none depends on the others' luck."""
+    """Decides the properties, each with a fixed share of ``work``, so that none depends on the others."""
 
     def __init__(self, law: Law, v_max: float | None, work: float) -> None:
         self.law, self.v_max, self.work = law, v_max, work
@@ -146,7 +146,7 @@ class Checked:
         return bounded.decide(self.model, self.claims("bounded"))
 
     def bounded(self) -> Verdict:
-        """|z| <= Z for ever."""
+        """|z| <= Z at all times."""
         return self._bounded[0]
 
     def unique(self) -> Verdict:
@@ -158,7 +158,7 @@ class Checked:
         return smooth.decide(self.model, self.claims("smooth"))
 
     def passive(self) -> Verdict:
-        """No more energy is given than was taken."""
+        """The contact returns no more energy than it received."""
         verdict, certificate = self._bounded
         return passive.decide(self.model, self.claims("passive"), certificate, verdict.holds is False)
 
@@ -171,7 +171,7 @@ class Checked:
 
 
 def level_problem(level: object) -> str | None:
-    """What is wrong with an argument ``level``, (LOW, HIGH), in one line; None where nothing is."""
+    """A message if the argument ``level``, (LOW, HIGH), is invalid, or None."""
     if isinstance(level, tuple | list) and len(level) == 2:
         low, high = level
         if not (POSITIVE.problem(low) or POSITIVE.problem(high)) and low <= high:
@@ -180,10 +180,10 @@ def level_problem(level: object) -> str | None:
 
 
 def at_level(law: Law, level: tuple[float, float]) -> Varied:
-    """The law with the ranges that a level gives it.
+    """The law with the ranges of a level.
 
     Raises:
-        InputError: ``level`` is no range, the law has no level, or does not allow one of its ends.
+        InputError: ``level`` is not a range, the law has no level, or an end is not allowed.
     """
     if text := level_problem(level):
         raise InputError(text)
@@ -217,13 +217,13 @@ class CheckedAlways:
             return undecided(f"the law cannot be treated at every level: {error}")
 
     def held(self, side: int, name: str) -> Verdict:
-        """The verdict at one end of the level, held for ever."""
+        """The verdict at a constant level, one end of the range."""
         if (side, name) not in self._held:
             self._held[side, name] = Checked(self._end(side, name), self.v_max, self.work).decided(name)
         return self._held[side, name]
 
     def _end(self, side: int, name: str) -> Law:
-        """The law at one end of the level; with the smallest elastic range for freedom from drift."""
+        """The law at one end of the level; for freedom from drift, the one with the smallest elastic range."""
         return self.varied.extreme(side, _ENDLESS, least=("z_ba",) if name == "drift_free" else ())
 
     def _with_level(self, name: str, verdict: Verdict, law: Law) -> Verdict:
@@ -235,7 +235,7 @@ class CheckedAlways:
         return confirmed
 
     def at_lowest_level(self, name: str) -> Verdict:
-        """Unique, smooth, drift_free: what holds at the lowest level holds at all, for the laws of this package."""
+        """Unique, smooth or drift_free: for this package's laws, the lowest level decides for all levels."""
         verdict = self.held(-1, name)
         if verdict.holds:
             if not self.known and self.varied.varies:
@@ -245,14 +245,14 @@ class CheckedAlways:
         return self._at_end(-1, name, verdict)
 
     def _at_end(self, side: int, name: str, verdict: Verdict) -> Verdict:
-        """A counterexample at one end of the level, said to be so."""
+        """A counterexample at one end of the level, marked as such."""
         if verdict.holds is False:
             verdict.method = _HELD + verdict.method
             self.proofs[name] = self._end(side, name)
         return verdict
 
     def bounded(self) -> Verdict:
-        """|z| <= the highest level over sigma_0."""
+        """|z| <= highest level/sigma_0."""
         law = self.varied.highest() if self.known else None
         if law is None:
             held = self.held(-1, "bounded")
@@ -288,11 +288,11 @@ class CheckedAlways:
         return self._refuted() or refused or undecided(unknown)
 
     def _shown(self) -> Iterator[tuple[Law, Verdict]]:
-        """Proofs that may do, and the law that each is about: the simplest first."""
+        """Candidate proofs and their laws, the simplest first."""
         for any_z in (False, True):
             law = self.varied.worst(any_z)
             if any_z and law is not None and law.values.get("sigma_1") and law.values.get("v_d") is None:
-                continue  # far out in z, at large v, D < 0
+                continue  # D < 0 for large z and v
             if law is not None and (proof := self._proved(law, any_z)) is not None:
                 yield law, proof
         law = self.varied.worst(True)
@@ -306,12 +306,12 @@ class CheckedAlways:
             yield self._end(-1, "passive"), held
 
     def _more_closely(self, law: Law, any_z: bool) -> Verdict | None:
-        """With the Stribeck curve of the lowest level, where the lowest F_c at every speed is too little."""
+        """A proof with the Stribeck curve of the lowest level, for cases in which the lowest F_c is insufficient."""
         if not _may_serve(law, self.v_max, any_z):
             return None
         proof = self._proved(law, any_z)
         if proof is not None:
-            proof.evidence.pop("coq", None)  # whose theorem is about the lowest F_c
+            proof.evidence.pop("coq", None)  # its theorem is about the lowest F_c
         return proof
 
     def _proved(self, law: Law, any_z: bool) -> Verdict | None:
@@ -340,7 +340,7 @@ class CheckedAlways:
         return proved(model, certificate, words, {"z_within": None, **self._theorem(True)})
 
     def _theorem(self, any_z: bool) -> dict[str, Json]:
-        """The theorem of proofs/Level.v that says the same for every set of constants."""
+        """The theorem of proofs/Level.v for every set of constants."""
         law, varying = self.varied.law, {n for n, (a, b) in self.varied.ranges.items() if a != b}
         proved_there = ("lugre", "elastoplastic", *MAJORANT)
         if law.name not in proved_there or law.values.get("delta") is not None or varying - {"F_c", "F_s"}:
@@ -348,7 +348,7 @@ class CheckedAlways:
         if self.v_max is not None or any_z != (law.values.get("v_d") is not None):
             return {}
         if any_z and not damped.suffices(self.varied.worst(any_z=True)):
-            return {}  # a finer condition than the theorem's
+            return {}  # the theorem's condition is coarser
         form = law.choices.get("smooth_abs", "atan")
         word = "" if form == "atan" else f"_{form}"
         return {"coq": f"{law.name}{word}_level_passive{'_damped' if any_z else ''}"}
@@ -364,7 +364,7 @@ class CheckedAlways:
         return self._dropped(low, high) if self.known and self.v_max is None else None
 
     def _by_swing(self, low: Law, high: Law) -> Verdict | None:
-        """A cycle that is certain to draw energy; if a run confirms one of the best, that one."""
+        """A cycle that certainly draws energy; one that a simulation confirms is preferred."""
         refutations: list[Verdict] = []
         for swing in islice(cycles.find_swings(low, high, self.v_max), _TRIED):
             if (drawn := swing.drawn()) is not None:
@@ -374,7 +374,7 @@ class CheckedAlways:
         return refutations[0] if refutations else None
 
     def _most(self) -> Fraction:
-        """How high a level without end is swung: beyond what the constants bear."""
+        """The swing of a level without an upper end: beyond the threshold of the constants."""
         p = {n: self.varied.range(n) for n in ("sigma_1", "sigma_2") if n in self.varied.law.values}
         if not p or not p["sigma_1"][1]:
             return _ENDLESS
@@ -383,7 +383,7 @@ class CheckedAlways:
         return _ENDLESS * (1 + p["sigma_2"][0] / p["sigma_1"][1])
 
     def _dropped(self, low: Law, high: Law) -> Verdict | None:
-        """At the lowest level, from the highest deflection, unwinding gives back the more energy the faster it is."""
+        """A counterexample at the lowest level: unwinding from the highest deflection returns more energy at higher speed."""
         model, top = Model(low), float(high.z_bound(high.p)) * (1 - 2**-52)
         claims = ClaimProver(model, Budget(0.2 * self.work))
         for share in _DROPS:
@@ -398,7 +398,7 @@ class CheckedAlways:
 
 
 def _may_serve(law: Law, v_max: float | None, any_z: bool) -> bool:
-    """Whether the elastic energy serves as far as sampled: at the z where least power is lost."""
+    """Whether samples allow the elastic energy as storage, at the z of the least power loss."""
     reach = np.inf if any_z else float(law.z_bound(law.p))
     p, v = law.p, Storage(law, v_max, reach).v
     v = v[v > 0]
@@ -422,10 +422,11 @@ def _swung(nominal: Law, swing: cycles.Swing, drawn: tuple[float, float]) -> Ver
 
 
 def thresholds(varied: Varied) -> dict[str, float | None]:
-    """Limits within which the contact is passive at every level.
+    """The limits within which the contact is passive at every level.
 
-    They are the least sigma_2, the largest v_d, and the largest F_s with the constants as they are: None where F_c alone is
-    too large."""
+    They are the least sigma_2, the largest v_d, and the largest F_s with the other constants fixed. The last is None if F_c
+    alone is too large.
+    """
     low, high = varied.newtons
     sigma_1, sigma_2 = varied.range("sigma_1")[1], varied.range("sigma_2")[0]
     limits: dict[str, float | None] = {"largest_v_d": largest_v_d(varied)}
@@ -439,8 +440,10 @@ def thresholds(varied: Varied) -> dict[str, float | None]:
 
 
 def largest_v_d(varied: Varied) -> float | None:
-    """The largest v_d with which the contact is passive whatever its level does, by the formula of theory.md, m/s; None
-    where there is none: sigma_1 m(0) is too large (a larger k_v helps), or sigma_1 is 0."""
+    """The largest v_d with which the contact is passive for every history of its level, m/s; formula of theory.md.
+
+    None if there is none: sigma_1 m(0) is too large (a larger k_v helps), or sigma_1 is 0.
+    """
     law, (low, _), sigma_1 = varied.law, varied.newtons, varied.range("sigma_1")[1]
     if not sigma_1 or law.name not in BRISTLES or law.name.endswith("sobczyk"):
         return None

@@ -1,4 +1,4 @@
-"""The elementary statements about a law, each shown by the prover over a whole region or not at all."""
+"""Elementary statements about a law, which the prover shows over a whole region or not at all."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stribeck.properties.prover.search import Budget
 
 Ranges = Mapping[str, ExactRange]
 NULL = Fraction(0)
-_NUMBER = "k."  # prefix of numbers that a claim brings along
+_NUMBER = "k."  # prefix of the numbers of a claim
 _QUADRANT: Ranges = {"u": (NULL, None), "w": (NULL, None)}
 
 
@@ -31,7 +31,7 @@ class ClaimProver:
 
     @contextmanager
     def at_most(self, amount: float) -> Iterator[None]:
-        """So much of the work, and no more, for what is proved within."""
+        """Limit the work of the proofs within the context."""
         whole, self.work = self.work, self.work.reserved(amount)
         try:
             yield
@@ -55,7 +55,7 @@ class ClaimProver:
         tree = self._shown(expr, relation, kept, closed, about in ("power", "elastic"))
         return Claim(about, relation, *sides, kept, tree, extra) if tree is not None else None
 
-    # -- one kind of claim each ------------------------------------------------------------------------------------
+    # -- kinds of claims -------------------------------------------------------------------------------------------
 
     def inward(self, w: ExactRange) -> list[Claim] | None:
         """-sgn(z) dz/dt >= 0 for |z| in w and every v."""
@@ -153,7 +153,7 @@ class ClaimProver:
         return self.model.form_of(V - self.model.rate, s, t)
 
     def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Json) -> Claim | None:
-        """a = b, in what is left of u and w."""
+        """a = b for all u and w."""
         kept = {n: r for n, r in ranges.items() if n in symbols([a, b])}
         tree = self._shown(ZERO if a is b else a - b, "=0", kept)
         if tree is None:
@@ -166,7 +166,7 @@ class ClaimProver:
 
 
 def every(claims: Iterable[Claim | None]) -> list[Claim] | None:
-    """All of them; None as soon as one was not shown."""
+    """All of the claims, or None if one could not be shown."""
     proved = []
     for claim in claims:
         if claim is None:

@@ -27,11 +27,11 @@ _BINARY = {
 def goals(certificate: Mapping[str, Json], slowest: Fraction, fastest: Fraction) -> str:
     """Lemmas that F v - S' dz/dt > 0 for slowest <= |v| <= fastest and |z| <= Z, in all four quadrants.
 
-    They speak of the equations and the slope of the storage function that the certificate states, and of nothing else.
+    They use only the equations and the slope of the storage function in the certificate.
 
     Args:
         certificate: of passivity with one slope for all z and a finite Z, as ``stribeck check --certificate`` writes it.
-        slowest: speed, m/s, above 0: at rest the inequality holds with equality, which intervals cannot show.
+        slowest: speed above 0, m/s; intervals cannot show the equality at rest.
         fastest: speed, m/s.
 
     Raises:
@@ -74,7 +74,7 @@ def _read(data: Json, known: Mapping[str, Expr], numbers: dict[str, Fraction]) -
 
 
 def main(arguments: list[str]) -> int:
-    """Print the goals of a file's certificate of passivity; 2 where it has none that can be written so."""
+    """Print the goals of a file's certificate of passivity; returns 2 if it has no suitable one."""
     try:
         file, slowest, fastest = arguments
         certificate = json.loads(Path(file).read_text(encoding="utf-8"))["certificates"]["passive"]

@@ -1,4 +1,4 @@
-"""Cycles of held speeds that draw energy, at one level or while it swings: the counterexamples of passivity."""
+"""Counterexamples of passivity: cycles of constant speeds that draw energy, at a constant or swinging level."""
 
 from __future__ import annotations
 
@@ -16,22 +16,20 @@ from stribeck.properties.model import Model
 from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, own_speeds
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(
-    10
-)  # on each panel; where dz/dt is smooth the error is that of rounding
-_PANELS = 400  # of a way, on which dz/dt may fall to _SLOW of its mean
-_SLOW = 0.02  # share of its mean below which dz/dt ends a window: the time would grow without limit
-_SAFE = 1e-9  # net energy drawn as a share of what flows, below which rounding could have made it
-_REPEATS = 100  # cycles in a run, at most: so many until more is drawn than winding up cost
-_SWING_SPEEDS = 70  # of each sign, over 13 decades or more: 5 in a decade, as Storage samples
-# Distances at which a cycle turns, as shares of the deflection where damping that falls with speed loses least.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)  # on each panel; for smooth dz/dt the error is rounding
+_PANELS = 400  # of a path on which dz/dt may fall to _SLOW of its mean
+_SLOW = 0.02  # of its mean: a smaller dz/dt ends a window, as the time would grow without limit
+_SAFE = 1e-9  # net energy over exchanged energy: a smaller share could be rounding
+_REPEATS = 100  # most cycles in a run, to draw more energy than the first winding up costs
+_SWING_SPEEDS = 70  # of each sign, over 13 decades or more: 5 a decade, as in Storage
+# Distances at which a cycle turns, over the deflection of least loss with falling damping.
 _AROUND = (0.3, 0.1, 0.03)
-_NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: how far below it a cycle may turn
+_NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: distances below it at which a cycle turns
 
 
 @dataclass(frozen=True)
 class Cycle:
-    """z goes from ``start`` through a closed path; each piece holds a speed. Energies are put in, J."""
+    """A closed path of z from ``start`` in pieces of constant speed, with the energies supplied, J."""
 
     start: float
     speeds: tuple[float, ...]
@@ -46,11 +44,11 @@ class Cycle:
 
     @property
     def time(self) -> float:
-        """How long it takes, s."""
+        """Its duration, s."""
         return sum(self.durations)
 
     def evidence(self) -> dict[str, Json]:
-        """Numbers for people."""
+        """Values for the report."""
         return {
             "energy_drawn": self.drawn, "time": self.time, "z_start": self.start,
             "programme": [
@@ -61,7 +59,7 @@ class Cycle:
 
 
 def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
-    """Time and energy put in while a held speed takes z from a to b."""
+    """The duration, and the energy supplied, while a constant speed takes z from a to b."""
     edges = np.linspace(a, b, _PANELS + 1)
     half = 0.5 * np.diff(edges)
     z = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * _NODES
@@ -71,7 +69,7 @@ def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
 
 
 def find(law: Law, storage: Storage) -> Cycle | None:
-    """A short cycle that draws energy; None where none was found."""
+    """A short cycle that draws energy, or None."""
     deflection = abs(storage.worst[1]) if law.symmetric else storage.worst[1]
     candidates = [
         best(storage, storage, *_candidates(storage, deflection), points) for points in _windows(storage, deflection)
@@ -80,15 +78,16 @@ def find(law: Law, storage: Storage) -> Cycle | None:
     if not feasible:
         return None
     _, up, down, low, high = min(feasible)
-    if law.symmetric and low + high < 0:  # the same cycle for positive z is easier to read
+    if law.symmetric and low + high < 0:  # the mirrored cycle with positive z is easier to read
         up, down, low, high = -down, -up, -high, -low
     return _closed(law, up, down, low, high)
 
 
 def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | None:
-    """A run from z = high that draws energy; None if none draws any.
+    """A run from z = high that draws energy, or None.
 
-    It draws more than a million times the energy that a spring would store there, or else as much as was found."""
+    It draws more than a million times the energy that a spring would store there, or the largest energy of the search.
+    """
     side = 1 if high > 0 else -1
     wanted = 1e6 * abs(float(law.force(0.0, high)) * high)
     speeds = abs(storage.v)
@@ -106,7 +105,7 @@ def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | Non
 
 
 def _windows(storage: Storage, deflection: float) -> list[Array]:
-    """Grids of z in which to look for a cycle: over all of the range, the natural length, and around the worst place."""
+    """Grids of z for the search: over the whole range, the natural length, and around the worst place."""
     r = storage.largest * (1 - 1e-9)
     wide = [np.linspace(-x, x, 101) for x in {r, min(r, 1.5 * storage.law.scales(storage.law.p).length)}]
     near = [deflection + share * abs(deflection) * np.linspace(-1, 1, 81) for share in (0.5, 0.05, 0.003)]
@@ -127,9 +126,9 @@ def _candidates(storage: Storage, deflection: float) -> tuple[Array, Array]:
 def best(
     rising: Storage, falling: Storage, ups: Array, downs: Array, z: Array
 ) -> tuple[float, float, float, float, float] | None:
-    """The best (cost, v_up, v_down, low, high): much energy for what flows, neither slow nor fast.
+    """The best (cost, v_up, v_down, low, high): a large share of energy drawn at moderate speed.
 
-    ``rising`` and ``falling`` hold the laws on the two ways, which are two where the level differs.
+    ``rising`` and ``falling`` are the laws on both paths, which differ if the level does.
     """
     z = distinct(z)
     dz, fastest = np.gradient(z), own_speeds(rising.law)[-1]
@@ -156,14 +155,14 @@ def best(
 
 
 def _moving(storage: Storage, speeds: Array, z: Array, side: int) -> tuple[Array, Array, Array]:
-    """The speeds that take z up (down) somewhere, and what they do: dz/dt and the energy for a metre."""
+    """The speeds that move z up (down) somewhere, with dz/dt and the energy per meter."""
     f, energy = storage.slopes(speeds[:, None], z)
     moving = (side * f > 0).any(axis=1)
     return speeds[moving], f[moving], energy[moving]
 
 
 def _cost(share: float, time: float, fast: float, part: float) -> float:
-    """How far a cycle is from one that is easy to believe: energy of a visible share, seconds, common speeds."""
+    """The distance of a cycle from a convincing one: a visible share of energy, seconds, common speeds."""
     decades = 2 * max(0.0, float(np.log10(0.3 / share))) + max(0.0, float(np.log10(time)))
     return (
         decades + max(0.0, float(np.log10(fast))) + 0.2 * abs(float(np.log10(time))) + 0.5 * float(np.log10(2 / part))
@@ -171,7 +170,7 @@ def _cost(share: float, time: float, fast: float, part: float) -> float:
 
 
 def _window(up: Array, down: Array, low: int, high: int) -> tuple[int, int] | None:
-    """The part of a window in which neither way stalls."""
+    """The part of a window in which z stalls on neither path."""
     a, b = up[low : high + 1], down[low : high + 1]
     keep = (a >= _SLOW * a.mean()) & (b >= _SLOW * b.mean())
     if not keep.all():
@@ -206,8 +205,9 @@ def _longest(keep: NDArray[np.bool_], offset: int) -> tuple[int, int]:
 def _closed(law: Law, up: float, down: float, low: float, high: float) -> Cycle:
     """The cycle between two deflections as pieces.
 
-    It begins at 0 if it passes 0, otherwise with the quicker way: after a long one, a short one would drown in the rounding
-    of the time."""
+    It begins at 0 if it passes 0, or else with the quicker path. After a long path, a short one would be lost in the
+    rounding of time.
+    """
     t_up, t_down = integrate(law, up, low, high)[0], integrate(law, down, high, low)[0]
     if low <= 0 <= high and 1e-3 < t_up / t_down < 1e3:
         start, path = 0.0, [(up, high), (down, low), (up, 0.0)]
@@ -236,12 +236,12 @@ def scenario(law: Law, cycle: Cycle) -> dict[str, Json] | None:
 
 @dataclass(frozen=True)
 class Swing:
-    """z rises under one law, at a held speed, from ``low`` to ``high`` and falls under another back to ``low``.
+    """A cycle in which z rises from ``low`` to ``high`` under one law and falls back under another.
 
     Attributes:
-        rising, falling: the laws: the same with other constants.
-        v_up, v_down: the held speeds, m/s.
-        low, high: where z turns, m.
+        rising, falling: the laws, which differ in their constants.
+        v_up, v_down: the constant speeds, m/s.
+        low, high: deflections at which z turns, m.
     """
 
     rising: Law
@@ -257,12 +257,12 @@ class Swing:
         return [*start, (self.rising, self.v_up, self.low, self.high), (self.falling, self.v_down, self.high, self.low)]
 
     def drawn(self) -> tuple[float, float] | None:
-        """Bounds of the energy that one cycle draws, J, by interval arithmetic; None where these do not confirm it."""
+        """Bounds of the energy that one cycle draws, J, by interval arithmetic; None if they do not confirm it."""
         bounds = enclosed.programme([(Model(law), v, a, b) for law, v, a, b in self.pieces()[-2:]])
         return (-bounds[1], -bounds[0]) if bounds is not None and bounds[1] < 0 else None
 
     def evidence(self) -> dict[str, Json]:
-        """Numbers for people."""
+        """Values for the report."""
         rows = []
         for law, v, a, b in self.pieces():
             time, energy = integrate(law, v, a, b)
@@ -273,8 +273,10 @@ class Swing:
         return {"energy_drawn_per_cycle": drawn, "time_per_cycle": up["duration"] + down["duration"], "programme": rows}
 
     def machine(self, nominal: Law) -> dict[str, Json] | None:
-        """A machine file: a belt whose velocity is given, and a contact whose level is. E_in falls with every cycle, and
-        is below 0 at the end; None for a law that no file holds."""
+        """A machine file with a belt of given velocity and a contact of given level, or None if a file cannot hold the law.
+
+        E_in falls with every cycle, and is below 0 at the end.
+        """
         table = replay.law_table(nominal)
         if table is None:
             return None
@@ -335,7 +337,7 @@ def find_swings(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swi
 
 
 def _dips(law: Law, v_max: float | None) -> list[tuple[float, float]]:
-    """The speed and the deflection, sigma_1(v) v/(2 sigma_0), at which damping that falls with speed loses least power."""
+    """The speed, and the deflection sigma_1(v) v/(2 sigma_0), of the least power loss with falling damping."""
     p = law.p
     if law.values.get("v_d") is None:
         return []

@@ -1,4 +1,4 @@
-"""Damping that falls with speed, so small that no z and no history of the level can draw energy."""
+"""Proof of passivity for damping that falls with speed and is small, for every z and history of the level."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ _FINER = (
     "every z, with the elastic energy as storage S"
 )
 _NEEDED = ("sigma_0", "sigma_1", "sigma_2", "v_d", "F_c", "F_s")
-_ROUNDING = Fraction(1, 2**44)  # more than that of m(0)
-_BEYOND = 1e3  # of the bound: there all motion is plastic, and v is small beside q z
-_KNOTS, _DIGITS = 4000, 30  # of the finer condition: how many, and how many binary digits each has
+_ROUNDING = Fraction(1, 2**44)  # exceeds the rounding of m(0)
+_BEYOND = 1e3  # of the bound: beyond it all motion is plastic, and v is small compared with q z
+_KNOTS, _DIGITS = 4000, 30  # of the finer condition: their number, and binary digits of each
 
 
 def small_enough(sigma_1: Fraction, v_d: Fraction, above: Fraction, least: Fraction) -> bool:
-    """Whether sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 N, by arithmetic that encloses; ``above`` is m(0), ``least`` N."""
+    """Whether sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 N, by interval arithmetic; ``above`` is m(0), ``least`` N."""
     from flint import arb, ctx
 
     with ctx.workprec(256):
@@ -42,10 +42,10 @@ def small_enough(sigma_1: Fraction, v_d: Fraction, above: Fraction, least: Fract
 def knots(
     sigma_1: Fraction, sigma_2: Fraction, v_d: Fraction, above: Fraction, least: Fraction
 ) -> list[Fraction] | None:
-    """Shares 0 = x_0 < x_1 < ... of v_d with which a^2 (|v| + m(0)) <= 4 N (a + sigma_2) is seen: between two of them by
-    a at the first and |v| at the second, beyond the last as a |v| falls. None where there are none, or too many.
+    """Shares 0 = x_0 < x_1 < ... of v_d that prove a^2 (|v| + m(0)) <= 4 N (a + sigma_2); None if there are none, or too many.
 
-    a = sigma_1 exp(-x^2): sigma_1 (v_d x + m(0)) <= 4 N (1 + (sigma_2/sigma_1) exp(x^2)) exp(x^2).
+    Between two of them, a at the first and |v| at the second are bounds. Beyond the last, a |v| falls.
+    With a = sigma_1 exp(-x^2): sigma_1 (v_d x + m(0)) <= 4 N (1 + (sigma_2/sigma_1) exp(x^2)) exp(x^2).
     """
     if not sigma_1 or not v_d:
         return None
@@ -64,23 +64,23 @@ def knots(
 
 
 def unwinding(law: Law, v: Array, reach: float) -> Array:
-    """q of dz/dt = v - q z beyond ``reach``, where the whole of the motion is plastic."""
+    """q of dz/dt = v - q z beyond ``reach``, with fully plastic motion."""
     z = _BEYOND * reach
     return (v - law.rate(v, z)) / z
 
 
 def excess(law: Law) -> Fraction:
-    """m(0) of a law with a majorant of |v|, rounded up; 0 of one without."""
+    """m(0) of a law with a majorant of |v|, rounded up; otherwise 0."""
     return Fraction(float(m_0(law.p))) * (1 + _ROUNDING) if "smooth_abs" in law.choices else Fraction(0)
 
 
 def method(certificate: Certificate) -> str:
-    """What the certificate shows, in words."""
+    """The method of the certificate, in words."""
     return _FINER if "knots" in certificate.data else METHOD
 
 
 def suffices(law: Law | None) -> bool:
-    """Whether the condition holds for a law with v_d, such as the one that stands for the worst of all levels."""
+    """Whether the condition holds for a law with v_d, such as the law of the worst level."""
     if law is None or any(law.values.get(n) is None for n in _NEEDED):
         return False
     sigma_1, v_d, *newtons = (Fraction(law.p.numbers[n]) for n in ("sigma_1", "v_d", "F_c", "F_s"))
@@ -88,7 +88,7 @@ def suffices(law: Law | None) -> bool:
 
 
 def prove(model: Model, claims: ClaimProver) -> Certificate | None:
-    """The certificate; None where the condition does not hold, or the law is of another form."""
+    """The certificate, or None if the condition does not hold or the law has another form."""
     if any(model.law.values.get(n) is None for n in _NEEDED):
         return None
     k, sigma_1, sigma_2, v_d = (model.values[f"c_{n}"] for n in _NEEDED[:4])

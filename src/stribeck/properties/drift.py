@@ -21,15 +21,15 @@ from stribeck.properties.verdicts import Verdict, proved, undecided
 _METHOD = "for |z| <= z_0 every case of dz/dt that occurs is v identically"
 _MOVED = "dz/dt is not v for any z in (0, z_1] at a held speed (signs over the whole range): no z_0 > 0 exists"
 _SLOW = 0.1  # of v_s: the speed of the dithered body
-_STIFF = 20.0  # how far the contact's resonance lies above the dither
-_CYCLES = 10  # of the load: a drift that each cycle repeats is plain, and the run stays short
-_WORK = 12  # regions, of one attempt: that dz/dt is not v on a small range is shown with a few
-_VISIBLE = 0.01  # of the elastic displacement: enough to show
-_NOISE = 1e-6  # of the elastic displacement: a smaller one would be rounding
+_STIFF = 20.0  # ratio of the contact's resonance to the dither frequency
+_CYCLES = 10  # of the load: enough to show a repeated drift in a short run
+_WORK = 12  # regions of one attempt: few suffice to show that dz/dt is not v on a small range
+_VISIBLE = 0.01  # of the elastic displacement: a visible drift
+_NOISE = 1e-6  # of the elastic displacement: a smaller drift may be rounding
 
 
 def decide(model: Model, claims: ClaimProver) -> Verdict:
-    """dz/dt = v for |z| <= z_0; or a load that moves the body for good."""
+    """A proof of dz/dt = v for |z| <= z_0, or a load that moves the body permanently."""
     law = model.law
     for z_0 in _candidates(law):
         shown = claims.elastic((NULL, Fraction(z_0)))
@@ -43,7 +43,7 @@ def decide(model: Model, claims: ClaimProver) -> Verdict:
 
 
 def _candidates(law: Law) -> Iterator[float]:
-    """Deflections up to which dz/dt = v as sampled: the law's own, and then halves of the natural one."""
+    """Deflections up to which dz/dt = v in samples: the law's claim, and then halves of the natural length."""
     scales = law.scales(law.p)
     try:
         stated = [float(law.z_elastic(law.p))]
@@ -59,7 +59,7 @@ def _candidates(law: Law) -> Iterator[float]:
 
 
 def _departs(model: Model) -> dict[str, float] | None:
-    """A held speed at which dz/dt is not v on a whole range of deflections from 0 on."""
+    """A constant speed at which dz/dt is not v on a range of deflections from 0."""
     law = model.law
     length, law_speeds = law.scales(law.p).length, own_speeds(law)
     prover = model.prover
@@ -79,7 +79,8 @@ def _departs(model: Model) -> dict[str, float] | None:
 def _shown(law: Law, apart: dict[str, float]) -> Verdict:
     """The verdict, with a sawtooth load between a fifth and all of its peak.
 
-    The load begins and ends at 0. It is fast, so that the run is short, or slow, so that the smooth signs have an effect."""
+    The load begins and ends at 0. A fast load gives a short run; a slow one shows the effect of smooth signs.
+    """
     slow = own_speeds(law)[0]
     best: Verdict | None = None
     for speed in (_SLOW * getattr(law.p, "v_s", law.scales(law.p).speed), slow, slow / 10):

@@ -1,4 +1,4 @@
-"""Enclosures by interval arithmetic: what makes a counterexample certain."""
+"""Enclosures by interval arithmetic, which make a counterexample certain."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from stribeck.expressions.graph import Expr
 from stribeck.expressions.intervals import Box, Evaluator, Interval, Range, interval, point
 from stribeck.properties.model import Model
 
-_PANELS = (64, 1024, 16384)  # of the enclosing quadrature: sixteen times as many where the sign is still open
-_PARTS = 400  # intervals of z that a lower bound looks at: halved where the bound is not above 0 yet
-_ROUNDING = 1e-12  # of a sum's size: more than its rounding
+_PANELS = (64, 1024, 16384)  # of the enclosing quadrature: sixteen times as many while the sign is open
+_PARTS = 400  # most intervals of z for a lower bound, which are halved while the bound is not above 0
+_ROUNDING = 1e-12  # of a sum: exceeds its rounding
 
 
 def energy(model: Model, v: float, a: float, b: float, panels: int) -> tuple[float, float] | None:
-    """Bounds of the energy put in, J, while the held speed v takes z from a to b; None where dz/dt may stop on the way.
+    """Bounds of the energy supplied, J, while the constant speed v takes z from a to b; None if dz/dt may reach 0.
 
     It is the integral of F v/(dz/dt) over z, which does not depend on time.
     """
@@ -44,9 +44,9 @@ def _sum(x: Interval) -> tuple[float, float] | None:
 
 
 def programme(pieces: Sequence[tuple[Model, float, float, float]]) -> tuple[float, float] | None:
-    """Bounds of the energy put in, J, while held speeds take z from one deflection to the next.
+    """Bounds of the energy supplied, J, while constant speeds take z from one deflection to the next.
 
-    More panels are used until the bounds have a sign. None if dz/dt may be 0 on the way.
+    More panels are used until the bounds have a sign. None if dz/dt may reach 0.
 
     Args:
         pieces: (law, speed in m/s, z at its start, z at its end) of each piece.
@@ -65,7 +65,7 @@ def programme(pieces: Sequence[tuple[Model, float, float, float]]) -> tuple[floa
 
 
 def least(model: Model, expr: Expr, v: float, a: float, b: float) -> float:
-    """A lower bound of an expression of v and z over z in [a, b] at a held speed; what is not above 0 is cut finer."""
+    """A lower bound of an expression of v and z over z in [a, b] at a constant speed, by bisection until it is above 0."""
     bound, work, parts = math.inf, [(min(a, b), max(a, b))], _PARTS
     while work and parts > 0:
         low, high = work.pop()

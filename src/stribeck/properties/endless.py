@@ -1,4 +1,4 @@
-"""Energy that can be drawn without limit other than by a cycle: while sliding, or by unwinding ever faster."""
+"""Energy that can be drawn without limit and without a cycle: by sliding, or by ever faster unwinding."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ENDLESS = (
     "while z unwinds from z_start to z_end at speeds |v| >= u, F v <= -c v^2 and |dz/dt| <= C |v| (signs over the whole range): "
     "the energy drawn grows like |v|, without limit, more than any storage function holds"
 )
-_WORK = 60  # regions, of one attempt: signs on a small range of z are shown with a few
+_WORK = 60  # regions of one attempt: few suffice for signs on a small range of z
 _SHARES = (1e-2, 1e-4, 1e-6, 1e-9, 1e-11, 1e-13)  # of the bound, over which z unwinds
 
 
@@ -49,14 +49,14 @@ def steady_gain(model: Model, storage: Storage) -> Verdict | None:
 
 
 def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestricted: bool) -> Verdict | None:
-    """A range of z on which unwinding gives back the more energy the faster it is, without end."""
+    """A range of z on which unwinding returns energy that grows with speed without limit."""
     law = model.law
     fast = own_speeds(law)[-1] * 1e4
     top = float(model.bound[0]) * (1 - 2**-52)
     tops = [top * 10.0**k for k in range(10)] if unrestricted else [top]
     for z_top in tops:
         for share in _SHARES:
-            for speed in (fast, fast / share):  # close to a threshold the elastic force matters for longer
+            for speed in (fast, fast / share):  # near a threshold the elastic force matters up to higher speeds
                 for s in SIGNS:
                     for t in SIGNS:
                         verdict = unwinding(model, claims, (s, t), speed, z_top, share)
@@ -69,7 +69,7 @@ def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestric
 def unwinding(
     model: Model, claims: ClaimProver, sides: tuple[int, int], fast: float, top: float, share: float
 ) -> Verdict | None:
-    """From z = t ``top`` down to (1 - ``share``) of it at v = s u, u >= ``fast``: energy shown to be given back, like u."""
+    """A proof that unwinding from z = t ``top`` to (1 - ``share``) of it at v = s u, u >= ``fast``, returns energy like u."""
     law, (s, t) = model.law, sides
     u = np.geomspace(fast, fast * 1e12, 7)[:, None]
     w = top * np.array([1 - share, 1 - share / 2, 1.0])
@@ -99,7 +99,7 @@ def unwinding(
 
 
 def _with_a_run(model: Model, storage: Storage, verdict: Verdict, top: float) -> None:
-    """Add one run that draws much, for people to replay."""
+    """Add a run that draws much energy, for replays."""
     law = model.law
     high = float(verdict.evidence["z_start"])
     cycle = cycles.unwinding(law, storage, high, int(verdict.evidence["v_sign"]))

@@ -1,4 +1,4 @@
-"""Solutions that end: a held speed that takes z to infinity in finite time."""
+"""Finite escape: a constant speed that takes z to infinity in finite time."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _METHOD = (
     "a held speed takes z to infinity in finite time: |dz/dt| >= c |z|^power for all |z| >= z_start "
     "(signs over the whole range)"
 )
-_POWERS = (2, 3, 4)  # of z, of which dz/dt exceeds a multiple: above 1, z is infinite after a finite time
-_WORK = 20  # regions, of one attempt: a bound from far below is shown with a few
+_POWERS = (2, 3, 4)  # powers of z with a multiple below dz/dt: above 1, z is infinite in finite time
+_WORK = 20  # regions of one attempt: few suffice for a low bound
 
 
 def escape(model: Model) -> Verdict | None:
-    """A held speed with which |z| grows at least like |z|^2 from some z on, for ever."""
+    """A constant speed at which |z| grows at least like |z|^2 from some z on."""
     law = model.law
     length = law.scales(law.p).length
     for v in (x * side for x in own_speeds(law) for side in SIGNS):

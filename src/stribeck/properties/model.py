@@ -1,4 +1,4 @@
-"""A law's equations as expressions, with its constants as exact rational numbers; nothing is written a second time."""
+"""A law's own equations as expressions, with its constants as exact rational numbers."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ from stribeck.properties.prover.search import Hints, Prover
 from stribeck.properties.storage import own_speeds
 
 V, Z, RATE, U, W, T = (symbol(n) for n in ("v", "z", "dz_dt", "u", "w", "t"))  # u = |v|, w = |z|, t = 1/u
-REST = symbol("rest")  # 0, where v or z is exactly that: unlike a literal it cancels nothing
+REST = symbol("rest")  # v or z of exactly 0; unlike a literal 0, it cancels nothing
 SIGNS = (1, -1)
-_FARTHEST = 10**300  # of the places where regions are cut: what no float holds is left to what lies beyond
+_FARTHEST = 10**300  # of the places at which regions are split: beyond it floats overflow
 
 
 class Unreadable(Exception):
@@ -48,8 +48,8 @@ class Model:
     Attributes:
         rate: dz/dt as an expression of v and z.
         force: F as an expression of v, z and dz_dt.
-        values: the constants, exactly; they are called ``c_NAME`` in the expressions.
-        v_max: the largest speed that passivity is asked for, None for no limit.
+        values: the exact constants, named ``c_NAME`` in the expressions.
+        v_max: largest speed for passivity, or None.
     """
 
     def __init__(self, law: Law, v_max: float | None = None) -> None:
@@ -60,7 +60,7 @@ class Model:
         self.power_force = substitute([self.force], {RATE: self.rate})[0]
         try:
             self.stored = finite(wrap(law.stored_energy(p, Z)))
-        except InputError:  # that of the base class, which needs sigma_0, in a law without it
+        except InputError:  # the base class needs sigma_0
             self.stored = ZERO
         self._bound = finite(wrap(law.z_bound(p)))
         self.values = {f"c_{n}": Fraction(x) for n, x in law.p.numbers.items()}
@@ -91,7 +91,7 @@ class Model:
 
     @cached_property
     def prover(self) -> Prover:
-        """The prover of claims, with what is known of the law's own scales."""
+        """The prover of claims, with the law's natural scales."""
         scales = self.law.scales(self.law.p)
         speeds = {Fraction(x) for x in own_speeds(self.law)}
         lengths = {Fraction(scales.length)} if 0 < scales.length < math.inf else set()
@@ -102,9 +102,9 @@ class Model:
                     {1 / value} if c.unit == "s/m" and _FARTHEST * value > 1 else {value} if c.unit == "m/s" else set()
                 )
                 lengths |= {value} if c.unit == "m" else set()
-        lengths |= {self.bound[1], 2 * self.bound[1]}  # strictly beyond Z cases are settled
+        lengths |= {self.bound[1], 2 * self.bound[1]}  # beyond Z all cases are decided
         law_speeds = sorted(own_speeds(self.law))
-        for u in (law_speeds[-1] * 1e6, law_speeds[0] * 1e-6):  # where z settles when slid fast, and slowly
+        for u in (law_speeds[-1] * 1e6, law_speeds[0] * 1e-6):  # steady z at high and at low speed
             z = abs(float(self.law.steady_deflection(u)))
             lengths |= {Fraction(z)} if 0 < z < 1e3 * float(self.bound[1]) else set()
         places = self._switches()
@@ -119,7 +119,7 @@ class Model:
         )
 
     def _switches(self) -> dict[str, set[Fraction]]:
-        """The speeds and deflections at which conditions switch, where these are rational."""
+        """The rational speeds and deflections at which conditions switch."""
         switching: dict[str, set[Fraction]] = {"u": set(), "w": set()}
         leaf = self._anywhere(Rules(opaque=True))
         for s in SIGNS:
@@ -151,7 +151,7 @@ class Model:
         return self._forms[key]
 
     def _settled(self, node: Expr) -> Expr:
-        """What is the same for all u, w > 0: conditions, and the smaller or larger of two values."""
+        """The expression without conditions, minima and maxima that are the same for all u, w > 0."""
         if node.op in ("lt", "le") and node not in (TRUE, FALSE):
             with suppress(Unclear):
                 holds = self._anywhere(Rules(opaque=True)).holds(node)
@@ -175,10 +175,10 @@ def _sided(x: Expr, side: int) -> Expr:
 
 
 def finite(expr: Expr) -> Expr:
-    """The expression without literals that are infinite, which only ever are far limits.
+    """The expression without infinite literals, which may only be limits.
 
     Raises:
-        Unreadable: one is used otherwise, or a literal is no number.
+        Unreadable: one has another use, or a literal is nan.
     """
     cleaned = rewrite([expr], _without_infinite)[0]
     for node in ordered([cleaned]):
@@ -216,7 +216,7 @@ def _without_infinite(node: Expr) -> Expr:
 
 
 def positive(node: Expr, values: Mapping[str, Fraction]) -> Expr:
-    """What u > 0, w > 0 and the constants' signs say of |x|, signs and conditions."""
+    """The expression with |x|, signs and conditions decided by u > 0, w > 0 and the constants' signs."""
     if node.op in ("abs", "sign"):
         x = node.args[0]
         side = _sign_of(x, values)
@@ -248,7 +248,7 @@ def positive(node: Expr, values: Mapping[str, Fraction]) -> Expr:
 
 
 def without_root(node: Expr) -> Expr:
-    """sqrt(x^2) = |x| and (x^2)^c = |x|^(2 c), where the square is plain."""
+    """The expression with sqrt(x^2) = |x| and (x^2)^c = |x|^(2 c) applied to explicit squares."""
     if node.op == "sqrt" and (x := square_root(node.args[0])) is not None:
         return abs(x)
     if node.op == "pow" and node.args[1].op == "constant" and (x := square_root(node.args[0])) is not None:
@@ -257,7 +257,7 @@ def without_root(node: Expr) -> Expr:
 
 
 def square_root(x: Expr) -> Expr | None:
-    """A root of a product of squares; None where an expression is written otherwise."""
+    """The root of a product of squares, or None for another expression."""
     if x.op == "mul" and x.args[0] is x.args[1]:
         return x.args[0]
     if x.op in ("mul", "div"):
@@ -296,7 +296,7 @@ def _sign_of(x: Expr, values: Mapping[str, Fraction]) -> int:
 
 
 def linear_roots(x: Quotient) -> list[tuple[str, Fraction]]:
-    """The u or w at which a normal form vanishes, where it is linear in that and holds nothing else."""
+    """The u or w at which a normal form vanishes, if it is linear in this variable and has no other."""
     degrees = [int(d) for d in x.top.degrees()]
     used = [i for i, d in enumerate(degrees) if d]
     if len(used) != 1 or used[0] not in (1, 2) or degrees[used[0]] != 1:
@@ -307,7 +307,7 @@ def linear_roots(x: Quotient) -> list[tuple[str, Fraction]]:
 
 
 def divided(node: Expr, by: Expr, remainder: Callable[[Expr], Expr] | None = None) -> Expr | None:
-    """node/by, with ``by`` > 0, where ``by`` can be divided out; what it does not divide goes to ``remainder``."""
+    """node/by, with ``by`` > 0; terms that ``by`` does not divide go to ``remainder``."""
     if node is by:
         return ONE
     if is_zero(node):
@@ -339,7 +339,7 @@ def divided(node: Expr, by: Expr, remainder: Callable[[Expr], Expr] | None = Non
 
 
 def grows(node: Expr, by: Expr) -> bool:
-    """Whether the expression holds ``by`` where it may be divided out."""
+    """Whether the expression contains ``by`` in a divisible place."""
     if node.op in ("add", "sub", "neg", "mul", "abs", "sqrt"):
         return any(grows(a, by) for a in node.args)
     if node.op == "where":
@@ -348,5 +348,5 @@ def grows(node: Expr, by: Expr) -> bool:
 
 
 def depends(expr: Expr, *on: Expr) -> bool:
-    """Whether an expression holds one of these symbols."""
+    """Whether an expression contains one of these symbols."""
     return bool(symbols([expr]) & {str(x.value) for x in on})

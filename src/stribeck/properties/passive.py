@@ -21,7 +21,7 @@ from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, largest_speed
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
-_PATIENCE = 3  # times its share of the work, after which a cell is given up, and with it the fit
+_PATIENCE = 3  # times its share of the work: a cell that needs more ends the fit
 _OWN = "the dissipated power, F v - S' dz/dt, is never negative (signs of polynomials), with the elastic energy as storage S"
 _FITTED = (
     "the dissipated power, F v - S' dz/dt, is never negative (signs of polynomials), with S' the elastic force near z = 0 and "
@@ -33,13 +33,13 @@ _CYCLE = "a cycle of held speeds that returns z to its start and draws energy (e
 
 
 def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refuted: bool) -> Verdict:
-    """Passive, with a storage function that a proof confirms; or not, with energy that can be drawn for ever.
+    """Passive with a proved storage function, or not passive with unlimited energy that can be drawn.
 
     Args:
         model: the law.
-        claims: what proves.
-        bounded: the proof that z keeps its bound; without it z is not restricted in a proof.
-        refuted: whether z is known to pass its bound; unless it is, a counterexample keeps z within it.
+        claims: the prover.
+        bounded: proof that z keeps its bound; without it, proofs do not restrict z.
+        refuted: whether z can pass its bound; if not, a counterexample keeps z within it.
     """
     v_max = float(model.v_max) if model.v_max is not None else None
     reach = float(model.bound[1]) if bounded is not None else None
@@ -64,7 +64,7 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
 
 
 def elastic_forces(model: Model) -> Iterator[Expr]:
-    """Candidates for S': that of the law's stored energy, F at rest, and what slow unwinding gives back."""
+    """Candidates for S': the slope of the law's stored energy, F at rest, and the energy returned by slow unwinding."""
     slope = derivative(model.stored, Z)
     if not is_zero(slope):
         yield slope
@@ -81,7 +81,7 @@ def elastic_forces(model: Model) -> Iterator[Expr]:
 
 
 def _slowly_unwound(model: Model, at_rest: Expr) -> Expr | None:
-    """F v/f where v is small and unwinds z: what a storage function must at least hold."""
+    """F v/f for small v that unwinds z, a lower bound of S'."""
     sides = []
     for t in SIGNS:  # f/|v| at v -> 0, from the side that unwinds
         ratio = divided(model.form(-t, t), U)

@@ -1,4 +1,4 @@
-"""Names for what has no type of its own: flint's polynomials (it ships no types), and data that becomes JSON."""
+"""Aliases for untyped data: flint's polynomials (it ships no types), and data that becomes JSON."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from typing import Any
 
 Polynomial = Any  # flint's fmpq_mpoly, or one coefficient of it, an fmpq
 Json = Any  # numbers, text, None, and lists and mappings of these
-Numbers = Any  # what NumPy broadcasts: a number or an array
+Numbers = Any  # a number or an array for NumPy

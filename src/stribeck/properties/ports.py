@@ -1,4 +1,4 @@
-"""What the contacts of a machine guarantee, and what follows for the machine: the storage of the whole is the sum."""
+"""Properties of a machine's contacts, and of the whole machine, whose storage function is their sum."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ _SUM = (
 
 @dataclass(repr=False)
 class MachineVerdicts:
-    """What a check of a machine found.
+    """The verdicts on a machine.
 
     Attributes:
-        name: the machine's.
-        contacts: the verdicts on each contact's law, for all that the file lets its constants do.
-        ranges: of each contact, the constants that vary and the ends between which they do (None: without end).
+        name: of the machine.
+        contacts: verdicts on each contact's law, for every history of its constants that the file allows.
+        ranges: of each contact, the varying constants with their lower and upper ends (None: no bound).
         passive: whether the machine is proved passive from its ports to the velocities there (True), refuted (False), or
             neither (None).
-        why: in words.
-        spoiled_by: the contacts that are not passive. undecided: contacts and elements of which it is not known.
-        ports: where energy is supplied: loads, motors, cylinders, controllers, bodies and
-            ends that are moved.
+        why: the reason, in words.
+        spoiled_by: the contacts that are not passive.
+        undecided: contacts and elements without a verdict.
+        ports: loads, motors, cylinders, controllers and moved bodies and ends, which supply energy.
         seconds: CPU time.
     """
 
@@ -67,13 +67,13 @@ class MachineVerdicts:
 
     @property
     def answer(self) -> str:
-        """Whether the machine is passive, and by what, in one sentence."""
+        """The verdict on the machine and its reason, in one sentence."""
         if self.passive:
             return "passive at its ports (proved)"
         return f"{'passivity not proved' if self.passive is None else 'not passive'}: {self.why}"
 
     def document(self) -> Document:
-        """What the verdicts say to people, for the terminal and for a page."""
+        """The verdicts as a document, for the terminal and for a page."""
         from stribeck.properties import said
 
         return said.machine(self)
@@ -84,7 +84,7 @@ class MachineVerdicts:
 
     def verify(self) -> bool:
         """Check every proof and replay every counterexample; True where all agree."""
-        agreed = [verdicts.verify() for verdicts in self.contacts.values()]  # every one, also after one that fails
+        agreed = [verdicts.verify() for verdicts in self.contacts.values()]  # all of them, also after a failure
         return all(agreed)
 
     @property
@@ -115,15 +115,15 @@ def check_machine(
     t_end: float | None,
     work: float,
 ) -> MachineVerdicts:
-    """Each contact of a machine, for every history of its constants that the file allows, and what follows for the whole.
+    """Check each contact of a machine for every history of its constants that the file allows, and the whole machine.
 
-    The constants' ranges are bounds over the whole run of the factors' signals, over all positions of the factors' waves,
-    and over whatever the loads do; the force of a link or of a motor has no bound unless ``forces`` states one.
+    Signals of factors are bounded over the whole run, and waves of factors over all positions. Loads are bounded for every
+    history. The force of a link or a motor has no bound unless ``forces`` states one.
 
     The arguments are those of :func:`stribeck.check`; a law on a single body is a machine of one contact.
 
     Raises:
-        InputError: no valid scenario, or no such force.
+        InputError: the scenario is not valid, or there is no such force.
     """
     started = process_time()
     source = scenario_of(scenario, t_end, None)
@@ -193,7 +193,7 @@ def _decide_machine(scenario: Scenario, verdicts: MachineVerdicts) -> None:
 
 
 def _judge(whole: MachineVerdicts, alone: bool) -> None:
-    """What follows for the whole; a machine of nothing but one contact at a constant level is what the contact is."""
+    """Decide about the whole machine; a machine of a single contact at a constant level is as passive as the contact."""
     passive = {name: verdicts["passive"].holds for name, verdicts in whole.contacts.items()}
     whole.spoiled_by = [name for name, holds in passive.items() if holds is False]
     whole.undecided = [*(name for name, holds in passive.items() if holds is None), *whole.undecided]

@@ -1,4 +1,4 @@
-"""What a machine file allows a contact's constants to be: signals over the whole run, positions and speeds without limit."""
+"""Ranges of a contact's constants in a machine file, over the whole run and for all positions and speeds."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.worst import Varied
 from stribeck.waveforms import Curve, PointsSignal, Signal, SineSignal, SumSignal
 
-Ends = tuple[Fraction | None, Fraction | None]  # None: without end
-_SLACK = Fraction(1, 2**49)  # of a piece's size: more than its rounding
-_NEAR, _HALVINGS = Fraction(1, 10**6), 40  # of a curve's extremes
+Ends = tuple[Fraction | None, Fraction | None]  # None: no bound
+_SLACK = Fraction(1, 2**49)  # of a piece's size: exceeds its rounding
+_NEAR, _HALVINGS = Fraction(1, 10**6), 40  # relative error of a curve's extremes, and bisections
 _ONE: ExactRange = (Fraction(1), Fraction(1))
 OPEN: Ends = (None, None)
 
 
 def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
-    """Bounds of a signal on [0, t_end]: exact for straight pieces, but for a rounding for sines and curves."""
+    """Bounds of a signal on [0, t_end]: exact for straight pieces, with outward rounding for sines and curves."""
     if isinstance(signal, SumSignal):
         every = [of_signal(part, t_end) for part in signal.parts]
         return sum((x for x, _ in every), Fraction(0)), sum((x for _, x in every), Fraction(0))
@@ -51,7 +51,7 @@ def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
 
 
 def _of_points(t: Array, value: Array, t_end: float) -> tuple[Fraction, Fraction]:
-    """The least and the largest of the points within the run, and of those lines that its ends cut."""
+    """The least and the largest value of the points within the run, and at its ends."""
     inside = value[(t >= 0) & (t <= t_end)]
     extremes = [Fraction(float(x)) for x in (inside.min(), inside.max())] if inside.size else []
     for cut in (0.0, t_end):
@@ -72,11 +72,11 @@ def _curve_pieces(signal: Curve, t_end: float) -> list[tuple[Mapping[str, float]
 
 
 def _of_sine(signal: SineSignal, t_end: float) -> tuple[Fraction, Fraction]:
-    """A crest counts where it may be passed; the ends of the run are rounded outward."""
+    """Bounds of a sine; its crests count if the run, rounded outward, may contain them."""
     p = signal.values
     middle, size = Fraction(p["offset"]), abs(Fraction(p["amplitude"]))
     first = p["phase"] / (2 * pi) + (0.5 if p["amplitude"] < 0 else 0.0)
-    ends = sorted((first, first + p["frequency"] * t_end))  # in waves
+    ends = sorted((first, first + p["frequency"] * t_end))  # in periods
     slack = 1e-14 * (1 + abs(ends[0]) + abs(ends[1]))
     at_ends = [sin(2 * pi * x) for x in ends]
 
@@ -96,7 +96,7 @@ def _bernstein(values: Mapping[str, float], end: float) -> list[Fraction]:
 
 
 def _most(pieces: list[list[Fraction]]) -> Fraction:
-    """The largest value of polynomials, or at most a millionth more: those that may exceed what is reached are halved."""
+    """The largest value of polynomials, to 1e-6, by halving those that may exceed the value reached so far."""
     reached = max(max(piece[0], piece[-1]) for piece in pieces)
     slack = _NEAR * max(abs(x) for piece in pieces for x in (piece[0], piece[-1], reached))
     for _ in range(_HALVINGS):
@@ -118,7 +118,7 @@ def _halves(piece: list[Fraction]) -> tuple[list[Fraction], list[Fraction]]:
 
 
 def of_force(machine: Elements, name: str, t_end: float, stated: Mapping[str, float]) -> Ends:
-    """Bounds of the force of a link, load or motor, whatever the motion; ``stated`` holds what the user vouches for."""
+    """Bounds of the force of a link, load or motor for every motion; ``stated``: bounds that the user vouches for."""
     if name in stated:
         return -Fraction(stated[name]), Fraction(stated[name])
     system, values = machine.system, machine.values
@@ -144,7 +144,7 @@ def of_force(machine: Elements, name: str, t_end: float, stated: Mapping[str, fl
 
 
 def _of_motor(machine: Elements, motor: Motor) -> Ends:
-    """A motor whose current follows, with no limit of the voltage: its torque is within the controller's limit."""
+    """Bounds of the torque of a motor with ideal current control: the controller's limit."""
     for each in machine.system.controllers:
         if each.on == motor.name and each.limit is not None and motor.voltage is None:
             limit = Fraction(machine.values[each.path, "limit"])
@@ -189,7 +189,7 @@ def _times(a: ExactRange, b: ExactRange) -> ExactRange:
 
 
 def of_contact(machine: Elements, contact: Contact, t_end: float, stated: Mapping[str, float]) -> Varied:
-    """The contact's law with the ranges that factors and loads give its constants."""
+    """The contact's law with the ranges of its constants under factors and loads."""
     law = machine.laws[contact.law_path]
     factors = {
         constant: _factor(machine, x, f"{contact.path}.factors.{constant}", t_end)

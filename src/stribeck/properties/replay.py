@@ -16,13 +16,13 @@ from stribeck.properties.plain import Json
 if TYPE_CHECKING:
     from stribeck.simulation import Solution
 
-ROWS = 1000  # of a replayed counterexample: as fine as a plot across a page is wide
-AGREES = 1e-6  # relative difference of a replay from its stated result: what the solver promises by default
-_MOST_STEPS = 1_000_000  # a law that is wrong may vibrate without end
+ROWS = 1000  # of a replayed counterexample: the resolution of a plot
+AGREES = 1e-6  # relative difference of a replay from its stated result: the solver's default promise
+_MOST_STEPS = 1_000_000  # a wrong law may vibrate forever
 
 
 def law_table(law: Law) -> dict[str, Json] | None:
-    """[law] of a scenario for this law; None for a law that no file holds."""
+    """The table [law] of a scenario for this law, or None if a file cannot hold it."""
     cls = type(law)
     name = cls.name
     if laws.builtin().get(name) is not cls:
@@ -39,7 +39,7 @@ def law_table(law: Law) -> dict[str, Json] | None:
 def scenario_of(
     law: Law, name: str, drive: Mapping[str, Json], t_end: float, plant: Mapping[str, Json], energy: bool = False
 ) -> dict[str, Json] | None:
-    """The tables of a scenario that ends in a row at t_end; None for a law that no file holds."""
+    """The tables of a scenario that ends with a row at t_end, or None if a file cannot hold the law."""
     table = law_table(law)
     if table is None:
         return None
@@ -50,7 +50,7 @@ def scenario_of(
 
 
 def velocity_drive(speeds: Sequence[float], durations: Sequence[float]) -> tuple[dict[str, Json], float]:
-    """A drive that holds each speed for its duration; and when it ends."""
+    """A drive with pieces of constant speed, and its end time."""
     t, value, now = [0.0], [speeds[0]], 0.0
     for i, (speed, duration) in enumerate(zip(speeds, durations, strict=True)):
         if i:
@@ -63,23 +63,23 @@ def velocity_drive(speeds: Sequence[float], durations: Sequence[float]) -> tuple
 
 
 def run(tables: Mapping[str, Json] | None) -> Solution | None:
-    """Simulate; None where there is no scenario, or it failed."""
+    """The simulation, or None if there is no scenario or it failed."""
     if tables is None:
         return None
-    from stribeck.scenario import Scenario  # some 0.2 s, which a law with every property does not need
+    from stribeck.scenario import Scenario  # takes 0.2 s; a law with all properties does not need it
     from stribeck.simulation import simulate
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StribeckNote)
             solution = simulate(Scenario(tables))
-    except (InputError, ArithmeticError):  # constants at the ends of the floats leave nothing to simulate
+    except (InputError, ArithmeticError):  # extreme constants cannot be simulated
         return None
     return solution if solution.status == "done" else None
 
 
 def repeats(tables: Mapping[str, Json], stated: Mapping[str, float]) -> bool:
-    """Whether a simulation ends with the values stated, within 1e-6."""
+    """Whether a simulation ends with the stated values, within 1e-6."""
     solution = run(tables)
     if solution is None:
         return False

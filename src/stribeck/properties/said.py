@@ -32,8 +32,8 @@ _MEANING = {
     "drift_free": "below some load the contact is elastic: no creep",
 }
 _AGAIN = {True: ", verified", False: ", NOT CONFIRMED", None: ""}
-_STEPS = 40  # of a list that is shown
-# Evidence that people read: its words and unit. The rest is for programs (--json).
+_STEPS = 40  # most rows of a list
+# Evidence in reports: its words and unit. The rest is for programs (--json).
 _QUANTITIES = {
     "within": ("proved for", ""), "Z": ("bound of |z|", "m"), "z_within": ("proved for |z| up to", "m"),
     "own_up_to": ("elastic energy for |z| up to", "m"), "storage": ("storage function", ""),
@@ -73,7 +73,7 @@ def law(verdicts: Verdicts) -> Document:
 
 
 def machine(checked: MachineVerdicts) -> Document:
-    """What the contacts guarantee, and what follows for the machine."""
+    """The verdicts on the contacts and on the machine."""
     contacts: list[list[Cell]] = [
         [name, v.law.name, ranges_in_words(checked.ranges[name], v.law) or "nothing", DECIDED[v["passive"].holds]]
         for name, v in checked.contacts.items()
@@ -96,7 +96,7 @@ def machine(checked: MachineVerdicts) -> Document:
 
 
 def _in_short(verdicts: Verdicts) -> str:
-    """Which properties are proved, refuted and undecided."""
+    """A sentence with the proved, refuted and undecided properties."""
     if not verdicts.properties:
         return "no k_v meets the tolerances"
     if not verdicts.law.has_z:
@@ -112,7 +112,7 @@ def _in_short(verdicts: Verdicts) -> str:
 
 
 def _verdicts(verdicts: Verdicts, key: str, title: str, headed: bool = False) -> Chapter:
-    """The properties, how each was decided with its evidence, and for which histories it holds."""
+    """The properties with method, evidence and the histories for which they hold."""
     rows: list[list[Cell]] = [
         [name.replace("_", "-"), _MEANING[name], DECIDED[v.holds], v.reason + _AGAIN[v.verified]]
         for name, v in verdicts.properties.items()
@@ -126,7 +126,7 @@ def _verdicts(verdicts: Verdicts, key: str, title: str, headed: bool = False) ->
 
 
 def _claims(verdicts: Verdicts) -> list[Chapter]:
-    """Of a law without internal state, whether it is passive, and the properties that it claims."""
+    """Passivity and claimed properties of a law without internal state."""
     if not verdicts.claims:
         return []
     stated = verdicts.law.guarantees()
@@ -141,14 +141,14 @@ def _claims(verdicts: Verdicts) -> list[Chapter]:
 
 
 def _hints(verdicts: Verdicts) -> list[str]:
-    """A bound of the speed, if sampling leaves room for passivity below one."""
+    """A hint to a bound of the speed, if samples allow passivity below it."""
     passive = verdicts.properties.get("passive")
     worth_a_try = passive is not None and passive.holds is not True and passive.evidence.get("sampled_v_max")
     return [f"It may be passive at low speeds: {arg('v_max')} bounds the speed."] if worth_a_try else []
 
 
 def _evidence(name: str, verdict: Verdict, rotary: bool) -> list[list[Cell]]:
-    """The evidence of a property, a quantity a row."""
+    """The evidence of a property, one quantity a row."""
     rows: list[list[Cell]] = []
     for key, value in verdict.evidence.items():
         if key in _QUANTITIES and value is not None:
@@ -159,7 +159,7 @@ def _evidence(name: str, verdict: Verdict, rotary: bool) -> list[list[Cell]]:
 
 
 def _steps(name: str, verdict: Verdict, rotary: bool) -> list[Table]:
-    """The held speeds of a cycle, or the levels that z passes, a step a row."""
+    """The constant speeds of a cycle, or the levels that z passes, one step a row."""
     tables = []
     for listed in ("programme", "levels"):
         steps: Sequence[Mapping[str, float]] = verdict.evidence.get(listed, ())[:_STEPS]
@@ -174,7 +174,7 @@ def _steps(name: str, verdict: Verdict, rotary: bool) -> list[Table]:
 
 
 def _curve(law: Law) -> Figure:
-    """Steady friction, and near rest."""
+    """Steady friction over speed, and near rest."""
 
     def draw() -> Drawn:
         slow = float(law.scales(law.p).speed)
@@ -196,7 +196,7 @@ def _curve(law: Law) -> Figure:
 
 
 def _replays(verdicts: Verdicts, contact: str, key: str, title: str) -> list[Chapter]:
-    """A chapter of counterexamples as motions, where there are any."""
+    """A chapter of simulated counterexamples, if there are any."""
     figures = [
         _replay(name, v, contact, verdicts.law.rotary)
         for name, v in verdicts.properties.items()
@@ -207,7 +207,7 @@ def _replays(verdicts: Verdicts, contact: str, key: str, title: str) -> list[Cha
 
 
 def _replay(name: str, verdict: Verdict, contact: str, rotary: bool) -> Figure:
-    """The motion of a counterexample; none where it cannot be simulated."""
+    """The motion of a counterexample, or nothing if it cannot be simulated."""
     words = name.replace("_", "-")
 
     def draw() -> Drawn | None:
@@ -231,7 +231,7 @@ def _replay(name: str, verdict: Verdict, contact: str, rotary: bool) -> Figure:
 
 
 def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
-    """The smallest k_v, what each tolerance needs, and what it costs."""
+    """The smallest k_v, the k_v for each tolerance, and the cost."""
     rows: list[list[Cell]] = [
         [law, f"{r.name}, {_tolerance(r.tolerance, r.unit)}", _k_v(r.k_v, each.rotary), f"{r.method}: {r.detail}"]
         for law, each in by_law.items() for r in each.requirements
@@ -262,12 +262,12 @@ def _tolerance(x: float, unit: str) -> str:
 
 
 def _k_v(k_v: float | None, rotary: bool) -> str:
-    """A required k_v: a number, rounded up as a smaller one would exceed the tolerance; any, or none."""
+    """A required k_v as text: a number (rounded up, to keep the tolerance), any, or none."""
     return "no value" if k_v is None else f"{rounded_up(k_v)} {'s/rad' if rotary else 's/m'}" if k_v else "any value"
 
 
 def errors_against_k_v(by_law: Mapping[str, Steepness]) -> Drawn:
-    """Each error against k_v, a panel for each tolerance, the chosen k_v marked. Call within the plots' style."""
+    """Plot each error against k_v, one panel a tolerance, with the chosen k_v marked. Call within the plots' style."""
     first = next(iter(by_law.values()))
     shown = [i for i in range(len(first.requirements)) if any(each.requirements[i].points for each in by_law.values())]
     panels = [str(i) for i in shown] or ["none"]

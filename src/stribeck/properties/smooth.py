@@ -23,15 +23,15 @@ _METHOD = (
 )
 _BROKEN = "one-sided derivatives of {} that differ, enclosed by interval arithmetic"
 _TORN = "values of {} on the two sides of a case that differ, enclosed by interval arithmetic"
-_APART = 1e-9  # of their size: a smaller difference may be rounding in a constant, and is not called a kink
-# Of a law's natural speed or length: so near an axis, one-sided derivatives are those on it, up to _APART
+_APART = 1e-9  # of their size: a smaller difference may be rounding of a constant, and is no kink
+# Of a law's natural speed or length: this near an axis, one-sided derivatives equal those on it, up to _APART
 _TINY = 1e-12
-_LOOKS, _CROSSING = 240.0, 4.0  # work that a search for kinks may do, and that of one search for a crossing
+_LOOKS, _CROSSING = 240.0, 4.0  # work of a search for kinks, and of one search for a crossing
 _NAMES = ("dz/dt", "F")
 
 
 def decide(model: Model, claims: ClaimProver) -> Verdict:
-    """C1: every surface joins values and derivatives; or not: a point where the one-sided derivatives differ."""
+    """C1, if values and derivatives agree at every switching surface; not C1, if one-sided derivatives differ at a point."""
     proofs: list[Claim] = []
     reason = ""
     for name, expr in zip(_NAMES, (model.rate, model.power_force), strict=True):
@@ -73,7 +73,7 @@ def _smooth(model: Model, claims: ClaimProver, expr: Expr) -> list[Claim] | str:
 
 
 def _delicate(model: Model, node: Expr) -> Iterator[tuple[Expr, str]]:
-    """What must not vanish, or must be positive."""
+    """The expressions that must not vanish or must be positive."""
     if node.op == "div":
         part, relation = node.args[1], "!=0"
     elif node.op in ("sqrt", "log"):
@@ -116,7 +116,7 @@ def _kinks(model: Model, name: str, expr: Expr, work: Budget) -> Iterator[Verdic
 def _at_axis(
     model: Model, name: str, expr: Expr, axis: str, side: int, other: float, reach: float
 ) -> Iterator[Verdict]:
-    """On both sides of v = 0 (or z = 0), for one value of the other."""
+    """A difference between both sides of v = 0 (or z = 0), at one value of the other variable."""
     here, there = (U, W) if axis == "v" else (W, U)
     sides = [(t, side) if axis == "v" else (side, t) for t in SIGNS]
     box = {**model.inputs, str(here.value): (0.0, reach * _TINY), str(there.value): (other, other)}
@@ -157,7 +157,7 @@ def _at_surface(
                 middle = 0.5 * (place[0] + place[1])
                 u, w = (given, middle) if x is W else (middle, given)
                 side = surface.sides[0 if x is U else 1]
-                rising = (_range(derivative(difference, x), box)[0] > 0) == (side > 0)  # then the condition holds below
+                rising = (_range(derivative(difference, x), box)[0] > 0) == (side > 0)  # the condition then holds below
                 above, below = (b, a) if rising else (a, b)
                 point = (u * surface.sides[0], w * surface.sides[1])
                 if by is not None and surface.sides[0 if by is U else 1] < 0:
@@ -166,7 +166,7 @@ def _at_surface(
 
 
 def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, guess: float) -> Range | None:
-    """A small interval of x in which a condition certainly switches, its difference rising or falling throughout."""
+    """A small interval of x in which a condition certainly switches, with a monotonic difference."""
 
     def value(place: float) -> Range:
         return Box({**model.inputs, str(x.value): (place, place), str(y.value): (given, given)})(difference)  # type: ignore[no-any-return]
@@ -198,7 +198,7 @@ def _sign(x: Range) -> int:
 
 
 def _range(expr: Expr, box: dict[str, Range]) -> Range:
-    """The range; everything where a case is not settled in the box."""
+    """The range of an expression, or all numbers if a case is undecided in the box."""
     evaluated = Box(box)
     value: Range = evaluated(expr)
     unsettled = any(n.op in ("lt", "le") and evaluated.known[n] is None for n in ordered([expr]))

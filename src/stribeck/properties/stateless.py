@@ -1,4 +1,4 @@
-"""Laws without an internal state z: whether they are passive, and what their other claims are worth."""
+"""Passivity and other claims of laws without an internal state z."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from stribeck.properties.prover.search import Budget
 from stribeck.properties.verdicts import NAMES, Verdict, undecided
 from stribeck.properties.worst import Varied
 
-_WORK = 400  # regions for a law without z: one variable, so a sixth of a whole check suffices
+_WORK = 400  # regions: with one variable, a sixth of a whole check suffices
 _STATIC = (
     "F v >= 0 for every {} and every history of its constants (F is affine in those that vary, each part with v's sign)"
 )
-# Speeds at which a counterexample is looked for: decades around the law's own speed, eight a decade. Those of a law that
-# draws energy are a whole interval, so that the grid's fineness decides what is found, not what is true.
+# Speeds of the search for a counterexample: decades around the law's natural speed, eight a decade. Speeds that draw energy
+# form an interval, so a finer grid finds smaller intervals.
 _DECADES, _A_DECADE = 6, 8
 
 
 def why_not(law: Law) -> str:
-    """Why the five properties are undecided for a law without z."""
+    """The reason why the five properties are undecided for a law without z."""
     return f"law '{law.name}' has no internal state z, which the properties are about"
 
 
@@ -43,7 +43,7 @@ def static_passive(varied: Varied, v_max: float | None = None) -> Verdict:
 
     If F is affine in the varying constants, signs of polynomials decide: of the remainder and of each constant's factor. If
     all are >= 0, the law is passive for every history of the constants. If nothing varies, a speed with F v < 0 refutes it."""
-    law, names = varied.law, list(varied.ranges)  # a constant that is held may be held elsewhere than at its value
+    law, names = varied.law, list(varied.ranges)  # a fixed constant may differ from its nominal value
     cls = type("_WithBound", (type(law),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
     model = Model(cls({**law.machine, **law.values, **law.choices}, law.rotary))
     parts = _affine(model.power_force, [symbol(f"c_{n}") for n in names])
@@ -59,7 +59,7 @@ def static_passive(varied: Varied, v_max: float | None = None) -> Verdict:
 
 
 def _driving(law: Law, model: Model, v_max: float | None) -> Verdict | None:
-    """A speed at which the force drives, by the floats of the law and shown by exact bounds; None if none was found."""
+    """A speed at which the force drives, found in floats and proved by exact bounds, or None."""
     scale = float(law.scales(law.p).speed) if v_max is None else v_max
     speeds = scale * np.logspace(-_DECADES, 0.0 if v_max is not None else _DECADES, _A_DECADE * _DECADES + 1)
     for s in SIGNS:
@@ -73,7 +73,7 @@ def _driving(law: Law, model: Model, v_max: float | None) -> Verdict | None:
 
 
 def _affine(force: Expr, by: list[Expr]) -> list[Expr] | None:
-    """A force where some constants are 0, and its slope by each of them; None where it is not affine in these."""
+    """The force with some constants at 0, and its slope by each of them; None if it is not affine in them."""
     kinks = [node for node in ordered([force]) if node.op in ("lt", "le", "sign", "floor")]
     slopes = [derivative(force, each) for each in by]
     if {str(x.value) for x in by} & symbols([*kinks, *slopes]):

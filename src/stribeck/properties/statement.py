@@ -9,9 +9,9 @@ from stribeck.properties.plain import Json
 
 
 def statement(law: Law) -> dict[str, Json]:
-    """What :func:`stribeck_verify.verify` and :func:`stribeck_verify.confirmed` take as a law.
+    """A law as the input of :func:`stribeck_verify.verify` and :func:`stribeck_verify.confirmed`.
 
-    It is written apart from the certificates, which the checker compares with it. Constants are called ``c_NAME``; a tree
+    It is written independently of the certificates, which the checker compares with it. Constants are called ``c_NAME``; a tree
     is a number, a name or a list of an operation and its trees.
     """
     p = law.symbolic(lambda name: symbol(f"c_{name}"), law.form)
@@ -28,7 +28,7 @@ def statement(law: Law) -> dict[str, Json]:
 
 
 def _tree(top: Expr) -> Json:
-    """An expression; what occurs twice is one list."""
+    """An expression; repeated parts are the same list."""
     written: dict[Expr, Json] = {}
     for node in ordered([top]):
         if node.op == "constant":
@@ -40,7 +40,7 @@ def _tree(top: Expr) -> Json:
 
 
 def _number(tree: Json) -> Json:
-    """What a number stands for: a float, or operations on floats and pi, each with the arguments that it takes."""
+    """A number as a float, or as an operation on floats and pi."""
     if not isinstance(tree, tuple):
         return tree
     op, first, *rest = tree

@@ -1,10 +1,10 @@
-"""The interval that a storage function's slope must lie in, by sampling: which sets are passive, and up to which speed.
+"""The interval for the slope of a storage function, by sampling; it shows which laws are passive, and up to which speed.
 
-dz/dt = f(z, v). A storage function S(z) exists if and only if L <= S' <= U where z can be driven both ways, and F v >= 0
-where f = 0 (docs/explanation/theory.md).
+Let dz/dt = f(z, v). A storage function S(z) exists if and only if two conditions hold (docs/explanation/theory.md).
+First, L <= S' <= U at every z that can be driven both ways. Second, F v >= 0 at every f = 0.
 
-- L(z) = sup of F v/f over the v with f < 0: the energy given back for a metre of unwinding.
-- U(z) = inf of F v/f over the v with f > 0: the energy needed for a metre of winding up.
+- L(z) = sup of F v/f over the v with f < 0: the energy returned per meter of unwinding.
+- U(z) = inf of F v/f over the v with f > 0: the energy needed per meter of winding up.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck.arrays import Array
 from stribeck.laws.base import Law
 
-_SLOWEST, _FASTEST = 1e-7, 1e16  # sampled, as multiples of the smallest and the largest speed of the law's own
-_PER_DECADE = 5  # speeds sampled in a decade: the factors of a law change over about one, and extremes are refined
-_ZOOMS, _ZOOM_POINTS = 7, 7  # of that refinement: each zoom narrows the step to 2.5/6 of it, all together to 0.2 %
-_CANCELS = 1e-10  # dz/dt this small beside its terms is noise
-_NEGATIVE = 1e-9  # share of |L| + |U| by which U may fall short of L by rounding
-_ENDLESS = 500.0  # energy in proportion to a speed a thousand times larger
+_SLOWEST, _FASTEST = 1e-7, 1e16  # range of samples, over the law's smallest and largest natural speed
+_PER_DECADE = 5  # samples in a decade: factors of a law change over about one, and extremes are refined
+_ZOOMS, _ZOOM_POINTS = 7, 7  # of the refinement: each zoom narrows the step to 2.5/6, all seven to 0.2 %
+_CANCELS = 1e-10  # of its terms: a smaller dz/dt is noise
+_NEGATIVE = 1e-9  # of |L| + |U|: rounding may make U smaller than L by this
+_ENDLESS = 500.0  # ratio of energies at speeds of ratio 1000, if they are proportional
 _SIDES = np.array([-1.0, 1.0])[:, None, None]  # dz/dt < 0, for L, and > 0, for U
-_APART = 1e-7  # of the largest speed: how near it is found
-_FAR = 1e4  # where z has no bound: how many natural lengths to look
+_APART = 1e-7  # relative error of the largest speed
+_FAR = 1e4  # natural lengths to examine if z has no bound
 
 
 def own_speeds(law: Law) -> list[float]:
-    """The speeds that a law's constants define, m/s: where its equations change character."""
+    """The natural speeds of a law's constants, m/s, at which its equations change character."""
     scales, speeds = law.scales(law.p), [law.scales(law.p).speed]
     for name, constant in law.constants().items():
         value = law.values.get(name)
@@ -42,10 +42,10 @@ def own_speeds(law: Law) -> list[float]:
 
 @dataclass(frozen=True)
 class Storage:
-    """The storage interval of a law with |v| <= v_max; ``reach`` bounds |z|, or None where z has no bound.
+    """The storage interval of a law with |v| <= v_max; ``reach`` bounds |z|, or is None.
 
     Attributes:
-        per_decade: speeds sampled in a decade.
+        per_decade: sampled speeds in a decade.
     """
 
     law: Law
@@ -55,7 +55,7 @@ class Storage:
 
     @cached_property
     def largest(self) -> float:
-        """The largest |z| to look at, m: where it can be driven to from 0, and not beyond the bound."""
+        """The largest |z| to examine, m: reachable from 0 and within the bound."""
         far = self.reach if self.reach is not None else _FAR * self.law.scales(self.law.p).length
         with np.errstate(all="ignore"):
             z = abs(self.law.steady_deflection(self.v))
@@ -64,7 +64,7 @@ class Storage:
 
     @cached_property
     def v(self) -> Array:
-        """The speeds sampled, of both signs."""
+        """The sampled speeds of both signs."""
         law_speeds = own_speeds(self.law)
         low, high = np.log10(law_speeds[0] * _SLOWEST), np.log10(law_speeds[-1] * _FASTEST)
         if self.v_max is not None:
@@ -77,7 +77,7 @@ class Storage:
 
     @cached_property
     def z(self) -> Array:
-        """Deflections, dense where z begins and where it ends."""
+        """Sampled deflections, dense near 0 and near the end."""
         near = np.logspace(-6, np.log10(0.5), 24)
         if self.reach is None:
             share = np.logspace(-6, 0, 60) / 1.0001
@@ -90,7 +90,7 @@ class Storage:
 
     @property
     def _odd(self) -> bool:
-        """Whether one sign of z tells of the other; a law that says so is not believed without a look."""
+        """Whether the law is odd, so that one sign of z suffices; a law's declaration is tested."""
         v, z = self.v[::7, None], self.largest * np.array([0.03, 0.5, 0.97])
         rates, forces = (
             function(np.stack([v, -v]), np.stack([z, -z])[:, None]) for function in (self.law.rate, self.law.force)
@@ -98,8 +98,10 @@ class Storage:
         return self.law.symmetric and np.array_equal(rates[0], -rates[1]) and np.array_equal(forces[0], -forces[1])
 
     def slopes(self, v: Array, z: Array, raw: bool = False) -> tuple[Array, Array]:
-        """dz/dt (0 where it is noise) and F v / (dz/dt), J/m (0, or ``raw``, where no float holds it), with v along the
-        first axis."""
+        """dz/dt, and F v / (dz/dt) in J/m, with v along the first axis.
+
+        dz/dt is 0 if it is noise. A quotient that overflows is 0, or unchanged with ``raw``.
+        """
         law = self.law
         signs = np.array([1.0, -1.0, 0.0]).reshape(3, *(1,) * max(np.ndim(v), np.ndim(z)))
         with np.errstate(all="ignore"):
@@ -109,17 +111,17 @@ class Storage:
         return f, energy if raw else np.where(np.isfinite(energy), energy, 0.0)
 
     def interval(self, z: ArrayLike) -> tuple[Array, Array]:
-        """L(z) and U(z) in J/m; -inf and inf where no speed unwinds, or winds up."""
+        """L(z) and U(z) in J/m; -inf if no speed unwinds, inf if none winds up."""
         low, high, _, _ = self.extremes(z)
         return low, high
 
     def extremes(self, z: ArrayLike) -> tuple[Array, Array, Array, Array]:
-        """L and U, and the speeds that give them: the sampled ones, refined between their neighbours."""
+        """L and U, and their speeds: the sampled ones, refined between their neighbors."""
         z, top, lanes = np.atleast_1d(np.asarray(z, float)), abs(self.v[-1]), np.arange(2)[:, None]
         columns = np.arange(len(z))
 
         def largest(v: Array) -> tuple[Array, NDArray[np.int64]]:
-            """Of L and of -U (along the first axis) the largest value over v (along the second), and its index."""
+            """The largest value over v (second axis) of L and of -U (first axis), and its index."""
             f, energy = self.slopes(v, z, raw=True)
             value = np.where((_SIDES * f > 0) & np.isfinite(energy), -_SIDES * energy, -np.inf)
             index = value.argmax(axis=1)
@@ -136,7 +138,7 @@ class Storage:
         return best[0], -best[1], v[0], v[1]
 
     def shortfall(self, z: Array) -> Array:
-        """(U - L)/(|U| + |L|), from -1 to 1; 1 where one of them is infinite."""
+        """(U - L)/(|U| + |L|), from -1 to 1; 1 if one of them is infinite."""
         low, high = self.interval(z)
         with np.errstate(all="ignore"):
             share = (high - low) / (abs(high) + abs(low))
@@ -144,15 +146,15 @@ class Storage:
 
     @cached_property
     def worst(self) -> tuple[float, float]:
-        """The smallest shortfall, and the z where it is."""
+        """The smallest shortfall, and its z."""
         z = self.z
         value = self.shortfall(z)
         i = int(value.argmin())
         worst, place = float(value[i]), float(z[i])
-        lower = np.minimum(value[:-2], value[2:]) - value[1:-1]  # than the neighbours
+        lower = np.minimum(value[:-2], value[2:]) - value[1:-1]  # below both neighbors
         deep = 4 * np.maximum(
             abs(np.diff(value))[:-1], abs(np.diff(value))[1:]
-        )  # what a dip could fall further, and more
+        )  # exceeds a possible further fall of a dip
         dips = 1 + np.flatnonzero((lower >= 0) & (value[1:-1] <= deep))
         if worst < -_NEGATIVE or not len(dips):
             return worst, place
@@ -169,7 +171,7 @@ class Storage:
 
     @cached_property
     def sliding(self) -> tuple[float, float]:
-        """The smallest power of steady sliding as a share of its terms, and the speed where it is."""
+        """The smallest power of steady sliding over its terms, and its speed."""
         v = self.v
         with np.errstate(all="ignore"):
             z = self.law.steady_deflection(v)
@@ -181,7 +183,7 @@ class Storage:
 
     @cached_property
     def endless(self) -> int:
-        """The side on which unwinding from the bound gives back ever more energy the faster it is, or 0."""
+        """The side on which energy from unwinding at the bound grows with speed without limit, or 0."""
         if self.v_max is not None or self.reach is None:
             return 0
         v = self.v[[0, -1]][:, None] * np.array([1.0, 1e-3])
@@ -195,17 +197,19 @@ class Storage:
 
     @property
     def room(self) -> float:
-        """What the samples leave for a storage function, from -1 to 1: one exists where this is not negative."""
+        """The margin for a storage function in the samples, from -1 to 1; one exists if it is not negative."""
         return -1.0 if self.endless else min(self.worst[0], self.sliding[0]) + _NEGATIVE
 
     @property
     def exists(self) -> bool:
-        """Whether the samples leave room for a storage function."""
+        """Whether a storage function exists for the samples."""
         return self.room >= 0
 
 
 def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tuple[Array, Array]:
-    """L(z) and U(z) in N (J/m): a storage function exists where L <= S' <= U for all z that v can drive both ways.
+    """The bounds L(z) and U(z) of the slope of a storage function, N (J/m).
+
+    A storage function exists where L <= S' <= U for all z that v can drive both ways.
 
     Args:
         law: a law with z.
@@ -213,7 +217,7 @@ def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tupl
         v_max: the largest speed, m/s; none unless given.
 
     Returns:
-        Two arrays like z, by sampling of v; -inf and inf where no speed drives z that way.
+        Two arrays like z, by sampling of v; -inf and inf if no speed drives z that way.
     """
     z = np.asarray(z, float)
     low, high = Storage(law, v_max, reach=float(law.z_bound(law.p))).interval(z.ravel())
@@ -221,8 +225,7 @@ def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tupl
 
 
 def largest_speed(law: Law, reach: float | None) -> float | None:
-    """The largest v_max in m/s for which a storage function exists; None where there is no limit, 0 where no speed is slow
-    enough.
+    """The largest v_max in m/s for which a storage function exists; None for no limit, 0 if there is none.
 
     Bisection alternates with the secant through the last two speeds at which U < L. There U - L rises to 0 smoothly; on the
     other side it may be a plateau.

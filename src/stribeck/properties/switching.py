@@ -1,4 +1,4 @@
-"""Where the cases of an equation meet, and whether values and derivatives agree there: exact identities."""
+"""Switching surfaces of an equation's cases, with exact tests of values and derivatives there."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EVERYWHERE: dict[str, tuple[Fraction, Fraction | None]] = {"u": (NULL, None), "w
 
 @dataclass(frozen=True)
 class SwitchingSurface:
-    """A condition of a form of an equation, and the form where it holds and where it does not."""
+    """A condition in a form of an equation, and the form for each outcome."""
 
     sides: tuple[int, int]
     condition: Expr
@@ -25,7 +25,7 @@ class SwitchingSurface:
 
     @property
     def text(self) -> str:
-        """For people."""
+        """Its text for reports."""
         return f"{self.condition!r} changes"
 
 
@@ -38,7 +38,7 @@ def switching_surfaces(form: Expr, sides: tuple[int, int]) -> Iterator[Switching
 
 
 def settled(form: Expr, condition: Expr, holds: bool) -> Expr:
-    """The expression where a condition is known."""
+    """The expression for a given outcome of a condition."""
 
     def rule(node: Expr) -> Expr:
         if node.op == "where" and node.args[0] is condition:
@@ -49,13 +49,13 @@ def settled(form: Expr, condition: Expr, holds: bool) -> Expr:
 
 
 class Joints:
-    """Shows that cases meet, for dz/dt or another expression of v and z."""
+    """Proves that cases agree at switching surfaces, for dz/dt or another expression of v and z."""
 
     def __init__(self, model: Model, claims: ClaimProver, expr: Expr) -> None:
         self.model, self.claims, self.expr = model, claims, expr
 
     def at_condition(self, surface: SwitchingSurface, order: int) -> list[Claim] | None:
-        """Both forms agree where the condition changes: in value, and with order 1 in their first derivatives."""
+        """Both forms agree at the surface: in value, and with order 1 in first derivatives."""
         pairs = [(surface.if_true, surface.if_false)]
         if order:
             pairs += [(derivative(surface.if_true, x), derivative(surface.if_false, x)) for x in (U, W)]
@@ -97,7 +97,7 @@ class Joints:
         return [claim, *also] if claim is not None else None
 
     def at_axis(self, axis: str, side: int, order: int) -> list[Claim] | None:
-        """The forms on both sides of z = 0 (or v = 0) agree there, and with what holds at z = 0 exactly."""
+        """The forms on both sides of z = 0 (or v = 0) agree with each other and with the form exactly at 0."""
         here = W if axis == "z" else U
         sides = [(side, t) if axis == "z" else (t, side) for t in (*SIGNS, 0)]
         above, below, exact = (self.model.form_of(self.expr, *each) for each in sides)
@@ -117,5 +117,5 @@ class Joints:
 
 
 def present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
-    """The ranges of the variables that an expression has."""
+    """The ranges of the variables in an expression."""
     return {n: r for n, r in EVERYWHERE.items() if depends(expr, {"u": U, "w": W}[n])}

@@ -23,25 +23,25 @@ METHOD = (
     "dz/dt is continuous in z (identities where its cases meet) and Lipschitz in z, uniformly over bounded v "
     "(its derivative by z is bounded, region by region)"
 )
-_POWERS = (1, 2, 4)  # of the speed, in the bound of the slope: laws grow like v; two more for laws of one's own
-_SLACK = 128.0  # any bound will do: one that is far off is shown with few regions
+_POWERS = (1, 2, 4)  # of the speed, in the bound of the slope: laws grow like v; two more for users' laws
+_SLACK = 128.0  # any bound suffices, and a loose one needs few regions
 _LEAST = 5e-324  # the smallest float above 0, in place of a slope that is 0
 
 
 def prove(
     model: Model, claims: ClaimProver, bounded: Certificate | None, within: Fraction | None = None
 ) -> Certificate | str:
-    """The certificate, for all z or for |z| <= within; or why there is none."""
+    """The certificate, for all z or for |z| <= within; or the reason why there is none."""
     proof = _continuous(model, claims)
     if isinstance(proof, str):
         return proof
     w: tuple[Fraction, Fraction | None] = (NULL, within)
     for growth in _growths(model, within):
-        with claims.at_most(claims.work.left / 2):  # one that does not hold leaves room for the next
+        with claims.at_most(claims.work.left / 2):  # leaves work for the next claim
             more = _bounded_slope(claims, growth, w)
         if more is None:
             continue
-        at_0 = {**growth, **{n: growth[n] * growth["l"] for n in "ab"}}  # m/s, where the slope's bound is in 1/s
+        at_0 = {**growth, **{n: growth[n] * growth["l"] for n in "ab"}}  # m/s; the slope's bound is in 1/s
         rest = every(claims.finite(s, at_0, sign) for s in (0, *SIGNS) for sign in SIGNS)
         if rest is None:
             return "dz/dt at z = 0 is not shown to be finite"
@@ -87,7 +87,7 @@ def _bounded_slope(
 
 
 def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Json]]:
-    """Bounds (a + b u^k)(1 + (w/l)^m) of the derivative that sampling does not contradict, the simplest first."""
+    """Bounds (a + b u^k)(1 + (w/l)^m) of the derivative that agree with samples, the simplest first."""
     length = model.bound[1]
     u, w, slope, size = _samples(model, within)
     for m in (0, 1, 2, 3, 4, 6) if within is None else (0,):
@@ -110,7 +110,7 @@ def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Json]]
                 continue
             natural = scale / float(
                 length
-            )  # LuGre's decay: where dz/dt is far flatter, a tight bound costs regions for nothing
+            )  # LuGre's decay: if dz/dt is far flatter, a tight bound needs more regions without use
             size_of_slope = max(_SLACK * fast, _SLACK * slow, natural)
             a, b = Fraction(size_of_slope), Fraction(size_of_slope / scale**k)
             finite = Fraction(float(max(size[:, 0].max(), 1e-300)))
@@ -138,7 +138,7 @@ def _samples(model: Model, within: Fraction | None) -> tuple[Array, Array, Array
 
 
 def decide(model: Model, claims: ClaimProver, bounded: Certificate | None) -> Verdict:
-    """Lipschitz for all z, or within the bound that z keeps; or a speed that takes z to infinity."""
+    """Lipschitz for all z or within the bound of z, or a speed that takes z to infinity."""
     certificate = prove(model, claims, bounded)
     words = "all v and z"
     if isinstance(certificate, str) and bounded is not None:

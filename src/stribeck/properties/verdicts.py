@@ -1,4 +1,4 @@
-"""What a check returns."""
+"""The results of a check."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class Verdict:
 
     Attributes:
         holds: True (proved), False (a counterexample is in the evidence) or None (undecided; the evidence says why).
-        method: how it was decided.
-        evidence: numbers that belong to it, SI units.
-        scenario: of a counterexample, the tables of a scenario that shows it; else None.
-        certificate: of a proof, plain data that ``stribeck check --verify`` and others can check; else None.
-        verified: whether the independent checker, and for a counterexample a second run of its scenario, agreed; None
-            where neither was asked or could tell.
-        stated: what the scenario ends with.
+        method: of the decision.
+        evidence: its values, SI units.
+        scenario: tables of a scenario that shows a counterexample, or None.
+        certificate: of a proof, plain data that ``stribeck check --verify`` and others can check, or None.
+        verified: whether the independent checker, or a second run of a counterexample, agreed; None if neither was
+            requested or applies.
+        stated: final values of the scenario.
     """
 
     holds: bool | None
@@ -48,7 +48,7 @@ class Verdict:
 
     @property
     def reason(self) -> str:
-        """How it was decided, or why it was not."""
+        """The method of the decision, or the reason why there is none."""
         return str(self.evidence.get("reason", self.method)) if self.holds is None else self.method
 
     def __repr__(self) -> str:
@@ -60,7 +60,7 @@ class Verdict:
         return data if self.verified is None else {**data, "verified": self.verified}
 
     def verify(self, law: Law, name: str, v_max: float | None = None) -> bool | None:
-        """Check the certificate with code that shares nothing with the prover, or run the scenario again."""
+        """Check the certificate with the independent checker, or run the scenario again."""
         from stribeck.properties import replay
 
         if self.holds:
@@ -76,14 +76,14 @@ class Verdict:
 
 
 def refusals(certificate: Json, law: Law, name: str, v_max: float | None = None) -> list[str]:
-    """Why the independent checker does not accept a certificate of a law's property; nothing where it does."""
+    """The reasons why the independent checker rejects a certificate of a law's property; none if it accepts."""
     from stribeck_verify import verify
 
     return verify(certificate, statement(law), name, v_max)
 
 
 def accepted(verdict: Verdict, law: Law, name: str, v_max: float | None = None) -> Verdict:
-    """The verdict; undecided in place of a yes whose certificate the independent checker rejects."""
+    """The verdict, or undecided if the independent checker rejects its certificate."""
     if not verdict.holds:
         return verdict
     refused = refusals(verdict.certificate, law, name, v_max)
@@ -120,11 +120,11 @@ class Verdicts:
 
     Attributes:
         properties: a :class:`Verdict` by name.
-        steepness: if tolerances were given, the smallest k_v that meets them: of the law, and of the majorant law of its
+        steepness: if tolerances were given, the smallest k_v that meets them, for the law and for the majorant law of its
             family.
-        varied: if constants vary, the law and their ranges: each verdict holds for every history within these.
-        proofs: then, for each verdict, the law that it was found for, which stands for all or is one of them.
-        claims: of a law without internal state, a :class:`Verdict` on its passivity and on each property that it claims.
+        varied: if constants vary, the law and their ranges. Each verdict holds for every history within these.
+        proofs: if constants vary, the law of each verdict, which represents all laws or is one of them.
+        claims: for a law without internal state, a :class:`Verdict` on passivity and on each claimed property.
     """
 
     law: Law
@@ -141,11 +141,11 @@ class Verdicts:
 
     @property
     def level(self) -> dict[str, list[float | None]]:
-        """The constants that vary and the ends between which they do (None: without end); none in a plain check."""
+        """The varying constants with their lower and upper ends (None: no bound); empty in a plain check."""
         return {} if self.varied is None else self.varied.to_dict()
 
     def headings(self) -> list[str]:
-        """The law with its constants; and what varies, where something does."""
+        """The law with its constants, and the varying constants if any."""
         declared = self.law.constants()
         units = {n: declared[n].unit_for(self.law.rotary) for n in self.law.p.numbers}
         values = {n: f"{x:g} {units[n]}".rstrip() for n, x in self.law.p.numbers.items()} | self.law.choices
@@ -153,7 +153,7 @@ class Verdicts:
         return [*lines, f"for every history of {ranges_in_words(self.level, self.law)}"] if self.level else lines
 
     def document(self) -> Document:
-        """What the verdicts say to people, for the terminal and for a page."""
+        """The verdicts as a document, for the terminal and for a page."""
         from stribeck.properties import said
 
         return said.law(self)
@@ -190,7 +190,7 @@ class Verdicts:
         }
 
     def to_dict(self) -> dict[str, Json]:
-        """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and what belongs to it."""
+        """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and further results."""
         varied = {} if self.varied is None else {"level": self.level}
         more = {"steepness": {name: each.to_dict() for name, each in self.steepness.items()}} if self.steepness else {}
         claims = {"claims": {name: verdict.to_dict() for name, verdict in self.claims.items()}} if self.claims else {}

@@ -27,7 +27,7 @@ _SMALLEST = ("sigma_2", "k_v", "F_c", "delta")  # the worst of these is the smal
 
 
 class WorstLevel(BristleLaw):
-    """g is F_c/sigma_0, the smallest that it may be, at every speed; z is within F_s/sigma_0, the largest."""
+    """A law with the smallest possible g at every speed, F_c/sigma_0; the bound of z is the largest, F_s/sigma_0."""
 
     name = "worst_level"
     source = "Stribeck, docs/explanation/theory.md, A level that varies"
@@ -57,7 +57,7 @@ class WorstLevelMajorant(BristleLaw):
 
 
 class LowestLevel(BristleLaw):
-    """g is at every speed the smallest that it may be there: that of the smallest F_c and F_s; z is within ``reach``."""
+    """A law with the smallest g of the range at every speed, by the smallest F_c and F_s; z is within ``reach``."""
 
     name = "lowest_level"
     source = WorstLevel.source
@@ -89,18 +89,18 @@ class LowestLevelMajorant(LowestLevel):
 
 
 def _end(ends: ExactRange) -> Fraction:
-    """The upper end of a range that has one."""
+    """The upper end of a bounded range."""
     assert ends[1] is not None
     return ends[1]
 
 
 @dataclass(frozen=True)
 class Varied:
-    """A law whose constants vary in any way within ranges; what has no range stays as it is.
+    """A law whose constants vary in any way within ranges; constants without a range are fixed.
 
     Attributes:
         law: with its nominal constants.
-        ranges: of constants, by name, exactly.
+        ranges: exact ranges of constants, by name.
     """
 
     law: Law
@@ -114,11 +114,11 @@ class Varied:
 
     @property
     def varies(self) -> bool:
-        """Whether anything does."""
+        """Whether any constant varies."""
         return any(low != high for low, high in self.ranges.values())
 
     def range(self, name: str) -> ExactRange:
-        """Where a constant is at all times."""
+        """The range of a constant."""
         if name in self.ranges:
             return self.ranges[name]
         value = Fraction(self.law.p.numbers[name])
@@ -126,7 +126,7 @@ class Varied:
 
     @property
     def newtons(self) -> ExactRange:
-        """Where sigma_0 g is, for every speed and at all times: between the smallest and the largest of F_c and F_s."""
+        """The range of sigma_0 g over all speeds and times: from the smallest to the largest of F_c and F_s."""
         names = [n for n in ("F_c", "F_s") if self.law.values.get(n) is not None]
         lows, highs = zip(*(self.range(n) for n in names), strict=True)
         return min(lows), None if None in highs else max(highs)
@@ -149,16 +149,20 @@ class Varied:
         return type(self.law)({**self.law.machine, **self.law.values, **self.law.choices, **moved}, self.law.rotary)
 
     def extreme(self, side: int, most: Fraction | None = None, least: Sequence[str] = ()) -> Law:
-        """The law at the low (-1) or high (1) end of its level, with the other constants as energy is drawn most easily;
-        those in ``least`` as small as they may be."""
+        """The law at the low (-1) or high (1) end of its level.
+
+        The other constants have the values at which energy is drawn most easily; those in ``least`` have their smallest.
+        """
         small = (*_SMALLEST, *least)
         return self.with_ends({n: side if n in ("F_c", "F_s") else -1 if n in small else 1 for n in self.ranges}, most)
 
     def worst(self, any_z: bool = False) -> Law | None:
-        """The law that stands for the worst of all levels, its constants rounded to the safe side; with ``any_z`` z is
-        not restricted. None for a law of which it is not known what is worst, or where there is no bound."""
+        """The law of the worst level, with constants rounded to the safe side; None if it is unknown or has no bound.
+
+        With ``any_z``, z is not restricted.
+        """
         name, known = type(self.law).name, laws.builtin()
-        if name == DAHL and known[name] is type(self.law):  # F v - W' f = sigma_0^2 |v| z^2/F_c: one F_c tells of all
+        if name == DAHL and known[name] is type(self.law):  # F v - W' f = sigma_0^2 |v| z^2/F_c: one F_c decides
             return self.extreme(-1) if any_z else self.highest()
         low, high = self.newtons if name in (*EXACT, *MAJORANT) else (Fraction(0), None)
         if known.get(name) is not type(self.law) or low <= 0 or (high is None and not any_z):
@@ -175,11 +179,13 @@ class Varied:
         try:
             return cls(values, self.law.rotary)
         except InputError:
-            return None  # a constant that is too small or too large for a number
+            return None  # a constant underflows or overflows
 
     def lowest(self, any_z: bool = False) -> Law | None:
-        """The law that stands for the worst of all levels more closely than :meth:`worst`: with the Stribeck curve of the
-        lowest, and its own |v|. None where that is no other, or where it is not known which curve is the lowest."""
+        """A closer law of the worst level than :meth:`worst`, with the lowest Stribeck curve and its own |v|.
+
+        None if both laws are the same, or if the lowest curve is unknown.
+        """
         coarse = self.worst(any_z)
         if coarse is None or "F_s" not in self.law.values or "delta" in self.ranges:
             return None
@@ -205,7 +211,7 @@ class Varied:
         return down(low) if name in _SMALLEST else up(high) if high is not None else math.inf
 
     def highest(self) -> Law | None:
-        """The law that stands for all levels as far as the bound of z goes: g is the largest that it may be."""
+        """The law with the largest possible g, whose bound of z holds at all levels."""
         name, (_, high) = type(self.law).name, self.newtons
         if high is None or laws.builtin().get(name) is not type(self.law) or name == "lugre_arctan":
             return None
@@ -217,10 +223,10 @@ class Varied:
         return cls(values, self.law.rotary)
 
     def to_dict(self) -> dict[str, list[float | None]]:
-        """The ranges for people: the lower end and the upper, None without end."""
+        """The ranges as plain data: the lower and the upper end, None for no bound."""
         return {n: [float(low), None if high is None else float(high)] for n, (low, high) in self.ranges.items()}
 
     def exactly(self) -> dict[str, list[str]]:
-        """The ranges of all that a proof takes, as text of rational numbers."""
+        """The ranges of all values in a proof, as text of rational numbers."""
         names = list(self.law.p.numbers)
         return {n: [str(x) if x is not None else "inf" for x in self.range(n)] for n in names}

@@ -13,17 +13,17 @@ from stribeck.properties.verdicts import Verdict, Verdicts
 if TYPE_CHECKING:
     from stribeck.properties.ports import MachineVerdicts
 
-# What an older check leaves: scenarios as _scenarios begins them, and pictures of them, which say by name what they are.
+# Files of an older check: scenarios that begin as in _scenarios, and pictures, which have known names.
 _OLDER = {"*.toml": r"# \S+ is not \w+: ", "*not_*.svg": ""}
 
 
 def write_check(
     verdicts: Verdicts | MachineVerdicts, folder: Path, command: str = ""
 ) -> tuple[list[str], list[str] | None]:
-    """Write them, all together, the page last.
+    """Write all files, the page last.
 
     Returns:
-        The paths of the counterexamples; and those of the pictures and the page, last the page, None without them.
+        The paths of the counterexamples, and those of the pictures and the page (last), or None without them.
     """
     pages: list[Path] | None = None
     with together(folder, last="report.html", older=_OLDER) as place:
@@ -38,7 +38,7 @@ def write_check(
 
 
 def _scenarios(verdicts: Verdicts, place: Path, prefix: str = "") -> list[Path]:
-    """A scenario for each counterexample that one can show."""
+    """A scenario for each counterexample that can be simulated."""
     from tomli_w import dumps
 
     files = []

@@ -147,8 +147,10 @@ def _below_words(lines: Sequence[str], row: int, separator: str) -> int:
 
 
 def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:
-    """The line of the names, if the supposed head contains numbers and a line of words is above it: the supposed head is then
-    a row with an invalid cell."""
+    """The line of the names, if the supposed head contains numbers and a line of words is above it.
+
+    The supposed head is then a row with an invalid cell.
+    """
     for j in range(head, -1, -1):
         cells = split_cells(lines[j], separator)
         if len(cells) != count:

@@ -56,8 +56,8 @@ def plain_table(table: Mapping[str, object], path: str = "", depth: int = 0) -> 
 def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: Path) -> dict[str, object]:
     """The data of a scenario with the values at the given paths replaced.
 
-    A new ``law.name`` (of a machine ``contacts.NAME.law.name``) drops the constants of the old law that the new one does
-    not have, and says so; likewise ``drive.observer.name``.
+    A new ``law.name`` drops the constants of the old law that the new one does not have, and a note lists them. The same
+    holds for ``contacts.NAME.law.name`` of a machine and for ``drive.observer.name``.
     """
     new = plain_table(data)
     _refuse_unknown_elements(new, changes)

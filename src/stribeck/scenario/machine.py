@@ -17,8 +17,10 @@ from stribeck.scenario.schema1 import Called
 def read_machine(
     sections: Mapping[str, Any], reading: Reading, t_end: object, energy: bool, called: Called
 ) -> tuple[Elements | None, list[Problem]]:
-    """The machine of a file's sections; None where something is wrong, or a file of code was not executed; all that is wrong,
-    by the file's paths."""
+    """The machine of a file's sections, and all problems by the file's paths.
+
+    The machine is None if there is a problem, or if a file of code was not executed.
+    """
     draft = Draft(sections, reading, energy)
     by_path = list(draft.problems)
     if (

@@ -107,8 +107,9 @@ def turns(data: Table, folder: Path) -> bool:
 
 
 def translated(data: Table, rotary: bool, names: ElementNames | None = None) -> tuple[Sections, Called, list[Problem]]:
-    """The sections of the machine, what the file calls its things, and what is wrong with the file's own frame; all else is
-    judged as in a machine.
+    """The sections of the machine, the file's names of its elements, and problems of the file's own structure.
+
+    Everything else is checked as in a machine.
 
     Args:
         data: the tables of the file.

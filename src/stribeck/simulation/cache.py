@@ -1,8 +1,8 @@
 """The cache of compiled systems on disk.
 
 The key is a digest of the C source, the compiler, its flags and the processor, so nothing can be stale. A file's name
-also contains the digest of its content: a truncated file is noticed before it is loaded, and several processes may write
-at the same time. A library is code that will run. The folder is therefore closed to other users (0700), and a folder or
+also contains the digest of its content. So a truncated file is detected before it is loaded, and several processes may
+write at the same time. A library is code that will run. The folder is therefore closed to other users (0700), and a folder or
 a file that another user owns or could have written is not used.
 """
 

@@ -134,7 +134,7 @@ def simulate_ensemble(
 
     Lane i takes the i-th value of every path: ``simulate(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})``
     has two lanes. Constants of laws, drives and signals, masses and initial values can be varied. The lanes agree with
-    single runs within the tolerances for any number of lanes and threads, and a lane's numbers are the same in every run.
+    single runs within the tolerances, for any number of lanes and threads. A lane's results are the same in every run.
 
     Args:
         scenario: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)`` brings its values with

@@ -40,8 +40,10 @@ ENERGY = Panel(
 
 
 def choose_panels(machine: MachineSystem) -> tuple[Panel, ...]:
-    """What is worth seeing of a machine, in the order of reading: two panels for each body, contact, motor and controller,
-    one for each link and load."""
+    """The panels of a machine in the order of reading.
+
+    There are two for each body, contact, motor and controller, and one for each link and load.
+    """
     panels: list[Panel] = []
     controllers = {each.name for each in machine.controllers}
     valves = [each for each in machine.elements.controllers.values() if each.moves_valve]

@@ -1,12 +1,13 @@
 """The promised accuracy of a run, and the tolerances that achieve it.
 
 The error of y and v is at most 100 solve.rtol of their peaks over the motion, that of F 10^4 solve.rtol. The peaks are
-unknown before the motion, so the tolerances of a run follow its peaks so far, up to those of a motion of the machine's natural
-scales. The solver measures the errors of its steps and of its dense output in F, too. If these are too large, or a state moves
-far less than the others, the run is repeated with tolerances for the measured motion, and each row ends a step.
+unknown before the motion. So the tolerances of a run follow its peaks so far, up to those of a motion of the machine's
+natural scales. The solver measures the errors of its steps and of its dense output in F, too. If these are too large, or a
+state moves far less than the others, the run is repeated. It then has tolerances for the measured motion, and each row
+ends a step.
 
-The errors of all steps add up, and grow where neighbouring motions part. Where bodies break away from each other, they grow by
-many orders of magnitude. The solver carries them on by the linearised equations. If they exceed the promise, the run is
+The errors of all steps add up, and grow where neighboring motions diverge. If bodies break away from each other, they grow
+by many orders of magnitude. The solver propagates them by the linearized equations. If they exceed the promise, the run is
 repeated with smaller tolerances. If rounding alone grows beyond the promise, a note says so.
 docs/explanation/solver.md states the rule.
 """

@@ -16,8 +16,11 @@ NOT_FINITE = -2  # a status of runtime/run.c and lanes.c
 
 
 class Stats(TypedDict, total=False):
-    """The cost of a run: accepted and rejected steps, evaluations of rates and Jacobians, smallest and largest step (s),
-    solver and backend, whether its code was built now, and the seconds of building and solving."""
+    """The cost of a run.
+
+    It has accepted and rejected steps, evaluations of rates and Jacobians, and the smallest and largest step (s). It also has
+    solver and backend, whether code was built for this run, and the seconds of building and solving.
+    """
 
     accepted: int
     rejected: int

@@ -27,8 +27,8 @@ def simulate_once(
 ) -> Solution:
     """Simulate a scenario or a machine.
 
-    The first simulation of a structure (law, drive, kind of signal) compiles it, some 0.3 s; later ones, in this
-    process or another, find it in the cache.
+    The first simulation of a structure (law, drive, kind of signal) compiles it, which takes about 0.3 s. Later ones, in
+    this process or another, use the cache.
 
     Args:
         scenario: a scenario, a machine, the path of its file, or its tables.

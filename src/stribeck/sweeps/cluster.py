@@ -1,6 +1,6 @@
 """A sweep on a Dask cluster, whose workers compute the parts.
 
-Dask gives the parts of a dead worker to others, gives up a part that kills its workers (allowed-failures), and drops a
+Dask gives the parts of a dead worker to others. It abandons a part that kills its workers (allowed-failures), and drops a
 worker that no longer answers (worker-ttl). This module gives no parts to workers whose files would have different bits.
 """
 

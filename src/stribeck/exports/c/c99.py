@@ -16,7 +16,7 @@ from stribeck.machine.pneumatic.observer import least_K_D
 
 
 def files(request: Request) -> dict[str, str | bytes]:
-    """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
+    """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` if requested."""
     values = context(request)
     name = request.name
     content: dict[str, str | bytes] = {**pair(name, "law", values)}
@@ -28,7 +28,7 @@ def files(request: Request) -> dict[str, str | bytes]:
 
 
 def context(request: Request) -> dict[str, object]:
-    """What the templates need."""
+    """Values for the templates."""
     law, equations = request.law, LawCode(request.law)
     if request.part == "observer" and not equations.observable:
         what = "no sigma_0 to weigh the tracking error by" if law.has_z else "no internal state to observe"
@@ -62,14 +62,13 @@ def context(request: Request) -> dict[str, object]:
 
 
 def _least_K_D() -> str:
-    """The proof's condition on K_D, for people."""
+    """The proof's condition on K_D, in words."""
     names = ("K", "sigma_0", "sigma_1", "w")
     return pretty.write(wrap(least_K_D(*map(symbol, names))), dict(zip(names, names, strict=True)), latex=False)
 
 
 def costs(law: Law) -> list[str]:
-    """What a step costs, as lines for the header; none for a law or a form that was not counted
-    (benchmarks/instructions.py counts them all)."""
+    """Lines of the header with the cost of a step, by benchmarks/instructions.py; none for a law or form without a count."""
     counted = json.loads(resources("stribeck.exports").joinpath("templates", "costs.json").read_text(encoding="utf-8"))
     rows = counted["laws"].get(" ".join((law.name, *law.form.words)), {})
     if not rows or builtin().get(law.name) is not type(law):
@@ -83,7 +82,7 @@ def costs(law: Law) -> list[str]:
 
 
 def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, str]]:
-    """(the constant to blame, what is allowed, the condition in C) for every relation of the law."""
+    """The constant at fault, the allowed values and the condition in C, for every relation of the law."""
     relations = dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB))
     return [
         (r.key, r.allowed, c_condition(r.holds, law)) for r in relations if all(need in constants for need in r.needs)
@@ -91,7 +90,7 @@ def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, st
 
 
 def notes(request: Request) -> list[str]:
-    """What is lost at the time step that was given."""
+    """Notes about the loss of accuracy at the given time step."""
     from stribeck.exports.c.sampling import unstable
 
     return unstable(request)

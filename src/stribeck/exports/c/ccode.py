@@ -1,4 +1,4 @@
-"""The equations of a law as C functions of double or float: what the exports in C share."""
+"""The equations of a law as C functions of double or float, for all exports in C."""
 
 from __future__ import annotations
 
@@ -34,15 +34,15 @@ DIALECT = Dialect(
     variable="real ",
 )
 
-# Of C and of the templates' macros: neither a variable nor a member can be called so.
+# Words of C and macros of the templates: no variable or member can have these names.
 WORDS = C_WORDS | {"EPSILON", "SLOWEST"}
 _LOCALS = "p v z s l dt a b x y u w side real R FN sign_of rate force dv_dt"
-ARGUMENTS = frozenset({"K", "error"})  # of the equations below: no constant can be called so
+ARGUMENTS = frozenset({"K", "error"})  # of the equations below: no constant can have these names
 _TAKEN = WORDS | C_FUNCTIONS | frozenset(_LOCALS.split())
 
 
 class CWriter(Writer):
-    """Writes numbers as R(x), so that float code holds no double."""
+    """Writer of numbers as R(x), so that float code contains no double."""
 
     def _format(self, node: Expr) -> tuple[str, int]:
         text, precedence = super()._format(node)
@@ -62,15 +62,17 @@ def statements(outputs: Sequence[tuple[str, Expr]], inputs: Mapping[str, str], n
 
 @dataclass(frozen=True)
 class LawCode:
-    """A law's equations and their derivatives as expressions of v, z and the constants' names; ``rate`` is dz/dt as
-    an argument of the force."""
+    """A law's equations and their derivatives as expressions of v, z and the constants' names.
+
+    ``rate`` is dz/dt as an argument of the force.
+    """
 
     law: Law
-    names: Names = field(default_factory=Names, init=False, compare=False)  # of what the equations hold
+    names: Names = field(default_factory=Names, init=False, compare=False)  # of the symbols in the equations
 
     @cached_property
     def expressions(self) -> dict[str, Expr]:
-        """dz/dt, F, F for a given dz/dt, their derivatives by v and z, and the bound of z where the law has one."""
+        """dz/dt, F, F for a given dz/dt, their derivatives by v and z, and the bound of z if there is one."""
         law, v, z, rate = self.law, symbol("v"), symbol("z"), symbol("rate")
         p = law.symbolic(symbol, law.form, self.names.term)
         outputs = {"rate": wrap(law.dz_dt(p, v, z) if law.has_z else 0.0)}
@@ -81,7 +83,7 @@ class LawCode:
         }
         if self.observable:
             outputs["pull"] = wrap(correction(p, symbol("K"), symbol("error")))
-        # a law linear in z: dz/dt = a z + b at held v
+        # a law linear in z: dz/dt = a z + b at constant v
         outputs["a"], outputs["b"] = outputs["rate_z"], substitute([outputs["rate"]], {z: wrap(0.0)}, self.names)[0]
         outputs["steady_force"] = steady_force(type(law), p, v, symbol("side"))
         if self.bounded:
@@ -90,7 +92,7 @@ class LawCode:
 
     @property
     def linear(self) -> bool:
-        """True where dz/dt is linear in z: the zero-order hold is exact then."""
+        """True if dz/dt is linear in z: the zero-order hold is then exact."""
         return "z" not in symbols([self.expressions["rate_z"]])
 
     @property
@@ -100,11 +102,11 @@ class LawCode:
 
     @property
     def observable(self) -> bool:
-        """True where the tracking error can correct z: it is weighed by sigma_0."""
+        """True if the tracking error can correct z, as in laws with sigma_0."""
         return self.law.has_z and "sigma_0" in self.law.constants()
 
     def body(self, outputs: Sequence[tuple[str, str]], arguments: Sequence[str]) -> str:
-        """Statements that assign expressions, given as (target, name), for a function that has these arguments."""
+        """Statements that assign expressions, given as (target, name), in a function with these arguments."""
         expressions = self.expressions
         inputs = {name: f"p->{self.inside(name)}" for name in self.law.numbers(self.law.form)}
         inputs |= {name: name for name in arguments if name != "p"}
@@ -116,25 +118,25 @@ class LawCode:
         return "\n".join([*(f"    (void){name};" for name in unused), written])
 
     def inside(self, name: str) -> str:
-        """A constant as a member of what the equations are given in C."""
+        """A constant as a member of the struct that the equations take in C."""
         law = self.law
         return name if not law.inputs else f"load.{name}" if name in law.inputs else f"p.{name}"
 
     def uses(self, *operations: str) -> bool:
-        """True where any expression needs one of these operations."""
+        """True if any expression needs one of these operations."""
         return any(node.op in operations for node in ordered(self.expressions.values()))
 
 
 @dataclass(frozen=True)
 class Call:
-    """How a law's functions in C are given its constants, and the loads of a contact where it has inputs."""
+    """The arguments of a law's functions in C for its constants and for the loads of a contact."""
 
     name: str
     inputs: Sequence[str]
 
     @property
     def type(self) -> str:
-        """What the equations take."""
+        """The type that the equations take."""
         return "given" if self.inputs else "parameters"
 
     @property
@@ -144,12 +146,12 @@ class Call:
 
     @property
     def declared_inside(self) -> str:
-        """The same where the function is defined."""
+        """The first arguments in the definition of each function."""
         return f"const parameters *constants, const {self.name}_load *load" if self.inputs else "const parameters *p"
 
     @property
     def begin(self) -> str:
-        """Lines that make ``p`` of these arguments."""
+        """Lines that define ``p`` from these arguments."""
         if not self.inputs:
             return ""
         finite = " || ".join(f"!isfinite(load->{name})" for name in self.inputs)
@@ -160,12 +162,12 @@ class Call:
         return "".join(f"    {line}\n" for line in lines)
 
     def arguments(self, p: str, load: str) -> str:
-        """What a caller writes for them."""
+        """The arguments in a call."""
         return f"{p}, {load}" if self.inputs else p
 
 
 def c_condition(holds: Callable[[Constants], Value], law: Law, place: str = "p->") -> str:
-    """A relation between the constants as a condition in C; ``place``: of what they are members."""
+    """A relation between the constants as a condition in C; ``place``: the struct of the constants."""
     writer = CWriter(DIALECT, {name: f"{place}{name}" for name in law.constants()}, taken=_TAKEN)
     line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.form))))])[-1]
     return line.removeprefix("result = ").removesuffix(";")
@@ -178,7 +180,7 @@ def expression(node: Expr, names: Iterable[str]) -> str:
 
 
 def net_force() -> dict[str, str]:
-    """What accelerates a body under the drive's force u and the friction F, and its derivative by F, in C."""
+    """The net force on a body under the drive's force u and the friction F, and its derivative by F, in C."""
     u, F = symbol("u"), symbol("F")
     value = wrap(bodies.sum_of_forces(u, F))
     return {"value": expression(value, ("u", "F")), "by_F": expression(derivative(value, F), ("u", "F"))}
@@ -190,7 +192,7 @@ def pair(name: str, part: str, values: Mapping[str, object]) -> dict[str, str]:
 
 
 def _number(x: object) -> str:
-    """A number as C and Python write it, NumPy's too."""
+    """A number, also of NumPy, as text for C and Python."""
     return repr(float(x) if isinstance(x, float) else x)
 
 
@@ -201,7 +203,7 @@ def render(template: str, **values: object) -> str:
 
 @cache
 def _templates() -> jinja2.Environment:
-    """The templates of this package, each compiled once: that takes most of an export's time."""
+    """The templates of this package, compiled once, as this takes most of an export's time."""
     with needed("an export", "fmu"):
         import jinja2
 

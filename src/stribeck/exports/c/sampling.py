@@ -1,4 +1,4 @@
-"""What a law in discrete time cannot keep: said before an export is written."""
+"""Limits of a law in discrete time, reported before an export is written."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from stribeck.exports.request import Request
 from stribeck.laws.base import Law
 
 _FASTEST_CREEP = 300.0  # of the Stribeck velocity: self-tests pass at 60, one does not at 600
-_LIMIT = 1 + 1e-9  # a body that nothing damps has 1, but for rounding
+_LIMIT = 1 + 1e-9  # an undamped body has 1, apart from rounding
 
 
 def resolution(request: Request) -> list[str]:
-    """Whether the request's time step resolves the bristles' motion, where one is given; and whether any step can."""
+    """Notes on whether the given time step, or any step, resolves the bristles' motion."""
     law, step = request.law, request.step
     if not law.has_z:
         return []
@@ -30,7 +30,7 @@ def resolution(request: Request) -> list[str]:
 
 
 def _creeping(law: Law) -> list[str]:
-    """Bristles that creep at rest, of a law that is not linear in z: parts of a step take the bend for straight."""
+    """A note about creep at rest, if a law is not linear in z: substeps linearize its curve."""
     scales = law.scales(law.p)
     speed, z = float(scales.speed), float(scales.length)
     creep = abs(float(law.rate(0.0, z)))
@@ -42,7 +42,7 @@ def _creeping(law: Law) -> list[str]:
 
 
 def unstable(request: Request) -> list[str]:
-    """What the streaming step loses, at the request's time step where one is given."""
+    """A note about instability of the streaming step, at the given time step if there is one."""
     law, step, warnings = request.law, request.step, resolution(request)
     if step is None or not law.has_z:
         return warnings
@@ -60,8 +60,10 @@ def unstable(request: Request) -> list[str]:
 
 
 def radius(law: Law, mass: float, step: float) -> float:
-    """Spectral radius of a mass under the sampled friction, the force of each sample held: linearised at z = 0, the
-    greatest at speeds up to the law's own. It is 1 for a body that nothing holds."""
+    """Spectral radius of a mass under sampled friction with a zero-order hold of the force.
+
+    It is the largest of the linearizations at z = 0 and speeds up to the law's natural speed. A free body has 1.
+    """
     speeds = law.scales(law.p).speed * np.logspace(-9, 0, 40)
     _, by_v, by_z, force_v, force_z = law._evaluate(speeds, np.zeros_like(speeds))
     x = by_z * step

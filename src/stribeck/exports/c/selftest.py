@@ -1,4 +1,4 @@
-"""Values that the exported C must reproduce: computed here by the law's NumPy equations and by SciPy."""
+"""Reference values for the exported C, computed from the law's NumPy equations and by SciPy."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     """Rows of numbers as C writes them, by function; the last number of a row is the sum of the absolute terms.
 
     Raises:
-        InputError: with these constants single precision cannot hold the motion that is checked, or a value is not finite.
+        InputError: single precision cannot represent the tested motion, or a value is not finite.
     """
     with np.errstate(all="ignore"):
         return _cases(request)
@@ -50,7 +50,7 @@ def _cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
 
 
 def at_a_load(law: Law) -> Law:
-    """The law with numbers for its inputs at which its loads show: some of its own force, half of its length."""
+    """The law with values for its inputs: loads near its natural force, and half of its natural length."""
     force = float(law.scales(law.p).force) or 1.0
     given = {n: 1.25 if n.startswith("factor_") else 0.5 * float(law.scales(law.p).length) for n in law.inputs}
     given |= {n: (1 - 1.75 * (i % 2)) * force for i, n in enumerate(law.inputs) if n.startswith("load_")}
@@ -58,7 +58,7 @@ def at_a_load(law: Law) -> Law:
 
 
 def _single(numbers: Array) -> Array:
-    """The numbers as single precision has them: the C that is compiled so has the same inputs."""
+    """The numbers rounded to single precision, so that C with floats has the same inputs."""
     small, size = np.finfo(np.float32), abs(numbers)
     wrong = numbers[~((numbers == 0) | ((size >= small.tiny) & (size <= small.max)))]
     if wrong.size:
@@ -70,7 +70,7 @@ def _single(numbers: Array) -> Array:
 
 
 def _settled(law: Law, v: float, length: float) -> float:
-    """A time after which z has long settled at a speed, s: beyond it an explicit solver takes minutes to show nothing new."""
+    """A time after which z has settled at a speed, s; an explicit solver would take minutes for longer ones."""
     fastest = max(abs(float(law.rate(v, z + 1e-6 * length) - law.rate(v, z))) for z in (-length, 0.0, length)) / (
         1e-6 * length
     )
@@ -78,7 +78,7 @@ def _settled(law: Law, v: float, length: float) -> float:
 
 
 def terms(equations: LawCode, names: tuple[str, ...]) -> Value:
-    """A function (v, z) -> for each expression the sum of its absolute terms: what its rounding is measured by."""
+    """A function of (v, z) for the sum of absolute terms of each expression, the measure of its rounding."""
     known: dict[Expr, Expr] = {}
     outputs = [equations.expressions[name] for name in names]
     for node in ordered(outputs):
@@ -96,8 +96,10 @@ def terms(equations: LawCode, names: tuple[str, ...]) -> Value:
 
 
 def output_spread(outputs: list[Expr]) -> list[Expr]:
-    """By how much each output can change where every symbol and constant is wrong by a share of itself, per share, to
-    first order: the sum of the absolute terms, where terms pass through functions. Rounding is measured by it."""
+    """The sensitivity of each output to relative errors of every symbol and constant, to first order.
+
+    It is the sum of absolute terms, carried through functions, and is the measure of rounding.
+    """
     known: dict[Expr, Expr] = {}
     for node in ordered(outputs):
         total = wrap(0.0)
@@ -125,7 +127,7 @@ def _magnitude(node: Expr, known: dict[Expr, Expr]) -> Expr:
 
 
 def advance(law: Law, v: float, z: float, dt: float) -> float:
-    """z after dt with v held, by SciPy at tolerances near rounding."""
+    """z after dt at constant v, by SciPy at tolerances near rounding."""
     with needed("a self-test", "fmu"):
         from scipy.integrate import solve_ivp
 

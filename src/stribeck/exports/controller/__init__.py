@@ -1,1 +1,1 @@
-"""A machine's controller, or what it does against friction, as equations of one sample."""
+"""A machine's controller, or its friction compensation, as equations of one sample."""

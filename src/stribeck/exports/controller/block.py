@@ -1,5 +1,7 @@
-"""A sampled controller, or its compensation alone, as one block: what goes in, what comes out, what is kept, by the
-equations that the simulation samples."""
+"""A sampled controller, or its compensation alone, as a block with inputs, outputs and states.
+
+The equations are those that the simulation samples.
+"""
 
 from __future__ import annotations
 
@@ -37,11 +39,11 @@ class Block:
 
     Attributes:
         scenario: the machine.
-        controller: the controller, as it is sampled.
-        part: "controller" (the whole) or "compensator" (what it adds against friction alone).
-        step: the sample time where the file's controller is continuous, s; the file's otherwise.
-        origin: where the numbers are from, for the header.
-        options: those that only some targets have.
+        controller: the sampled controller.
+        part: "controller" (all of it) or "compensator" (its friction compensation only).
+        step: sample time, s: the file's, or a given one for a continuous controller.
+        origin: source of the values, for the header.
+        options: of some targets only.
     """
 
     scenario: Scenario
@@ -61,12 +63,12 @@ class Block:
 
     @property
     def rotary(self) -> bool:
-        """Whether what it measures turns."""
+        """Whether the measured body is rotary."""
         return self._elements.bodies[self.controller.body].turns
 
     @property
     def _elements(self) -> Elements:
-        """The elements of the machine, of symbols."""
+        """The elements of the machine, with symbols for constants."""
         return self.scenario.system.elements
 
     def _column(self, name: str, unit: str, meaning: str) -> Column:
@@ -75,7 +77,7 @@ class Block:
 
     @cached_property
     def inputs(self) -> tuple[Column, ...]:
-        """What it is given at a sample; what its equations do not use is left out."""
+        """The inputs at a sample that the equations use."""
         every = (
             self._column("r", "m", "reference: commanded position"),
             self._column("r_rate", "m/s", "its first derivative"),
@@ -88,19 +90,19 @@ class Block:
 
     @cached_property
     def path_columns(self) -> tuple[Column, ...]:
-        """The inputs that the reference is made of."""
+        """The inputs for the reference."""
         return tuple(c for c in self.inputs if c.name in ("r", "r_rate", "r_second"))
 
     @cached_property
     def outputs(self) -> tuple[Column, ...]:
-        """What it computes."""
+        """The outputs."""
         if self.part == "compensator":
             return (self._column("F", "N", "force to add against friction"),)
         return (self._column("u", "N", "output: commanded force"),)
 
     @cached_property
     def states(self) -> tuple[Column, ...]:
-        """What it keeps from sample to sample, 0 at first."""
+        """The states, which start at 0."""
         meanings = {
             "readings": ("1", "samples so far"), "last": ("m", "reading of the sample before"),
             "filter_y": ("m", "filtered position"), "filter_v": ("m/s", "filtered velocity"),
@@ -120,7 +122,7 @@ class Block:
 
     @cached_property
     def called(self) -> Names:
-        """The names of what the equations hold."""
+        """The names of the symbols in the equations."""
         return Names()
 
     @cached_property
@@ -149,7 +151,7 @@ class Block:
 
     @cached_property
     def expressions(self) -> dict[str, Expr]:
-        """Outputs by name, ``next.STATE``, and, of a controller, ``path.INPUT``: the file's signal at the time t."""
+        """Outputs by name, ``next.STATE``, and for a controller ``path.INPUT``, the file's signal at time t."""
         return self._by_input | {f"path.{c.name}": self._path[c.name] for c in self.path_columns if self._has_path}
 
     @property
@@ -163,7 +165,7 @@ class Block:
 
     @cached_property
     def pieces(self) -> list[list[float]]:
-        """The numbers of the signal's pieces, each after its start."""
+        """The values of the signal's pieces, each after its start."""
         if not self._has_path or not self.path_columns:
             return []
         table = pieces(self.scenario.elements.signals[self.controller.use])
@@ -172,7 +174,7 @@ class Block:
 
     @property
     def piece_fields(self) -> tuple[str, ...]:
-        """What they are called."""
+        """The names of the values in a piece."""
         return fields(self.controller.use.kind)
 
     # -- constants -------------------------------------------------------------------------------------------------
@@ -207,7 +209,7 @@ class Block:
 
     @cached_property
     def relations(self) -> list[tuple[str, str, str]]:
-        """(the constant to blame, what is allowed, the condition in C on ``p``) between constants of the friction law."""
+        """The constant at fault, the allowed values and the condition in C on ``p``, for relations of the friction law."""
         compensation = self.controller.compensation
         if compensation is None or self.controller.friction_path not in self.scenario.elements.laws:
             return []
@@ -219,13 +221,13 @@ class Block:
         return relations
 
     def of_symbols(self) -> dict[str, str]:
-        """How each constant is written, by the symbol that stands for it."""
+        """The text of each constant, by its symbol."""
         return {path: f"p->{name}" for name, (_, _, path) in self.constants.items()}
 
     # -- words -----------------------------------------------------------------------------------------------------
 
     def operations(self) -> str:
-        """How much one sample takes at most, counted in the equations."""
+        """The largest number of operations of one sample."""
         nodes = ordered(self._by_input.values())
         within = within_loops(nodes)
         ops = [node.op for node in nodes for _ in range(ROOT_STEPS if node in within else 1)]
@@ -256,7 +258,7 @@ class Block:
         return [ascii_only(line) for line in (*lines, made_by())]
 
     def notes(self, carried: tuple[str, ...] = ()) -> list[str]:
-        """What differs from the file; ``carried``: the settings of its sampling that the target's own text has."""
+        """Notes on differences from the file; ``carried``: sampling settings that the target's text contains."""
         machine, notes = self.scenario.elements, []
         controller = next(c for c in machine.system.controllers if c.name == self.controller.name)
         if controller.sampling is None:
@@ -279,10 +281,10 @@ class Block:
         return notes
 
     def refuse(self, target: str, *names: str) -> None:
-        """Let a target that cannot have some of the compensation's settings not drop them.
+        """Check that the compensation has no settings that the target cannot represent.
 
         Raises:
-            InputError: one of these is given.
+            InputError: one of these settings is given.
         """
         path = f"{self.controller.path}.compensation"
         given = [f"{path}.{n}" for n in names if (path, n) in self.scenario.elements.values]
@@ -299,10 +301,10 @@ def block_of(
     Args:
         scenario: a machine (schema = 2) with a controller.
         part: "controller" or "compensator".
-        controller: which one; the only one unless given.
-        step: the sample time of a controller that is continuous in the file, s.
-        origin: where the numbers are from.
-        options: those that only some targets have.
+        controller: its name; the only one unless given.
+        step: sample time for a controller that is continuous in the file, s.
+        origin: source of the values.
+        options: of some targets only.
 
     Raises:
         InputError: there is no such controller, no sample time, or no compensation.

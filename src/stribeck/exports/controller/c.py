@@ -18,11 +18,11 @@ from stribeck.machine.elements.dither import PHASE
 
 _DIALECT = replace(DIALECT, functions={**DIALECT.functions, **SAME})
 _TAKEN = WORDS | C_FUNCTIONS | frozenset(["p", "x", "in", "o", "next", "i", "t", "real", "R", "FN", "sign_of"])
-_ROWS = 24  # at random, of the self-test: each input and state has both signs in some, but for 1 in 10^7 cases
+_ROWS = 24  # random rows of the self-test: each input has both signs in some, except for 1 in 10^7 cases
 
 
 def files(block: Block) -> dict[str, str | bytes]:
-    """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
+    """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` if requested."""
     values, name = context(block), block.name
     content: dict[str, str | bytes] = {**pair(name, "block", values)}
     if block.options.self_test:
@@ -31,7 +31,7 @@ def files(block: Block) -> dict[str, str | bytes]:
 
 
 def context(block: Block) -> dict[str, object]:
-    """What the templates need."""
+    """Values for the templates."""
     used = {node.op for node in ordered(block.expressions.values())}
     portable = resources("stribeck.codegen.runtime").joinpath("portable.c").read_text(encoding="utf-8")
     return {
@@ -63,7 +63,7 @@ def _path(block: Block) -> str:
 
 
 def rows(block: Block) -> list[tuple[str, ...]]:
-    """Rows for the self-test: inputs and states; then the outputs and the states after, each with its spread."""
+    """Rows for the self-test: inputs and states, then outputs and next states, each with its spread."""
     constants = {path: value for _, value, path in block.constants.values()}
     inputs = [f"input.{c.name}" for c in block.inputs] + [f"state.{c.name}" for c in block.states]
     wanted = [block.expressions[c.name] for c in block.outputs]

@@ -1,8 +1,8 @@
 """Servo actuators in the JSON files of BAM (Rhoban; models m1 to m6) as machines, and back.
 
-friction = base + viscous |v| + load terms + exp(-|v/v_s|^alpha) (stribeck + load terms), with the motor's torque and that
-from outside as loads (Duclusaud, Passault, Padois, Daniel, Rouxel, "Extended friction models for the physics simulation of
-servo actuators", 2024).
+In BAM, friction = base + viscous |v| + load terms + exp(-|v/v_s|^alpha) (stribeck + load terms). The loads are the motor's
+torque and the external torque. Source: Duclusaud, Passault, Padois, Daniel, Rouxel, "Extended friction models for the
+physics simulation of servo actuators", 2024.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from stribeck.constants import Constant, show
 from stribeck.errors import InputError, note
 from stribeck.files import json_of
 
-STEEPNESS = 200.0  # s/rad: BAM's sign jumps, a machine's is smooth and complete within some 0.01 rad/s
+STEEPNESS = 200.0  # s/rad: BAM's sign is exact; this smooth sign saturates within about 0.01 rad/s
 _NEEDED = ("armature", "friction_base", "friction_viscous")
 _NUMBERS = (
     "kt", "R", "q_offset", "friction_stribeck", "dtheta_stribeck", "alpha", "load_friction_base", "load_friction_stribeck",
     "load_friction_motor", "load_friction_external", "load_friction_motor_stribeck", "load_friction_external_stribeck",
     "load_friction_motor_quad", "load_friction_external_quad",
 )  # fmt: skip
-_SQUARES = (  # the square of the weaker one adds to the Stribeck part
+_SQUARES = (  # the square of the weaker load adds to the Stribeck part
     ("load_friction_external_quad", "gravity", "drive"), ("load_friction_motor_quad", "drive", "gravity"),
 )  # fmt: skip
 _LEAST = 1e-9  # N m: laws need a friction level above 0
@@ -71,7 +71,7 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
     still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
     if "kt" in n and "R" in n:
         machine["motors"] = {"drive": {"on": "joint", "K": n["kt"], "R": n["R"], "signal": still}}
-    else:  # driven by current: its torque is a load, kt times the signal
+    else:  # current drive: its torque is a load, kt times the signal
         machine["loads"]["drive"] = {"on": "joint", "kind": "signal", "signal": still}
         machine["loads"]["drive"] |= {"gain": n["kt"]} if "kt" in n else {}
     if levels := _levels(n):
@@ -105,7 +105,7 @@ def _law(n: Mapping[str, float]) -> dict[str, object]:
 
 
 def _levels(n: Mapping[str, float]) -> list[dict[str, object]]:
-    """The load terms of the friction level; F_s has both parts, so that the Stribeck part is their difference."""
+    """The load terms of the friction level; F_s contains both parts, and the Stribeck part is the difference."""
     levels: list[dict[str, Any]] = []
     if "load_friction_base" in n:
         base, more = n["load_friction_base"], n.get("load_friction_stribeck", 0.0)

@@ -38,8 +38,7 @@ def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
         free: constants that become further inputs, after the others, in this order.
 
     Raises:
-        InputError: the law is not smooth, so that optimization would rely on derivatives that do not exist; or it has no
-            such constant.
+        InputError: the law is not smooth, so that derivatives for optimization do not exist; or it has no such constant.
         MissingExtra: CasADi is not installed.
     """
     ca: ModuleType = package("casadi")
@@ -67,7 +66,7 @@ def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
 
 
 def _not_smooth(law: Law) -> str | None:
-    """Why a law is not smooth enough for an optimiser that relies on derivatives; None where it is."""
+    """The reason why a law is not smooth enough for gradient-based optimization, or None."""
     if law.differentiable:
         return None
     others = ", ".join(name for name, other in builtin().items() if other.has_z and other.claims.smooth)

@@ -9,10 +9,10 @@ from stribeck.laws.base import Law
 
 
 def checked(law: Law, given: dict[str, Value]) -> dict[str, Value]:
-    """The constants given, each of which the law has.
+    """The given constants, after a check of their names.
 
     Raises:
-        InputError: it has no such constant.
+        InputError: the law has no such constant.
     """
     known = list(law.p.numbers)
     if odd := [name for name in given if name not in known]:
@@ -23,10 +23,10 @@ def checked(law: Law, given: dict[str, Value]) -> dict[str, Value]:
 
 
 def with_load(law: Law, given: dict[str, Value], load: Value) -> dict[str, Value]:
-    """The constants given, and the law's inputs: the entries of ``load`` along its last axis, or one entry as it is.
+    """The given constants and the law's inputs: the entries of ``load`` along its last axis, or ``load`` itself.
 
     Raises:
-        InputError: the law has no such constant; it has inputs and there is no load, or the other way round.
+        InputError: the law has no such constant, or it has inputs but no load is given, or the reverse.
     """
     names = law.inputs
     if load is None and not names:

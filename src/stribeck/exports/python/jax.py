@@ -24,14 +24,14 @@ class _Backend:
         return getattr(package("jax.numpy"), self._names.get(op, op))
 
 
-for _package in ("jax", "jaxlib"):  # tracers live in the one, arrays in the other
+for _package in ("jax", "jaxlib"):  # packages of tracers and of arrays
     ops.register(_package, _Backend())
 
 
 class JaxLaw:
     """A law on JAX arrays; a pure function of its arguments, so grad, jit and vmap apply.
 
-    The law's constants hold unless they are given by name: ``jax.grad(lambda F_s: law.force(v, z, F_s=F_s))(1.5)``.
+    Constants given by name replace those of the law: ``jax.grad(lambda F_s: law.force(v, z, F_s=F_s))(1.5)``.
     At a kink (v = 0 of a law with \\|v\\|) the gradient is that of sgn 0 = 0, halfway between the two sides.
     """
 
@@ -66,9 +66,9 @@ class JaxLaw:
         load: Value = None,
         **constants: Value,
     ) -> tuple[Value, Value]:
-        """One implicit step of joints and their bristles: the state after it, and the friction during it.
+        """One implicit step of joints and their bristles: the next state, and the friction during the step.
 
-        See :meth:`stribeck.exports.python.torch.TorchLaw.step`; here grad, jvp, jit, vmap and scan apply.
+        See :meth:`stribeck.exports.python.torch.TorchLaw.step`; grad, jvp, jit, vmap and scan apply.
         """
         given = self._values_at_load(constants, load)
         numbers = {n: x for n, x in {**self.law.values, **given}.items() if x is not None}

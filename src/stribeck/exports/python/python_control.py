@@ -24,11 +24,11 @@ _RTOL = 1e-8  # the default of a scenario, solve.rtol
 def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem:
     """A law for python-control: input v, output F, state z; with a ``mass`` in kg a body: input u, outputs y, v, F.
 
-    Constants are the system's parameters: ``params={"F_s": 2.0}`` replaces one. Simulate it with :func:`response`:
-    python-control's own default, RK45 with an absolute tolerance of 1e-6, is wrong for friction.
+    Constants are the system's parameters: ``params={"F_s": 2.0}`` replaces one. Simulate it with :func:`response`.
+    The default of python-control, RK45 with an absolute tolerance of 1e-6, is wrong for friction.
 
     Raises:
-        InputError: the mass is no finite number > 0.
+        InputError: the mass is not a finite number > 0.
         MissingExtra: python-control is not installed.
     """
     ct: ModuleType = package("control")
@@ -65,13 +65,13 @@ def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem
 def response(system: Value, T: ArrayLike, U: ArrayLike = 0.0, X0: ArrayLike = 0.0, **options: Value) -> Value:
     """``control.input_output_response`` with a solver that suits friction.
 
-    The solver is LSODA, which turns implicit where the contact is stiff. The relative tolerance is 1e-8. The absolute one is
-    1e-9 of the smallest deflection F_s/sigma_0 in the system: SciPy's default, 1e-6, is of the size of z itself. Steps are
-    at most 1/100 of the time span, so that no corner of the input is passed over.
+    The solver is LSODA, which becomes implicit if the contact is stiff. The relative tolerance is 1e-8. The absolute one is
+    1e-9 of the smallest deflection F_s/sigma_0 in the system. SciPy's default, 1e-6, is as large as z itself. Steps are
+    at most 1/100 of the time span, so that no corner of the input is missed.
 
     Args:
-        system: what :func:`to_control` gives, or a system interconnected from such.
-        T, U, X0: times, inputs and initial states, as python-control takes them.
+        system: a system of :func:`to_control`, or an interconnection of them.
+        T, U, X0: times, inputs and initial states of python-control.
         **options: further arguments of ``control.input_output_response``; ``solve_ivp_kwargs`` are merged.
     """
     ct: ModuleType = package("control")

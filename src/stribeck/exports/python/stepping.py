@@ -1,4 +1,4 @@
-"""One implicit step of a joint and its bristles, for arrays of any library; the exported files carry this text.
+"""One implicit step of a joint and its bristles, for arrays of any library; exported files contain this text.
 
 The step is backward Euler. The velocity w at its end solves inertia/dt (w - v) + F(w, z(w)) = effort. Here z(w) is the
 root x of x = z + dt dz/dt(w, x). The exported C's ``body_step`` does the same, by the same iteration.
@@ -52,7 +52,7 @@ def settled(xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, v:
 def balance(
     xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, w: Value, given: Value
 ) -> tuple[Value, ...]:
-    """How far w is from balance; the derivative by w, the sum of the absolute terms, the friction, and z."""
+    """The imbalance of forces at w, its derivative by w, the sum of absolute terms, the friction, and z."""
     z, v, effort, inertia, dt = given
     k = inertia / dt
     x = settled(xp, loop, law, p, w, z, dt)
@@ -63,15 +63,15 @@ def balance(
 
 
 def solved(xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, given: Value) -> tuple[Value, ...]:
-    """z and the friction after the step, w, and where the friction jumps at w (F lies between its sides there).
+    """z and the friction after the step, w, and whether the friction jumps at w (F then lies between both sides).
 
-    All entries of ``given`` (z, v, effort, inertia, dt) have one shape. Where a number is not finite, or there is no
-    w, the results are nan.
+    All entries of ``given`` (z, v, effort, inertia, dt) have one shape. If a number is not finite, or there is no
+    solution w, the results are nan.
     """
     _, v, effort, inertia, dt = given
     k, smallest = inertia / dt, xp.finfo(v.dtype).eps
     start = balance(xp, loop, law, p, v, given)
-    above = start[0] > 0  # at near; the root lies below it then
+    above = start[0] > 0  # at near: the root lies below
     shortest = smallest * dt / inertia * abs(effort)
 
     def closer(state: Value) -> Value:
@@ -83,7 +83,7 @@ def solved(xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, giv
         open_ = open_ & ~(enclosed & (abs(far - near) <= smallest * (abs(near) + abs(v) + shortest)))
         newton = w - excess / slope
         inside = xp.where((newton - near) * (newton - far) < 0, newton, near + (far - near) / 2)
-        # on, twice as far each time, until the excess changes its sign
+        # doubles the distance until the excess changes sign
         move = xp.where(first, -excess / xp.where(slope > k, slope, k), 2 * move)
         following = xp.where(enclosed, inside, near + move)
         open_ = open_ & ~(enclosed & ((following == near) | (following == far)))
@@ -112,7 +112,7 @@ def partial(xp: ModuleType, law: Value, p: Value, x: Value, w: Value, given: Val
     k, relief = inertia / dt, 1 - dt * rate_z
     z_w = dt * rate_v / relief
     force_w = force_v + force_z * z_w
-    least = xp.finfo(w.dtype).eps ** 0.5 * k  # at a fold the motion jumps, and no slope is right: it stays finite
+    least = xp.finfo(w.dtype).eps ** 0.5 * k  # at a fold the motion jumps; this keeps the slope finite
     return k, relief, z_w, force_w, force_z, rate, xp.where(k + force_w > least, k + force_w, least)
 
 
@@ -121,7 +121,7 @@ def tangent(
 ) -> tuple[Value, Value]:
     """The changes of z and the friction for changes of the five given values and of constants (by name).
 
-    By the implicit function theorem, from the partial derivatives of the law's equations.
+    They follow from the partial derivatives of the law's equations by the implicit function theorem.
     """
     x, w, jump = solution
     _, v, _, _, dt = given
@@ -140,7 +140,7 @@ def tangent(
 def adjoint(
     xp: ModuleType, law: Value, p: Value, solution: Value, given: Value, by_z: Value, by_force: Value
 ) -> tuple[Value, Value]:
-    """What :func:`tangent` is, the other way round: gradients by the five given values, and by constants (by name)."""
+    """The adjoint of :func:`tangent`: gradients by the five given values, and by constants (by name)."""
     x, w, jump = solution
     _, v, _, _, dt = given
     k, relief, z_w, force_w, force_z, rate, slope = partial(xp, law, p, x, w, given)

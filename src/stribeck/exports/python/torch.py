@@ -26,10 +26,13 @@ ops.register("torch", _Backend())
 
 
 class TorchLaw:
-    """A law on PyTorch tensors. The law's constants hold unless they are given by name, one number or one for each
-    world: ``law.step(z, v, effort, inertia, dt, F_s=1.5 + torch.rand(4096))``.
+    """A law on PyTorch tensors.
 
-    The type of the tensors is that of ``v`` (or of ``z``): single precision serves, double holds some 1e-9 of it.
+    Constants given by name replace those of the law, as a number or one for each world. Example:
+
+        law.step(z, v, effort, inertia, dt, F_s=1.5 + torch.rand(4096))
+
+    Tensors have the type of ``v`` (or of ``z``). Single precision is sufficient; double precision is accurate to about 1e-9.
     """
 
     def __init__(self, law: Law) -> None:
@@ -59,23 +62,23 @@ class TorchLaw:
         load: Value = None,
         **constants: Value,
     ) -> tuple[Value, Value]:
-        """One implicit step of joints and their bristles: the state after it, and the friction during it.
+        """One implicit step of joints and their bristles: the next state, and the friction during the step.
 
-        An engine that then takes ``v + dt (effort - friction)/inertia`` for the velocity is as stable as the law at
-        any step, and holds what the law holds. Gradients, of the first order, reach every argument and constant.
+        The engine's next velocity is ``v + dt (effort - friction)/inertia``. The engine is then as stable as the law at any step,
+        and sticks when the law sticks. First-order gradients exist for every argument and constant.
 
         Args:
             state: z of every joint, m (rad); zeros at first. All arguments broadcast.
             v: the velocities at the start of the step, m/s (rad/s).
-            effort: what else acts on the joints during the step, N (N m): drives, gravity, the rest of the machine.
-            inertia: what the joints feel, kg (kg m^2); a smaller number than the true one is on the safe side.
+            effort: all other forces on the joints during the step, N (N m): drives, gravity, the rest of the machine.
+            inertia: effective inertia of the joints, kg (kg m^2); a value below the true one is safe.
             dt: the step, s.
-            load: of a contact (:func:`stribeck.exports.contact_law`) what its level follows, held over the step: its
-                inputs along the last axis, or its one input.
-            **constants: constants of the law in the place of its own.
+            load: inputs of a contact (:func:`stribeck.exports.contact_law`), constant over the step: along the last axis,
+                or a single input.
+            **constants: constants that replace those of the law.
 
         Returns:
-            z and the friction, N (N m), positive against positive velocity; nan where a number was not finite.
+            z and the friction, N (N m), positive against positive velocity; nan if a number was not finite.
         """
         p, given = self._prepared(load, constants, v, state, effort, inertia, dt)
         v, state, *rest = self._torch.broadcast_tensors(*given, *vars(p).values())[:5]
@@ -107,7 +110,7 @@ _function: list[Value] = []
 
 
 def _differentiable(torch: Value) -> Value:
-    """The step as a function with a gradient of its own, made when torch is there."""
+    """The step as a function with its own gradient, defined when torch is available."""
     if not _function:
         from torch.autograd.function import once_differentiable
 

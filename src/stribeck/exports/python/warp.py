@@ -25,11 +25,11 @@ def text(law: Law, real: str, template: str = "kernels_warp.txt", **values: Valu
 
 
 def load(source: str) -> dict[str, Value]:
-    """What a source of kernels defines. Warp reads kernels' text by file name and line: the text is kept under one."""
+    """The definitions in a source of kernels. Warp reads a kernel's text by file name and line, so it is registered."""
     name = f"stribeck_warp_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
     file = f"<{name}>"
     linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
-    scope: dict[str, Value] = {"__name__": name}  # a module of Warp's of its own
+    scope: dict[str, Value] = {"__name__": name}  # a separate module of Warp
     exec(compile(source, file, "exec"), scope)
     return scope
 
@@ -51,7 +51,7 @@ class WarpLaw:
         self.names: list[str] = list(self._scope["CONSTANTS"])
 
     def constants(self, count: int = 1, device: Value = None, requires_grad: bool = False, **given: Value) -> Value:
-        """The array of constants: ``count`` rows; ``given`` replaces some, by name, with numbers or one for each row.
+        """The array of constants with ``count`` rows; ``given`` replaces some by name, by a number or one for each row.
 
         Raises:
             InputError: the law has no such constant.
@@ -70,7 +70,7 @@ class WarpLaw:
         load: Value = None,
         constants: Value = None,
     ) -> tuple[Value, Value]:
-        """One implicit step of joints and their bristles: the state after it, and the friction during it.
+        """One implicit step of joints and their bristles: the next state, and the friction during the step.
 
         See :meth:`stribeck.exports.python.torch.TorchLaw.step`. ``inertia`` and ``dt`` may be numbers. On an active
         ``wp.Tape`` the step is recorded, with gradients to every array that requires one, ``constants`` included.
@@ -94,7 +94,7 @@ class WarpLaw:
         return z, force
 
     def _at_load(self, constants: Value, load: Value, count: int, device: Value) -> Value:
-        """The table of constants, with the inputs of a contact's law in it; recorded on an active tape."""
+        """The table of constants with the inputs of a contact's law; recorded on an active tape."""
         p = self.constants(device=device) if constants is None else constants
         names = self.law.inputs
         if (load is None) != (not names):
@@ -119,7 +119,7 @@ class WarpLaw:
         return self._wp.array(np.atleast_1d(np.asarray(x, float)), dtype=self.real, device=device)
 
     def _gradient(self, x: Value) -> Value:
-        """Where the gradient is added; an empty array where none is wanted."""
+        """The array to which the gradient is added, or an empty one if none is requested."""
         if x.requires_grad:
             return x.grad
         return self._wp.empty((0,) * x.ndim, dtype=self.real, device=x.device)
@@ -133,7 +133,7 @@ def to_warp(law: Law, precision: str = "single") -> WarpLaw:
         precision: ``single`` or ``double``.
 
     Raises:
-        InputError: no such precision.
+        InputError: the precision is unknown.
         MissingExtra: Warp is not installed.
     """
     return WarpLaw(law, precision)

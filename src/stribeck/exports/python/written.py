@@ -29,7 +29,7 @@ WARP = Dialect(
 
 
 class _WarpWriter(Writer):
-    """Writes numbers as real(x), as Warp mixes no types; literals are of the type of the kernels then."""
+    """Writer of numbers as real(x), because Warp mixes no types; literals then have the type of the kernels."""
 
     def _format(self, node: Expr) -> tuple[str, int]:
         text, precedence = super()._format(node)
@@ -37,7 +37,7 @@ class _WarpWriter(Writer):
 
 
 def _safe(node: Expr) -> Expr:
-    """log 0 as 0: |v|^delta log|v|, a slope by delta, is 0 at v = 0, and not 0 * -inf."""
+    """log with log 0 = 0, because |v|^delta log|v|, the derivative by delta, is 0 at v = 0."""
     return ops.log(ops.where(node.args[0] <= 0, 1.0, node.args[0])) if node.op == "log" else node
 
 
@@ -53,13 +53,13 @@ class Written:
 
     @property
     def columns(self) -> list[tuple[int, int]]:
-        """Each column of the table of constants, and which of the law's inputs stands there; -1 where none does."""
+        """Each column of the table of constants, and the index of the law's input in it, or -1."""
         inputs = self.law.inputs
         return [(k, inputs.index(n) if n in inputs else -1) for k, n in enumerate(self.names)]
 
     @property
     def linear(self) -> bool:
-        """True where dz/dt is linear in z."""
+        """True if dz/dt is linear in z."""
         return self.law.has_z and self._equations.linear
 
     @cached_property
@@ -81,7 +81,7 @@ class Written:
         return "\n".join(f"{indent}{line}" for line in [*lines, ends])
 
     def function(self, *names: str, warp: bool = False, indent: str = "    ") -> str:
-        """Lines that compute these of :attr:`LawCode.expressions` from p, v and z, and return them."""
+        """Lines that compute some of :attr:`LawCode.expressions` from p, v and z, and return them."""
         targets = [f"{name}_" for name in names]
         outputs = [(t, self._equations.expressions[n]) for t, n in zip(targets, names, strict=True)]
         return self._body(outputs, f"return {', '.join(targets)}", warp, indent)
@@ -91,7 +91,7 @@ class Written:
         return [(f"{output}{i}_", e) for i, pair in pairs for output, e in zip("rf", pair, strict=True)]
 
     def of_constants(self) -> str:
-        """Lines that return, by the constants' names, the derivatives of dz/dt and F by each."""
+        """Lines that return the derivatives of dz/dt and F by each constant, by name."""
         outputs = self._slopes_by_constants()
         text = ", ".join(f'"{n}": (r{i}_, f{i}_)' for i, n in enumerate(self.names))
         return self._body(outputs, f"return {{{text}}}", False, " " * 8)

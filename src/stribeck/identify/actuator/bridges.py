@@ -20,8 +20,12 @@ _DRAWS = 4  # of the interpolation error, with a random sign in each gap
 
 @dataclass(frozen=True)
 class Bridged:
-    """A signal with interpolated gaps: ``x``, and ``others`` (draws, times) with the possible error added, its sign random in
-    each gap; none if nothing is missing."""
+    """A signal with interpolated gaps.
+
+    Attributes:
+        x: the signal.
+        others: (draws, times) with the possible error added, of random sign in each gap; empty without gaps.
+    """
 
     t: Array
     x: Array

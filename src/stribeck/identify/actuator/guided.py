@@ -6,7 +6,7 @@ the error of the forces, filtered, and its cost has few minima. No derivative of
 the friction is the simulated one.
 
 Far from the optimum, recordings are as coarse as the outputs' noise allows. The solver takes steps at every sample of a
-noisy input, and most of this noise moves no output by as much as the output's own noise.
+noisy input. Most of this noise moves no output by more than the output's own noise.
 """
 
 from __future__ import annotations

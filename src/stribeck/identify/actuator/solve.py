@@ -129,8 +129,8 @@ def _step(
 def _tried(problem: MachineProblem, U: Array, r: Array, J: Array, dampings: Array, part: float) -> tuple[Array, Array]:
     """Trial points of each start by damping, and their costs.
 
-    Narrow valleys are bent. So each trial is corrected once, with the same Jacobian, by what its residuals differ from their
-    linear prediction: a chord step, which is geodesic acceleration at full length.
+    Narrow valleys are bent. So each trial is corrected once, by the difference of its residuals from their linear
+    prediction. With the same Jacobian, this is a chord step, or geodesic acceleration at full length.
     """
     count, n = dampings.shape[1], U.shape[1]
     base = [(p, d) for p in range(len(U)) for d in dampings[p]]

@@ -86,8 +86,8 @@ def _slopes(choice: Selection[Of], value: Mapping[str, float]) -> Array:
 def covariance(choice: Selection[Of], slope: Array) -> Array:
     """C: the largest of several standard errors, times Student's t.
 
-    These are the delete-a-block jackknife, Newey and West's error, the posterior with a prior of one largest force, and the
-    effect of known errors of the measured inputs. With several files, the spread between files is one more.
+    They are the delete-a-block jackknife, Newey and West's error, and the posterior with a prior of one largest force. Known
+    errors of the measured inputs, and the spread between files, are two more if present.
     """
     lib, model, x = choice.library, choice.model, choice.coefficients
     i, target = lib.index(model), lib.targets[model[0]]

@@ -33,7 +33,7 @@ def noise(log: Log) -> float:
 
 
 def typical_roughness(parts: Sequence[Array], order: int = 3) -> float:
-    """The noise of a column's pieces, from the median of their differences of this order, which is robust to outliers."""
+    """The noise of a column's pieces, from the median of their differences of this order, robust to outliers."""
     differences = np.concatenate([np.diff(x, order) for x in parts])
     return (
         float(np.median(abs(differences))) / _MEDIAN / math.sqrt(math.comb(2 * order, order))

@@ -13,7 +13,7 @@ from stribeck.laws.base import Law
 
 _REVERSALS_LOOKED_AT = 200  # of a run: their upper quartile is then known to 3 % of their number
 RISE = 0.3  # of the friction level: a smaller rise is noise or inertia
-_FEWEST_AT_REST = 8  # samples: a quarter at the edges is left out, and the rest determines a slope
+_FEWEST_AT_REST = 8  # samples: a quarter at the edges is left out
 HALF = 0.5  # of the fastest speed: with a larger v_s, the curve cannot be separated from viscous friction
 # Values of v_s on the grid, over the fastest speed: nine values are a factor of 2 apart.
 _BENDS, _PLACES = (1e-3, HALF), 9
@@ -115,7 +115,7 @@ def rises(log: Log, force: Array, level: float, most: int) -> Iterator[tuple[int
 
 
 def steady_curve(v: Array, beside: Sequence[Array], force: Array) -> tuple[Array, dict[str, float]]:
-    """Initial values of a Stribeck curve, and the coefficients of other force columns, by least squares for each v_s of a grid.
+    """Initial values of a Stribeck curve, and coefficients of other force columns, by least squares on a grid of v_s.
 
     Args:
         v: velocity, m/s.

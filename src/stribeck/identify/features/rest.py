@@ -49,8 +49,8 @@ def at_rest(log: Log) -> Mask:
 def _at_an_edge(rest: Mask, v: Array, limit: float, window: int) -> None:
     """Mark rest at the start of a run, in place.
 
-    The settling of the filter may have left less than a window there. If rest follows, the rows before it are an effect of
-    the filter and are rest too.
+    The settling of the filter may have left less than a window there. Rows before a rest are an effect of the filter, and
+    are rest too.
     """
     moves = abs(v[:window]) > limit
     rest[: int(np.argmax(moves)) if moves.any() else 0] = True

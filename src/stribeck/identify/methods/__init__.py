@@ -1,1 +1,1 @@
-"""How it is fitted: static, dynamic, motion."""
+"""Methods of fits: static, dynamic, motion."""

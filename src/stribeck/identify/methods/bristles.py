@@ -1,4 +1,4 @@
-"""Laws that are simulated as candidates: LuGre's where a record shows presliding that no static law describes."""
+"""Bristle laws as candidates, fitted by simulation if a log shows presliding that no static law describes."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from stribeck.identify.result import Candidate, LogFit
 
 Progress = Callable[[float], None]
 LAW = "lugre"
-STARTS = 4  # on records of the plan's motions all four end in one minimum
-HALF = 0.5  # of the static law's error: a law with bristles must leave less, as it has two numbers more
-RESOLVED, STEPS = 5, 4.0  # samples of a rise behind a reversal; steps of the position's resolution that it takes
-LITTLE = 0.05  # of the force in all rows: the calibration of a force sensor leaves as much
-FEWEST = 3  # such reversals
-LOOKED_AT = 20_000  # reversals: more take longer than the fit
+STARTS = 4  # on logs of the plan's motions, all four reach the same minimum
+HALF = 0.5  # of the static law's error: largest error of a bristle law, which has two more constants
+RESOLVED, STEPS = 5, 4.0  # samples of a rise after a reversal; its displacement in steps of the encoder
+LITTLE = 0.05  # of the force in all rows: calibration error of a force sensor
+FEWEST = 3  # least number of such reversals
+LOOKED_AT = 20_000  # most reversals: more take longer than the fit
 
 
 def asked_for(log: Log, static: LogFit) -> bool:
-    """Whether a law with bristles is worth a try: the record shows presliding, and the static fit misses it."""
+    """Whether a bristle law should be fitted: the log shows presliding that the static fit does not describe."""
     return _error_everywhere(static, log) > LITTLE and shows_presliding(log)
 
 
 def better(
     log: Log, static: LogFit | None, names: Sequence[str], options: FitOptions, progress: Progress | None = None
 ) -> LogFit:
-    """The best of laws that are simulated, by BIC; the static fit if it leaves less than twice as much in all rows.
+    """The best bristle law by BIC, or the static fit if its error in all rows is less than twice as large.
 
-    Only the reported fit is judged. Beside a static fit, a law whose rough fit misses the mark is not fitted further.
+    Only the reported fit is judged. If there is a static fit, a bristle law whose rough fit is not good enough is not refined.
 
     Raises:
         StribeckError: there is no static fit, and none of the laws could be simulated.
@@ -50,7 +50,7 @@ def better(
             fits.append(
                 (name, _simulated(log, name, options.of_law(name, known), left, _part(progress, i, len(names))))
             )
-        except StribeckError as error:  # no simulation that works
+        except StribeckError as error:  # cannot be simulated
             if len(names) == 1 and static is None:
                 raise
             failed[name] = first_line(error)
@@ -77,7 +77,7 @@ def better(
 
 
 def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: Progress | None) -> Simulated:
-    """A law's fit; a rough one, if that leaves too much to be chosen beside ``left``."""
+    """A law's fit, or its rough fit if the error is too large to be chosen over ``left``."""
     if np.isfinite(left):
         rough = simulated(log, name, options, _part(progress, 0, 2), rough=True)
         if rough.stopped or not rough.error < HALF * left:
@@ -87,12 +87,12 @@ def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: 
 
 
 def _part(progress: Progress | None, number: int, count: int) -> Progress | None:
-    """The progress of one of several fits that follow each other."""
+    """The progress of one of several consecutive fits."""
     return None if progress is None else lambda share: progress((number + share) / count)
 
 
 def _bic(fit: Simulated) -> float:
-    """Of the force along the measured motion; rows that err alike count once."""
+    """The BIC of the force along the measured motion; rows with correlated residuals count once."""
     r = fit.residual
     rows = len(r) / rows_together(r)
     return float(rows * np.log(max(float(np.mean(r**2)), 1e-300)) + len(fit.model.first) * np.log(rows))
@@ -106,14 +106,14 @@ def _candidate(name: str, fit: Simulated, chosen: bool) -> Candidate:
 
 
 def _error_everywhere(fit: LogFit, log: Log) -> float:
-    """What a static fit leaves of the force in all rows, at rest too."""
+    """The relative residual of a static fit in all rows, including rest."""
     assert fit.predictor is not None
     size = max(float(np.linalg.norm(log.force)), 1e-300)
     return float(np.linalg.norm(log.force - fit.predictor.force(log))) / size
 
 
 def shows_presliding(log: Log) -> bool:
-    """Whether the force rises over a way that is resolved, behind several reversals: a contact that yields before it slides."""
+    """Whether the force rises over a resolved displacement after several reversals, as in presliding."""
     level, shortest = sizes_of(thinned(log)).force, STEPS * encoder_step([raw(log, "position")])
     every = rises(log, log.force, level, LOOKED_AT)
     return sum(samples >= RESOLVED and way > shortest for samples, _, way in every) >= FEWEST

@@ -1,7 +1,7 @@
-"""Static fits: the record's force against inertia, steady friction and forms, judged by the core.
+"""Static fits of a log's force by inertia, steady friction and other terms, judged by the core.
 
-Force and every column pass the same low-pass filter and are then thinned, which weighs all frequencies below it alike and leaves
-nearly independent rows (Gautier; Janot, Gautier, Brunot 2019).
+Force and columns pass the same low-pass filter and are then decimated. This gives all frequencies below the cut-off the same
+weight and leaves nearly independent rows (Gautier; Janot, Gautier, Brunot 2019).
 """
 
 from __future__ import annotations
@@ -32,34 +32,34 @@ from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, FrictionRows, LogFit, with_units
 
-LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates where no law is named
+LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates if no law is given
 PLAIN = "coulomb_viscous"
-MEASURED = {"pressure": "area", "load": "F_c_by_load"}  # the term with which a measured column is in the model
-FOUND = 0.05  # of a column's square that motion does not explain: its own levels then find its coefficient
+MEASURED = {"pressure": "area", "load": "F_c_by_load"}  # the term of a measured column in the model
+FOUND = 0.05  # of a column's variance that motion does not explain: its coefficient is then identifiable
 WEIGHT = ("gravity_sin", "gravity_cos")
-_STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
-_ROUNDING = 1e-13  # of a position: what a filter makes of one that never changes
-_SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: the steepness of an exact sign
-_LEAST = 1e-9  # of the largest force: the least level of a law that is to be simulated
+_STEADY = 0.02  # relative spread of the speed: less is constant velocity
+_ROUNDING = 1e-13  # of a position: filtered rounding of a constant position
+_SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: steepness for an exact sign
+_LEAST = 1e-9  # of the largest force: the least level of a law for simulation
 
 
 def fit_static(log: Log, names: Sequence[str], options: FitOptions) -> LogFit:
     """Fit static laws to a record and report the best one.
 
     Args:
-        log: the record; ``names``: of the laws.
+        log: the log; ``names``: of the laws.
 
     Raises:
-        InputError: constants or terms are unknown or missing; the data do not move enough, or against the force.
+        InputError: constants or terms are unknown or missing, or the log has too little motion or a force of wrong sign.
     """
     terms.check(tuple(options.terms), log)
     check_motion(log)
     rows = rows_of(log)
     body, unused = _terms(log, options)
-    with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
+    with threadpool_limits(1):  # the matrices are too small for more threads
         choice = _chosen(rows, names, body, options)
         estimates = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, options))
-        wide = rows_of(log, to_choose=True)  # another record is met at all frequencies
+        wide = rows_of(log, to_choose=True)  # held-out data have all frequencies
         same = wide.q == rows.q or options.published
         predicting = predictor(choice if same else _chosen(wide, names, body, options), rows.source)
     return replace(_finished(rows, choice, estimates, unused, options, predicting.error), predictor=predicting)
@@ -68,7 +68,7 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions) -> LogFit:
 def _filtered_lower(
     rows: Rows, choice: Selection[SteadyLibrary], body: Sequence[str], options: FitOptions
 ) -> dict[str, float] | None:
-    """The estimates of the reported law on the motion behind a lower cut-off; None of a motion that no filter changed."""
+    """The estimates of the reported law at a lower cut-off, or None if the motion was not filtered."""
     if rows.log.bandwidth is None or options.published:
         return None
     smooth = replace(rows, log=smoother_log(rows.log))
@@ -83,7 +83,7 @@ def _chosen(rows: Rows, names: Sequence[str], body: Sequence[str], options: FitO
 
 
 def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -> tuple[Record, SteadyCurve]:
-    """A law's columns, and the rows that it is compared on."""
+    """A law's columns, and the rows for its comparison."""
     constants = laws.find(name).constants()
     curve = curve_of(
         name, {n: x for n, x in options.numbers.items() if n in constants}, [n for n in options.free if n in constants]
@@ -98,7 +98,7 @@ def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -
 def _terms(log: Log, options: FitOptions) -> tuple[list[str], list[str]]:
     """The terms of every model, and the measured columns that no model uses.
 
-    A rotary joint carries weight. A column that was measured is in the model if its own levels can find its coefficient.
+    A rotary joint has gravity terms. A measured column is in the model if its coefficient is identifiable.
     """
     given = [n for n in options.numbers if n in TERMS]
     terms = list(dict.fromkeys(["offset", *options.terms]))
@@ -116,7 +116,7 @@ def _terms(log: Log, options: FitOptions) -> tuple[list[str], list[str]]:
 
 
 def _finds(log: Log, column: str) -> bool:
-    """Whether a measured column varies otherwise than the motion does."""
+    """Whether a measured column varies independently of the motion."""
     x = getattr(log, column)
     x = x * np.sign(log.velocity) if TERMS[MEASURED[column]].level else x
     beside = np.column_stack([np.ones(len(x)), np.sign(log.velocity), log.velocity, log.acceleration])
@@ -126,15 +126,15 @@ def _finds(log: Log, column: str) -> bool:
 
 
 def check_motion(log: Log) -> None:
-    """Refuse what no fit can use.
+    """Check that a fit is possible.
 
     Raises:
-        InputError: nothing moves, the speed or the force is constant, the force has the wrong sign.
+        InputError: nothing moves, the speed or the force is constant, or the force has the wrong sign.
     """
     v = log.velocity
     fastest = float(np.max(abs(v)))
     ways = [float(np.ptp(x)) - _ROUNDING * float(np.max(abs(x))) for x in map(log.position.__getitem__, log.runs())]
-    if fastest <= 0 or max(ways) <= 0:  # of a position that never changes a filter leaves its rounding
+    if fastest <= 0 or max(ways) <= 0:  # a filter leaves the rounding of a constant position
         raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
     low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
@@ -169,7 +169,7 @@ def _finished(
     options: FitOptions,
     error: float,
 ) -> LogFit:
-    """The fit with what a report shows."""
+    """The fit with all results for a report."""
     lib, log, curve = choice.library, rows.log, choice.library.curve
     known = laws.find(curve.law).constants()
     estimates = with_units(judged_estimates, curve.law, curve.given, log)
@@ -192,7 +192,7 @@ def _finished(
 
 
 def _used(choice: Selection[SteadyLibrary], estimates: Mapping[str, Estimate], largest: float) -> dict[str, float]:
-    """The law's constants as a simulation can take them: levels above 0, and none below the Coulomb level."""
+    """The law's constants, valid for simulation: levels above 0, and none below F_c."""
     constants = laws.find(choice.library.curve.law).constants()
     out = {n: estimates[n].value for n in constants if n in estimates}
     for name, least in (("F_c", _LEAST * largest), ("sigma_2", 0.0)):
@@ -204,7 +204,7 @@ def _used(choice: Selection[SteadyLibrary], estimates: Mapping[str, Estimate], l
 
 
 def _sharp_sign(curve: SteadyCurve, log: Log) -> dict[str, float]:
-    """The steepness of a sign that was taken as exact: the curve that was fitted, and no other."""
+    """The steepness that represents an exact sign, so that the fitted curve is unchanged."""
     constants = laws.find(curve.law).constants()
     if "k_v" not in constants or constants["k_v"].default is None or "k_v" in (*curve.shapes, *curve.given):
         return {}
@@ -223,7 +223,7 @@ def _rms_of_forms(choice: Selection[SteadyLibrary]) -> dict[str, float]:
 
 
 def _friction(choice: Selection[SteadyLibrary]) -> tuple[FrictionRows, float]:
-    """Friction, measured and fitted, at the rows that were compared; and norm(residual)/norm(measured friction)."""
+    """Measured and fitted friction at the compared rows, and norm(residual)/norm(measured friction)."""
     lib, record, x = choice.library, choice.library.record, choice.coefficients
     i, friction = lib.index(choice.model), np.zeros(len(record.at))
     place = lib.k
@@ -249,7 +249,7 @@ def _size(x: Array) -> float:
 
 
 def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
-    """The best model of each law, and the plainest model, on the rows that were compared."""
+    """The best model of each law, and the simplest model, on the compared rows."""
     every, candidates = np.ones(len(choice.library.gram)), list[Candidate]()
     for n, lib in enumerate(choice.libraries):
         kinds = (
@@ -271,7 +271,7 @@ def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
 
 
 def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
-    """The Stribeck law nearest to a curve of bends, over the speeds that were seen: for simulations."""
+    """The Stribeck law nearest to a piecewise curve over the measured speeds, for simulations."""
     lib = choice.library
     slow, fast = lib.at.speeds[0], lib.at.speeds[3]
     v = np.geomspace(max(slow, 1e-3 * fast), fast, 60)
@@ -297,7 +297,7 @@ def _notes(
     forms: Mapping[str, float],
     log: Log,
 ) -> list[str]:
-    """What a reader should know, a sentence each, the most important first."""
+    """The notes of the report, a sentence each, the most important first."""
     out, left = [], missed(choice)
     if left > EXPLAINED:
         out.append(

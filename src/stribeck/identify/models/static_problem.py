@@ -143,8 +143,10 @@ def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
 
 
 def in_stretches(log: Log, rest: NDArray[np.bool_], enough: int) -> tuple[Log, NDArray[np.intp]]:
-    """Stretches of a long record, ``enough`` rows in all, evenly over what moves of every run, as runs of their own; and which
-    rows these are."""
+    """Stretches of a long log as separate runs, evenly over the moving parts of every run, and their rows.
+
+    They have ``enough`` rows in all.
+    """
     parts, owner = [], []
     runs = list(log.runs())
     shares = [max(int(enough * (r.stop - r.start) / len(log)), 1) for r in runs]

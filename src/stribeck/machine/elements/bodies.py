@@ -51,8 +51,8 @@ def _velocity(value: object) -> object:
 class Body(Element, family=True):
     """A body: ``mass`` (kg) moves straight, ``inertia`` (kg m^2) turns; one whose ``velocity`` is given obeys no force.
 
-    A body of your own derives from this class, declares its constants and its ``states``, and overrides ``acceleration``,
-    ``rates`` and ``stored_energy`` (and what else of the equations differs).
+    A body of your own derives from this class and declares its constants and ``states``. It overrides ``acceleration``,
+    ``rates`` and ``stored_energy``, and other equations that differ.
     """
 
     section, plain = "bodies", "body"
@@ -241,8 +241,10 @@ class Body(Element, family=True):
 
 
 class Laden(Body):
-    """A body whose mass or inertia varies: a signal adds to it. What is added has the body's velocity when it comes and goes,
-    so that it pushes nothing: M dv/dt = sum of forces, with M = mass + added at each instant."""
+    """A body whose mass or inertia varies by a signal: M dv/dt = sum of forces, with M = mass + added.
+
+    Added and removed mass has the velocity of the body, so that it causes no force.
+    """
 
     kind: Literal["laden"] = "laden"
     added: SignalTable = Field(description="what is added to mass or inertia: a table with kind and its constants")

@@ -249,8 +249,10 @@ class Controller(AnyController, for_users=True):
         return u if self.limit is None else wrap(clip(u, -self.limit, self.limit))
 
     def held_at_limit(self, u: Expr, rates: Rates, x: Rates, layer: float) -> Rates:
-        """The rates, with the integrals held where the limit is exceeded and they would drive it further; with a
-        ``layer`` they fade out over that share of the limit."""
+        """The rates, with anti-windup: an integral is held if it would increase an exceeded limit.
+
+        With a ``layer``, they fade out over this share of the limit.
+        """
         if self.limit is None:
             return rates
         held = dict(rates)

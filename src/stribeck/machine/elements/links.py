@@ -77,8 +77,10 @@ class Link(BetweenBodies, family=True):
         return self.stiffness * self.stretch(d)
 
     def force(self, d: Value, w: Value, x: Own = NONE) -> Value:
-        """The force f: it acts as -ratio f on `from` and as f on `to`; with play as Modelica's ElastoBacklash, whose
-        damper acts in contact only and never pulls."""
+        """The force f, which acts as -ratio f on `from` and as f on `to`.
+
+        Play is modeled as in Modelica's ElastoBacklash: the damper acts in contact only and never pulls.
+        """
         f_c = self.elastic(d)
         if self.damping is None:
             return f_c

@@ -42,8 +42,10 @@ class Sampling(FileTable):
         return ("filter_y", "filter_v") if self.bandwidth is not None else ("last",)
 
     def speed(self, first: Value, y: Expr, m: dict[str, Expr]) -> tuple[Expr, dict[str, Expr]]:
-        """The speed that the controller uses, and what the estimator remembers after this sample: a difference, or a
-        critically damped filter one period on with the reading held."""
+        """The controller's speed, and the estimator's states after this sample.
+
+        The speed is a difference, or the output of a critically damped filter after one period of constant reading.
+        """
         if self.bandwidth is None:
             return wrap(where(first, 0.0, (y - m["last"]) / self.period)), {"last": y}
         was, v = where(first, y, m["filter_y"]), m["filter_v"]
