@@ -323,4 +323,4 @@ def test_sliding_that_draws_energy_in_a_narrow_range_of_speeds_is_not_passive(pu
     constants = {"sigma_0": 1e5, "sigma_1": 100.0, "sigma_2": 100.0, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
     found = check(stribeck.law(f"{tmp_path / 'own.py'}:Pushes", constants))["passive"]
     assert found.holds is False
-    assert found.method.startswith("at a held speed")
+    assert found.method.startswith("at a constant speed")

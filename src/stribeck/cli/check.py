@@ -38,7 +38,7 @@ class SteepnessOptions:
 
     creep: Annotated[
         float | None,
-        _tolerance("M/S", "Find the smallest k_v whose creep under a held load is at most this (m/s)."),
+        _tolerance("M/S", "Find the smallest k_v whose creep under a constant load is at most this (m/s)."),
     ] = None
     share: Annotated[
         float | None,

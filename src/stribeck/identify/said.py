@@ -192,7 +192,7 @@ def _curve(fit: LogFit) -> list[Chapter]:
         "Below is what the fit leaves. A pattern is something that the model lacks.",
     ]
     shown = Figure(
-        "curve", "Measured friction, the fitted law at held speeds, and the residuals.", partial(figures.curve, fit, p)
+        "curve", "Measured friction, the fitted law at constant speeds, and the residuals.", partial(figures.curve, fit, p)
     )
     return [Chapter("curve", "Friction against velocity", text, figures=[shown], on=PAGE)]
 

@@ -15,9 +15,9 @@ from stribeck.properties.storage import Storage
 from stribeck.properties.unique import prove as prove_unique
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
-_OUTSIDE = "wherever |z| >= Z, dz/dt points inward or is 0, for every v: |z| does not grow there"
-_EDGE = "on |z| = Z dz/dt points inward or is 0, for every v, and solutions are unique up to |z| = 2 Z: none leaves"
-_PASSED = "held speeds that take z past the bound: dz/dt keeps its sign on the way (interval arithmetic)"
+_OUTSIDE = "for |z| >= Z, dz/dt points inward or is 0, for every v, so that |z| does not grow"
+_EDGE = "at |z| = Z, dz/dt points inward or is 0, for every v, and solutions are unique up to |z| = 2 Z, so that none leaves"
+_PASSED = "constant speeds take z past the bound, as dz/dt keeps its sign (interval arithmetic)"
 _LEVELS = (
     2.0,
     10.0,
@@ -79,7 +79,7 @@ def _passed(model: Model) -> Verdict | None:
     }  # fmt: skip
     way = enclosed.least(model, model.rate * np.sign(shown["z"]), shown["v"], 0.0, shown["z"])
     if not way > 0:
-        return undecided("held speeds take z past the bound by quadrature, but intervals do not confirm it", **evidence)
+        return undecided("constant speeds take z past the bound by quadrature, but interval arithmetic does not confirm this", **evidence)
     evidence["enclosed"] = {"v": shown["v"], "z_from": 0.0, "z_to": shown["z"], "dz_dt_at_least": way}
     drive, end = replay.velocity_drive([shown["v"]], [shown["time"]])
     tables = replay.scenario_of(law, "bounded", drive, end, {}, energy=True)  # compiled for passive, too
@@ -109,8 +109,8 @@ def _from_the_edge(model: Model) -> Verdict:
             if way > 0:
                 evidence = {"Z": z_bound, "v": v, "z_start": start, "enclosed": {
                     "v": v, "z_from": start, "z_to": end, "dz_dt_at_least": way}}  # fmt: skip
-                return Verdict(False, "from |z| = Z a held speed moves z outward (interval arithmetic)", evidence)
-    return undecided("no proof, and no held speed was found that takes z past the bound", Z=z_bound)
+                return Verdict(False, "a constant speed moves z outward from |z| = Z (interval arithmetic)", evidence)
+    return undecided("neither a proof nor a constant speed that takes z past the bound was found", Z=z_bound)
 
 
 def _to_the_end(model: Model, shown: dict[str, float], level: float) -> dict[str, float]:

@@ -39,23 +39,23 @@ _log = logging.getLogger(__name__)
 # is above 1, because few laws use all of a share.
 SHARES = {"bounded": 0.2, "unique": 0.5, "smooth": 0.1, "passive": 0.65, "drift_free": 0.1}
 _PROVED = (
-    "the dissipated power, F v - S' dz/dt, is never negative at the worst of all levels (signs of polynomials), with the elastic "
-    "energy as storage S; it is least there (theory.md)"
+    "the dissipated power, F v - S' dz/dt, is never negative at the worst level (signs of polynomials), with the elastic energy "
+    "as storage S; at other levels it is larger (theory.md)"
 )
 _BOUNDED = (
-    "wherever |z| >= Z, Z the highest level over sigma_0, dz/dt points inward or is 0, for every v and every level"
+    "for |z| >= Z = (highest level)/sigma_0, dz/dt points inward or is 0, for every v and every level"
 )
 _SWING = (
-    "a cycle of held speeds and levels that returns z to its start and draws energy (enclosed by interval arithmetic)"
+    "a cycle of constant speeds and levels returns z to its start and draws energy (bounds by interval arithmetic)"
 )
 _DROPPED = (
     "wound up at the highest level and unwound at the lowest: F v <= -c v^2 and |dz/dt| <= C |v| for z from z_start to z_end "
-    "and |v| >= u (signs over the whole range): the energy drawn grows like |v|, without limit"
+    "and |v| >= u (signs over the whole range): the energy drawn grows with |v| without limit"
 )
-_HELD = "at a level that is held: "
-_SAME = "at the lowest level and, by the same steps, at every level (theory.md): "
+_HELD = "at a constant level: "
+_SAME = "at every level, as proved at the lowest one (theory.md): "
 _UNKNOWN = (
-    "which of its levels is the worst is known for the laws of this package only; no run that draws energy was found"
+    "the worst level is known only for the laws of this package; no run that draws energy was found"
 )
 _ENDLESS = Fraction(3)  # of the threshold: swing of a level without an upper end
 _HIGH = Fraction(1000)  # the same with v_d, for which all losses during winding up count

@@ -18,8 +18,8 @@ from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
-_METHOD = "for |z| <= z_0 every case of dz/dt that occurs is v identically"
-_MOVED = "dz/dt is not v for any z in (0, z_1] at a held speed (signs over the whole range): no z_0 > 0 exists"
+_METHOD = "for |z| <= z_0, dz/dt equals v exactly in every case that occurs"
+_MOVED = "at a constant speed dz/dt differs from v for all z in (0, z_1] (signs over the whole range), so that no z_0 > 0 exists"
 _SLOW = 0.1  # of v_s: the speed of the dithered body
 _STIFF = 20.0  # ratio of the contact's resonance to the dither frequency
 _CYCLES = 10  # of the load: enough to show a repeated drift in a short run

@@ -16,10 +16,10 @@ from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import Storage, own_speeds
 from stribeck.properties.verdicts import Verdict
 
-_SLIDING = "at a held speed z stays in an interval in which F v < 0 (interval arithmetic): energy is drawn for ever"
+_SLIDING = "at a constant speed z stays in an interval with F v < 0 (interval arithmetic), so that energy is drawn forever"
 _ENDLESS = (
     "while z unwinds from z_start to z_end at speeds |v| >= u, F v <= -c v^2 and |dz/dt| <= C |v| (signs over the whole range): "
-    "the energy drawn grows like |v|, without limit, more than any storage function holds"
+    "the energy drawn grows with |v| without limit, and exceeds every storage function"
 )
 _WORK = 60  # regions of one attempt: few suffice for signs on a small range of z
 _SHARES = (1e-2, 1e-4, 1e-6, 1e-9, 1e-11, 1e-13)  # of the bound, over which z unwinds

@@ -15,7 +15,7 @@ from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import Verdict
 
 _METHOD = (
-    "a held speed takes z to infinity in finite time: |dz/dt| >= c |z|^power for all |z| >= z_start "
+    "a constant speed takes z to infinity in finite time: |dz/dt| >= c |z|^power for all |z| >= z_start "
     "(signs over the whole range)"
 )
 _POWERS = (2, 3, 4)  # powers of z with a multiple below dz/dt: above 1, z is infinite in finite time

@@ -28,8 +28,8 @@ _FITTED = (
     "fitted to [L, U] beyond"
 )
 _STORED = "the elastic energy, sigma_0 z^2/2 for a linear spring"
-_GIVEN_BACK = "what the bristles give back when they are unwound slowly: S' = F v/(dz/dt) as v -> 0"
-_CYCLE = "a cycle of held speeds that returns z to its start and draws energy (enclosed by interval arithmetic)"
+_GIVEN_BACK = "the energy that the bristles return when unwound slowly: S' = F v/(dz/dt) as v -> 0"
+_CYCLE = "a cycle of constant speeds returns z to its start and draws energy (bounds by interval arithmetic)"
 
 
 def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refuted: bool) -> Verdict:
@@ -55,7 +55,7 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
         verdict = (
             no
             or verdict
-            or undecided("no storage function exists as far as sampled, but no run that draws energy was confirmed")
+            or undecided("by sampling, no storage function exists, but no run that draws energy was confirmed")
         )
     verdict.evidence["v_max"] = v_max
     if v_max is None and verdict.holds is not True:
@@ -129,17 +129,17 @@ def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certif
                 certificate = Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses)
                 evidence = {"storage": _STORED if slope.op != "where" else _GIVEN_BACK, **bounds}
                 return proved(model, certificate, _OWN, evidence)
-            reasons.append("with the elastic energy as storage no proof was found")
+            reasons.append("no proof was found with the elastic energy as storage")
         elif reach is not None and served[0]:
             verdict = _with_cells(model, claims, storage, slope, rising, hypotheses)
             if verdict is not None:
                 verdict.evidence.update(bounds)
                 return verdict
-            reasons.append("with a fitted storage function no proof was found")
+            reasons.append("no proof was found with a fitted storage function")
         else:
             reasons.append("the elastic energy is no storage function near z = 0")
-    reason = "no proof: " + ("; ".join(dict.fromkeys(reasons)) or "the law stores no energy that is known")
-    return undecided(reason, sampled="a storage function exists as far as sampled", **bounds)
+    reason = "no proof: " + ("; ".join(dict.fromkeys(reasons)) or "the stored energy of the law is unknown")
+    return undecided(reason, sampled="samples allow a storage function", **bounds)
 
 
 def _with_cells(
@@ -175,7 +175,7 @@ def _with_cells(
     data = {"slope": slope, "own_up_to": elastic_reach, "cells": table}
     certificate = Certificate("passive", "storage", [*shown, *rising], data, hypotheses)
     evidence = {
-        "storage": "the elastic energy near z = 0, beyond it fitted between L and U",
+        "storage": "the elastic energy near z = 0, and beyond it a fit between L and U",
         "own_up_to": cells.elastic_up_to,
         "slopes": [[float(x) for x in row] for row in zip(cells.low, cells.high, cells.slope, strict=True)],
     }

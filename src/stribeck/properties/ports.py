@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 ONLY = "contact"  # the name of the contact of a single body
 _SUM = (
-    "the sum of the kinetic energies and of what contacts, links and pendulums store rises by no more than what loads, "
-    "motors, controllers and driven ends supply (theory.md; Coq: machine_passive)"
+    "the stored energy (kinetic, and of contacts, links and pendulums) never rises by more than the energy supplied by loads, "
+    "motors, controllers and driven ends (theory.md; Coq: machine_passive)"
 )
 
 
@@ -205,6 +205,6 @@ def _judge(whole: MachineVerdicts, alone: bool) -> None:
         names = ", ".join(whole.spoiled_by)
         whole.passive = False if alone else None
         whole.why = f"energy can be drawn from {names}"
-        whole.why += "" if alone else "; other elements may dissipate less than that"
+        whole.why += "" if alone else "; other elements may not dissipate all of it"
     else:
         whole.why = f"undecided for {', '.join(whole.undecided)}"

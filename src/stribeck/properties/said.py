@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _MEANING = {
     "unique": "one z(t) for every v(t)",
-    "bounded": "z stays within a bound, whatever v(t)",
+    "bounded": "z stays within a bound for every v(t)",
     "smooth": "dF/dt exists wherever dv/dt does",
     "passive": "no motion draws energy from friction",
     "drift_free": "below some load the contact is elastic: no creep",
@@ -54,7 +54,7 @@ _IN_STEPS = {
     "z_over_Z": ("over the bound", ""), "energy_in": ("energy put in", "J"),
 }  # fmt: skip
 _AT_THE_END = {"E_in": "J", "y": "m", "z": "m", "v": "m/s", "time": "s"}  # of a replayed counterexample
-_SENSE = "Yes is proved; for no there is a counterexample. The constants are taken as exact."
+_SENSE = "'Yes' is proved, and 'no' has a counterexample. The constants are taken as exact."
 
 
 def law(verdicts: Verdicts) -> Document:
@@ -64,7 +64,7 @@ def law(verdicts: Verdicts) -> Document:
         chapters.append(_verdicts(verdicts, "verdicts", "Verdicts"))
     chapters += _claims(verdicts)
     chapters += [
-        Chapter("curve", "Friction at held speeds", figures=[_curve(verdicts.law)], on=PAGE),
+        Chapter("curve", "Friction at constant speeds", figures=[_curve(verdicts.law)], on=PAGE),
         *_replays(verdicts, "", "replays", "The counterexamples"),
         of_law.chapter(verdicts.law),
     ]
@@ -144,7 +144,7 @@ def _hints(verdicts: Verdicts) -> list[str]:
     """A hint to a bound of the speed, if samples allow passivity below it."""
     passive = verdicts.properties.get("passive")
     worth_a_try = passive is not None and passive.holds is not True and passive.evidence.get("sampled_v_max")
-    return [f"It may be passive at low speeds: {arg('v_max')} bounds the speed."] if worth_a_try else []
+    return [f"The law may be passive at low speeds: try a bound with {arg('v_max')}."] if worth_a_try else []
 
 
 def _evidence(name: str, verdict: Verdict, rotary: bool) -> list[list[Cell]]:
@@ -188,7 +188,7 @@ def _curve(law: Law) -> Figure:
             axes[name].plot(of_v.of(v), of_F.of(force), color=plots.COLOURS[2])
             axes[name].set(xlabel=of_v.label, ylabel=of_F.label)
         plots.logarithmic(axes["near"], y=False)
-        axes["wide"].set_title("held speeds")
+        axes["wide"].set_title("constant speeds")
         axes["near"].set_title("near rest, and far")
         return figure
 

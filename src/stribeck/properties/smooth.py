@@ -18,11 +18,11 @@ from stribeck.properties.switching import Joints, SwitchingSurface, present, swi
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
 _METHOD = (
-    "dz/dt and F are built of functions that are smooth where they are used, and where cases meet, values and first "
-    "derivatives agree (identities)"
+    "dz/dt and F consist of functions that are smooth on the ranges of their arguments; where cases meet, values and first "
+    "derivatives agree exactly"
 )
-_BROKEN = "one-sided derivatives of {} that differ, enclosed by interval arithmetic"
-_TORN = "values of {} on the two sides of a case that differ, enclosed by interval arithmetic"
+_BROKEN = "one-sided derivatives of {} differ (bounds by interval arithmetic)"
+_TORN = "values of {} on the two sides of a case differ (bounds by interval arithmetic)"
 _APART = 1e-9  # of their size: a smaller difference may be rounding of a constant, and is no kink
 # Of a law's natural speed or length: this near an axis, one-sided derivatives equal those on it, up to _APART
 _TINY = 1e-12

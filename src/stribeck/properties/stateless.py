@@ -25,7 +25,7 @@ _DECADES, _A_DECADE = 6, 8
 
 def why_not(law: Law) -> str:
     """The reason why the five properties are undecided for a law without z."""
-    return f"law '{law.name}' has no internal state z, which the properties are about"
+    return f"law '{law.name}' has no internal state z, to which the properties refer"
 
 
 def claimed(law: Law, v_max: float | None) -> dict[str, Verdict]:

@@ -20,8 +20,8 @@ from stribeck.properties.switching import Joints, switching_surfaces
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
 METHOD = (
-    "dz/dt is continuous in z (identities where its cases meet) and Lipschitz in z, uniformly over bounded v "
-    "(its derivative by z is bounded, region by region)"
+    "dz/dt is continuous in z (its cases meet exactly) and Lipschitz in z, uniformly over bounded v (its derivative by z is "
+    "bounded in each region)"
 )
 _POWERS = (1, 2, 4)  # of the speed, in the bound of the slope: laws grow like v; two more for users' laws
 _SLACK = 128.0  # any bound suffices, and a loose one needs few regions

@@ -29,7 +29,7 @@ ROUGH = 5.0  # times a law's example value, up and down: the range of a shape wi
 
 
 class SteadyCurve(ABC):
-    """The friction of a law at held speeds.
+    """The friction of a law at constant speeds.
 
     Attributes:
         law: its name; ``given``: constants that are given.

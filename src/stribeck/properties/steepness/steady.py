@@ -1,4 +1,4 @@
-"""Tolerances that the law's steady state answers: creep under a held load, and friction at a speed.
+"""Tolerances that the law's steady state answers: creep under a constant load, and friction at a speed.
 
 Held at v, a law's z tends to q g(v), where q depends on k_v v alone. Its inverse gives k_v.
 """
@@ -66,7 +66,7 @@ class Creep(Tolerance):
 
     def need(self, law: Law) -> Requirement:
         """A formula, or the k_v at which friction at the tolerated speed is the load."""
-        name = f"creep under {self.share:g} F_s held"
+        name = f"creep under {self.share:g} F_s"
         v, load = self.tolerance, self.share * law.p.F_s
         if law.name == "lugre_arctan":
             return Requirement(
