@@ -123,7 +123,7 @@ def test_counts_of_an_encoder_are_an_angle_everywhere(stribeck, tmp_path):
     assert found.status == 0, found.err
     assert "Beside the law the force holds" in found.out
     predicted = stribeck("predict", files[1], "--fit", tmp_path / "fit", "--out", tmp_path / "predicted")
-    assert "lie beyond what was fitted" in " ".join(predicted.out.split())
+    assert "lie beyond the fitted range" in " ".join(predicted.out.split())
     pages = [tmp_path / "fit" / "report.html", tmp_path / "predicted" / "prediction.html"]
     linear = r"(?<![\w^/])(N|kg|m/s|N s/m|N/m)(?![\w/ ]|\^)|[0-9] (N|m|kg|m/s) "
     for text in (

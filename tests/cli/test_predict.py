@@ -50,7 +50,7 @@ def test_a_fit_predicts_another_record(stribeck, fitted, tmp_path):
     shown = {(record, of): x for table in page.tables for record, of, x in table if record != "record"}
     assert shown["this one", "force, rows in motion"] == percent(data["relative_force_error"])
     assert shown["this one", "constant force, rows in motion"] == percent(data["constant_error"])
-    assert shown["the fit's", "force, rows in motion, held out"] == percent(data["fit"]["cross_validated_error"])
+    assert shown["of the fit", "force, rows in motion, held out"] == percent(data["fit"]["cross_validated_error"])
     printed = stribeck("predict", test, "--fit", fitted / "out").out
     assert printed.startswith(f"test.csv: coulomb_viscous, relative residual {percent(data['relative_force_error'])} (")
 
@@ -88,10 +88,10 @@ def test_rows_beyond_what_was_fitted_are_told(stribeck, fitted, tmp_path):
     doubled = [",".join([t, repr(2 * float(v)), f]) for t, v, f in (row.split(",") for row in rows[1:])]
     (tmp_path / "fast.csv").write_text("\n".join([rows[0], *doubled]))
     told = stribeck("predict", tmp_path / "fast.csv", "--fit", fitted / "out").out
-    assert "lie beyond what was fitted: velocity from -0.28" in told
+    assert "lie beyond the fitted range: velocity from -0.28" in told
     assert "seen from -0.143 to 0.15." in told
-    assert "force, rows beyond what was fitted" in told
-    assert "beyond what was fitted" not in stribeck("predict", tmp_path / "test.csv", "--fit", fitted / "out").out
+    assert "force, rows beyond the fitted range" in told
+    assert "beyond the fitted range" not in stribeck("predict", tmp_path / "test.csv", "--fit", fitted / "out").out
 
 
 def test_a_fit_on_a_record_of_the_wrong_sign_shows_it(stribeck, fitted, tmp_path):

@@ -55,7 +55,7 @@ class Beyond:
             for name, (_, seen, here) in self.what.items()
         ]
         share = f"{self.rows / self.of:.0%}" if self.rows >= 0.005 * self.of else "less than 1 %"
-        return f"{self.rows} rows ({share}) lie beyond what was fitted: {'; '.join(parts)}"
+        return f"{self.rows} rows ({share}) lie beyond the fitted range: {'; '.join(parts)}"
 
 
 def seen(log: Log, rows: NDArray[np.bool_]) -> dict[str, tuple[float, float]]:

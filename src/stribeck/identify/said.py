@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 HEAD = ("parameter", "estimate", "95 % interval", "model range", "unit", "state")
 UNCERTAINTIES = (
-    "The interval says how far an estimate would move in another stretch of this experiment; the range says how far it may "
-    "be from the truth if the model lacks something."
+    "The 95 % interval covers the change of an estimate if the same experiment is repeated. The model range also covers "
+    "effects that the model may lack."
 )
 _SPEED_UNITS = {unit("N"): unit("m/s") for unit in (str, rotary_unit)}  # of a speed, by that of the friction there
 _OTHERS = 3  # models in the headline
@@ -67,8 +67,8 @@ def _numbers(
     why: list[list[Cell]] = [[n, e.why, e.experiment or "-"] for n, e in estimates.items() if e.why or e.experiment]
     tables = [Table(HEAD, rows)]
     if why:
-        tables.append(Table(["not determined", "why", "what to measure"], why, prose=True, on=PAGE))
-    text = [UNCERTAINTIES, *(["Levels are the friction at speeds that were seen."] if speeds else [])]
+        tables.append(Table(["parameter", "reason", "what to measure"], why, prose=True, on=PAGE))
+    text = [UNCERTAINTIES, *(["A level is the friction at one of the recorded speeds."] if speeds else [])]
     return [
         Chapter("result", "Parameters", [*text, *notes], tables),
         Chapter("notes", "Notes", facts=notes, brief=True, on=TERMINAL),
@@ -96,7 +96,7 @@ def _relation(relation: tuple[list[str], np.ndarray] | None) -> list[Chapter]:
 
 def _overlay(key: str, title: str, shown: Sequence[Trace], words: tuple[str, str]) -> Chapter:
     """Measured and computed columns against time."""
-    caption = f"{words[0].capitalize()} and {words[1]}, the part in which they differ most larger, and the difference."
+    caption = f"{words[0].capitalize()} and {words[1]}; a detail of the largest difference; and the difference."
     return Chapter(key, title, figures=[Figure(key, caption, partial(figures.traces, shown, words))], on=PAGE)
 
 
@@ -136,9 +136,9 @@ def _quality(fit: LogFit) -> list[Chapter]:
 
 
 def _model(fit: LogFit) -> Chapter:
-    text = [f"What was fitted with law {fit.law_name}, method {fit.method}, SI units."]
+    text = [f"The fitted model, with law {fit.law_name} and method {fit.method}, in SI units."]
     if fit.cross_validated_error is not None:
-        text.append(f"The relative residual on data left out is {percent(fit.cross_validated_error)}.")
+        text.append(f"The relative residual on held-out data is {percent(fit.cross_validated_error)}.")
     return Chapter("model", "Model", text, code="\n".join(model_lines(fit)), on=PAGE)
 
 
@@ -149,14 +149,12 @@ def _candidates(fit: LogFit) -> list[Chapter]:
         [c["name"], ", ".join(c["forms"]) or "-", Share(c["relative_force_error"], _PLACES), c["numbers"]]
         for c in fit.candidates
     ]
-    text = [
-        "Of the static laws, the one of the least BIC is reported. Forms are what a law lacks, chosen from one table."
-    ]
+    text = ["The static law with the least BIC is reported. Forms are further terms, for effects that the law lacks."]
     if any(laws.find(c["law"]).has_z for c in fit.candidates if c["law"] in laws.builtin()):
         text.append(
-            "A law with bristles is simulated in all rows, and reported if it halves the static law's error there."
+            "A law with bristles is fitted by simulation, and reported if it halves the static law's residual in all rows."
         )
-    table = Table(["law", "forms", "relative residual", "numbers"], rows, prose=True)
+    table = Table(["law", "forms", "relative residual", "parameters"], rows, prose=True)
     return [Chapter("candidates", "Candidates", text, [table], on=PAGE)]
 
 
@@ -165,8 +163,8 @@ def _data(fit: LogFit) -> list[Chapter]:
         return []
     count = len(list(log.runs()))
     rows = f"{len(log)} rows in {count} {'run' if count == 1 else 'runs'}, one every {log.step:.6g} s."
-    text = [f"{rows} SHA-256 {fit.data_hash[:16]}...", *(["Found and done:"] if log.quality else []), *log.quality]
-    table = Table(["column", "from"], [[n, s] for n, s in log.sources.items() if n != "unfiltered"], prose=True)
+    text = [f"{rows} SHA-256 {fit.data_hash[:16]}...", *(["Faults and repairs:"] if log.quality else []), *log.quality]
+    table = Table(["column", "source"], [[n, s] for n, s in log.sources.items() if n != "unfiltered"], prose=True)
     shown = [Figure("data", "The log as it was fitted.", partial(figures.data, log))]
     if log.spectrum is not None:
         words = "Spectrum of the measured motion, its noise floor, and the filter's cut-off."
@@ -188,11 +186,13 @@ def _curve(fit: LogFit) -> list[Chapter]:
     if (p := fit.friction) is None:
         return []
     text = [
-        "Friction is the measured force less what belongs to the rig: inertia, offset and the like.",
-        "Below is what the fit leaves. A pattern is something that the model lacks.",
+        "Friction is the measured force minus the other forces of the rig, such as inertia and offset.",
+        "The residuals are below. A pattern in them is an effect that the model lacks.",
     ]
     shown = Figure(
-        "curve", "Measured friction, the fitted law at constant speeds, and the residuals.", partial(figures.curve, fit, p)
+        "curve",
+        "Measured friction, the fitted law at constant speeds, and the residuals.",
+        partial(figures.curve, fit, p),
     )
     return [Chapter("curve", "Friction against velocity", text, figures=[shown], on=PAGE)]
 
@@ -230,7 +230,7 @@ def _errors(fit: MachineFit) -> Chapter:
         [log.file, "held out" if log.held_out else "fitted", column, Amount(e["rms"], e["unit"]), Share(e["relative"])]
         for log in fit.logs for column, e in log.errors.items()
     ]  # fmt: skip
-    head = ["recording", "used", "column", "error (rms)", "of its changes"]
+    head = ["recording", "used", "column", "error (rms)", "relative to changes"]
     return Chapter("errors", "Errors", [], [Table(head, rows)], on=PAGE)
 
 
@@ -241,11 +241,13 @@ def _other_friction(fit: MachineFit) -> list[Chapter]:
             [n, Share(b.get("held_out")), Share(b.get("fitted")), b.get("why", "")] for n, b in fit.baselines.items()
         ]
         table = Table(["friction", "held out", "fitted", ""], rows)
-        chapters.append(Chapter("baselines", "Beside simpler friction", [], [table], on=PAGE))
+        chapters.append(Chapter("baselines", "Comparison with simpler friction", [], [table], on=PAGE))
     if fit.laws:
         rows = [[n, Share(x), fit.laws["numbers"][n]] for n, x in fit.laws["errors"].items()]
-        text = [f"Picked: {fit.laws['picked']}."]
-        chapters.append(Chapter("laws", "Which law", text, [Table(["law", "held out", "numbers"], rows)], on=PAGE))
+        text = [f"Chosen: {fit.laws['picked']}."]
+        chapters.append(
+            Chapter("laws", "Choice of the law", text, [Table(["law", "held out", "parameters"], rows)], on=PAGE)
+        )
     return chapters
 
 
@@ -270,7 +272,7 @@ def of_prediction(prediction: Predicted) -> Document:
         f"{model.law_name}, relative residual {percent(prediction.force_error)} ({', '.join(others)})",
         [about, *prediction.notes()],
         [
-            Chapter("errors", "Errors", (), [Table(["record", "of", "relative residual"], rows)]),
+            Chapter("errors", "Errors", (), [Table(["recording", "quantity", "relative residual"], rows)]),
             _overlay("prediction", "Measured and predicted", shown, ("measured", "predicted")),
         ],
     )
@@ -281,13 +283,13 @@ def _residuals(prediction: Predicted) -> list[tuple[str, str, float]]:
     model, beyond = prediction.model, prediction.beyond
     simulated = model.predictor is None
     compared = "all rows" if simulated else "rows in motion"
-    here, there = "this one", "the fit's"
+    here, there = "this one", "of the fit"
     rows: list[tuple[str, str, float | None]] = [(here, f"force, {compared}", prediction.force_error)]
     if not simulated:
         rows.append((here, "force, all rows", prediction.all_rows_error))
     if beyond and beyond.rows:
-        rows.append((here, "force, rows beyond what was fitted", beyond.error))
-        rows.append((here, "force, rows within it", beyond.within))
+        rows.append((here, "force, rows beyond the fitted range", beyond.error))
+        rows.append((here, "force, rows within this range", beyond.within))
     rows += [
         (here, f"friction alone, {compared}", prediction.friction_error),
         (here, f"constant force, {compared}", prediction.constant_error),
@@ -298,7 +300,7 @@ def _residuals(prediction: Predicted) -> list[tuple[str, str, float]]:
         rows += [
             (there, "force, rows in motion, held out", model.known["cross_validated_error"]),
             (there, "force, filtered rows that were fitted", model.known["relative_force_error"]),
-            ("another", "force, rows in motion, expected", model.expected),
+            ("another one", "force, rows in motion, expected", model.expected),
         ]
     return [(record, of, x) for record, of, x in rows if x is not None]
 
@@ -315,7 +317,9 @@ def of_validation(comparison: Validated) -> Document:
         f"off: {'; '.join(off)}",
         [f"{comparison.status}: {comparison.rows} rows"],
         [
-            Chapter("errors", "Errors", (), [Table(["of", "rms error", "largest", "rms over changes"], rows)]),
+            Chapter(
+                "errors", "Errors", (), [Table(["quantity", "rms error", "largest", "rms relative to changes"], rows)]
+            ),
             _overlay("validation", "Measured and simulated", comparison.traces, ("measured", "simulated")),
         ],
     )

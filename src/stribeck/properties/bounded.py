@@ -79,7 +79,10 @@ def _passed(model: Model) -> Verdict | None:
     }  # fmt: skip
     way = enclosed.least(model, model.rate * np.sign(shown["z"]), shown["v"], 0.0, shown["z"])
     if not way > 0:
-        return undecided("constant speeds take z past the bound by quadrature, but interval arithmetic does not confirm this", **evidence)
+        return undecided(
+            "constant speeds take z past the bound by quadrature, but interval arithmetic does not confirm this",
+            **evidence,
+        )
     evidence["enclosed"] = {"v": shown["v"], "z_from": 0.0, "z_to": shown["z"], "dz_dt_at_least": way}
     drive, end = replay.velocity_drive([shown["v"]], [shown["time"]])
     tables = replay.scenario_of(law, "bounded", drive, end, {}, energy=True)  # compiled for passive, too

@@ -42,21 +42,15 @@ _PROVED = (
     "the dissipated power, F v - S' dz/dt, is never negative at the worst level (signs of polynomials), with the elastic energy "
     "as storage S; at other levels it is larger (theory.md)"
 )
-_BOUNDED = (
-    "for |z| >= Z = (highest level)/sigma_0, dz/dt points inward or is 0, for every v and every level"
-)
-_SWING = (
-    "a cycle of constant speeds and levels returns z to its start and draws energy (bounds by interval arithmetic)"
-)
+_BOUNDED = "for |z| >= Z = (highest level)/sigma_0, dz/dt points inward or is 0, for every v and every level"
+_SWING = "a cycle of constant speeds and levels returns z to its start and draws energy (bounds by interval arithmetic)"
 _DROPPED = (
     "wound up at the highest level and unwound at the lowest: F v <= -c v^2 and |dz/dt| <= C |v| for z from z_start to z_end "
     "and |v| >= u (signs over the whole range): the energy drawn grows with |v| without limit"
 )
 _HELD = "at a constant level: "
 _SAME = "at every level, as proved at the lowest one (theory.md): "
-_UNKNOWN = (
-    "the worst level is known only for the laws of this package; no run that draws energy was found"
-)
+_UNKNOWN = "the worst level is known only for the laws of this package; no run that draws energy was found"
 _ENDLESS = Fraction(3)  # of the threshold: swing of a level without an upper end
 _HIGH = Fraction(1000)  # the same with v_d, for which all losses during winding up count
 _TRIED = 4  # largest number of cycles to simulate

@@ -16,7 +16,9 @@ from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import Storage, own_speeds
 from stribeck.properties.verdicts import Verdict
 
-_SLIDING = "at a constant speed z stays in an interval with F v < 0 (interval arithmetic), so that energy is drawn forever"
+_SLIDING = (
+    "at a constant speed z stays in an interval with F v < 0 (interval arithmetic), so that energy is drawn forever"
+)
 _ENDLESS = (
     "while z unwinds from z_start to z_end at speeds |v| >= u, F v <= -c v^2 and |dz/dt| <= C |v| (signs over the whole range): "
     "the energy drawn grows with |v| without limit, and exceeds every storage function"

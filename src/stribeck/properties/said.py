@@ -80,7 +80,7 @@ def machine(checked: MachineVerdicts) -> Document:
     ]
     tables = [Table(["contact", "law", "what varies", "passive"], contacts, prose=True, on=PAGE)]
     if checked.ports:
-        tables.append(Table(["port", "what acts there"], [list(row) for row in checked.ports.items()], prose=True))
+        tables.append(Table(["port", "input"], [list(row) for row in checked.ports.items()], prose=True))
     text = [
         "A machine of passive contacts, links and pendulums is passive from its ports to the velocities there: no motion "
         "draws more energy from it than was put in. The file bounds each varying parameter by its signal over the whole run; "
@@ -100,7 +100,7 @@ def _in_short(verdicts: Verdicts) -> str:
     if not verdicts.properties:
         return "no k_v meets the tolerances"
     if not verdicts.law.has_z:
-        return "has no internal state z, and the five properties are about laws with one"
+        return "the law has no internal state z, to which the five properties refer"
     needed = verdicts.steepness.get(verdicts.law.name)
     smallest = "" if needed is None else f"smallest k_v {_k_v(needed.k_v, needed.rotary)}; "
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if verdicts.law.rotary else 'm/s'}" if verdicts.v_max else ""
@@ -192,7 +192,7 @@ def _curve(law: Law) -> Figure:
         axes["near"].set_title("near rest, and far")
         return figure
 
-    return Figure("curve", "The friction force when a speed is held.", draw)
+    return Figure("curve", "The steady friction force over speed.", draw)
 
 
 def _replays(verdicts: Verdicts, contact: str, key: str, title: str) -> list[Chapter]:
@@ -202,7 +202,7 @@ def _replays(verdicts: Verdicts, contact: str, key: str, title: str) -> list[Cha
         for name, v in verdicts.properties.items()
         if v.holds is False and v.scenario is not None
     ]
-    text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
+    text = ["The motion of each counterexample. 'stribeck run' on its file gives the same result."]
     return [Chapter(key, title, text, figures=figures, on=PAGE)] if figures else []
 
 
@@ -243,7 +243,7 @@ def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
             ("largest step of explicit Euler", "s", lambda c: c.largest_step),
             ("stiffness", "1/s", lambda c: c.stiffness),
             ("stiffness with the body", "1/s", lambda c: c.body_stiffness),
-            ("for speeds up to", unit("m/s"), lambda c: c.v_max),
+            ("valid for speeds up to", unit("m/s"), lambda c: c.v_max),
             ("|v| is smoothed below", unit("m/s"), lambda c: c.bend),
             ("largest d²F/dv² there", f"{unit('N s/m')} per {unit('m/s')}", lambda c: c.force_bend),
         ]
