@@ -110,7 +110,7 @@ def test_a_law_without_z_is_null_with_the_reason(stribeck):
     assert all("no internal state" in v["evidence"]["reason"] for v in data["properties"].values())
     printed = " ".join(stribeck(*law).out.split())
     assert printed.startswith(
-        "coulomb_viscous: has no internal state z, and the five properties are about laws with one "
+        "coulomb_viscous: the law has no internal state z, to which the five properties refer "
         "coulomb_viscous with F_c = 1 N, sigma_2 = 0.1 N s/m, k_v = 1e+06 s/m"
     )
     assert "passive - yes F v >= 0" in printed

@@ -121,7 +121,7 @@ def test_counts_of_an_encoder_are_an_angle_everywhere(stribeck, tmp_path):
         "fit", files[0], *columns, "--counts", "2000", "--law", "stribeck", "--set", "v_s=1", "--out", tmp_path / "fit"
     )
     assert found.status == 0, found.err
-    assert "Beside the law the force holds" in found.out
+    assert "Further terms of the force" in found.out
     predicted = stribeck("predict", files[1], "--fit", tmp_path / "fit", "--out", tmp_path / "predicted")
     assert "lie beyond the fitted range" in " ".join(predicted.out.split())
     pages = [tmp_path / "fit" / "report.html", tmp_path / "predicted" / "prediction.html"]

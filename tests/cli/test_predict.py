@@ -57,7 +57,7 @@ def test_a_fit_predicts_another_record(stribeck, fitted, tmp_path):
 
 def test_the_record_of_the_fit_is_no_test(stribeck, fitted):
     """It was called another record."""
-    note = "The fit was made from this record"
+    note = "This recording was used in the fit"
     assert note in stribeck("predict", fitted / "train.csv", "--fit", fitted / "out").out
     assert note not in stribeck("predict", record(fitted / "other.csv", 0.5, 1.3, 1), "--fit", fitted / "out").out
 
@@ -89,7 +89,7 @@ def test_rows_beyond_what_was_fitted_are_told(stribeck, fitted, tmp_path):
     (tmp_path / "fast.csv").write_text("\n".join([rows[0], *doubled]))
     told = stribeck("predict", tmp_path / "fast.csv", "--fit", fitted / "out").out
     assert "lie beyond the fitted range: velocity from -0.28" in told
-    assert "seen from -0.143 to 0.15." in told
+    assert "fitted from -0.143 to 0.15." in told
     assert "force, rows beyond the fitted range" in told
     assert "beyond the fitted range" not in stribeck("predict", tmp_path / "test.csv", "--fit", fitted / "out").out
 

@@ -69,7 +69,7 @@ def test_a_keyword_that_is_no_role_is_refused_with_a_log_too():
 @pytest.mark.parametrize(
     ("law", "options", "said"),
     [
-        ("lugre", {"method": "static"}, "'static': law 'lugre' has bristles, which a static fit does not see"),
+        ("lugre", {"method": "static"}, "'static': law 'lugre' has bristles, which a static fit cannot estimate"),
         ("lugre", {"forms": False}, "forms: belongs to .*method static, not dynamic"),
         ("lugre", {"weight": False, "speeds": (0.1,)}, "weight: belongs to .*speed: belongs to"),
         ("stribeck", {"terms": ("delay",)}, "'delay': belongs to .*method dynamic: a static fit chooses it itself"),

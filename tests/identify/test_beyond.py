@@ -32,8 +32,8 @@ def test_the_errors_beyond_and_within_are_those_of_their_rows():
     assert found.within == pytest.approx(0.1)
     assert {n: w[0] for n, w in found.what.items()} == {"velocity": 1, "position": 2}
     assert found.text() == (
-        "2 rows (50%) lie beyond the fitted range: velocity from 0.1 to 0.9 m/s, seen from 0 to 0.5; "
-        "position from 0 to 2 m, seen from 0 to 1"
+        "2 rows (50%) lie beyond the fitted range: velocity from 0.1 to 0.9 m/s, fitted from 0 to 0.5; "
+        "position from 0 to 2 m, fitted from 0 to 1"
     )
 
 

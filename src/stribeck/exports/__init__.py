@@ -24,7 +24,7 @@ PARTS = {
     "body": "a body with this friction",
     "observer": "the friction observer",
     "controller": "a controller of a machine, sampled",
-    "compensator": "what a controller of a machine adds against friction",
+    "compensator": "friction compensation of a machine's controller",
     "machine": "a whole machine (schema = 2) with its controllers and its solver",
 }
 

@@ -51,7 +51,7 @@ class Beyond:
             return ""
         units = {name: rotary_unit(unit) if self.rotary else unit for name, unit in _UNITS.items()}
         parts = [
-            f"{name} from {here[0]:.3g} to {here[1]:.3g} {units[name]}, seen from {seen[0]:.3g} to {seen[1]:.3g}"
+            f"{name} from {here[0]:.3g} to {here[1]:.3g} {units[name]}, fitted from {seen[0]:.3g} to {seen[1]:.3g}"
             for name, (_, seen, here) in self.what.items()
         ]
         share = f"{self.rows / self.of:.0%}" if self.rows >= 0.005 * self.of else "less than 1 %"

@@ -125,7 +125,9 @@ class FitOptions:
                 f"{arg(n)}: belongs to {arg('method')} static, not {method}" for n, x in only_static.items() if x
             ]
         elif kind.has_z:
-            text = f"law '{law}' has bristles, which a static fit does not see; must be a static law, such as stribeck"
+            text = (
+                f"law '{law}' has bristles, which a static fit cannot estimate; must be a static law, such as stribeck"
+            )
             problems = [f"{arg('method')}: 'static': {text}"]
         else:
             text = f"belongs to {arg('method')} dynamic: a static fit chooses it itself"

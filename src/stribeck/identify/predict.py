@@ -71,15 +71,15 @@ class Predicted(Told):
         }  # fmt: skip
 
     def notes(self) -> list[str]:
-        """What a reader should know, a sentence each."""
+        """The notes of the report, a sentence each."""
         notes = []
         if self.fitted:
-            notes.append("The fit was made from this record: predict a record of another motion to test it.")
+            notes.append("This recording was used in the fit: test the fit with a recording of another motion.")
         if self.constant_error <= self.force_error:
-            notes.append("A constant force predicts this record better: the model says nothing about it.")
+            notes.append("A constant force predicts this recording better than the model.")
         if (self.model.missed or 0.0) > EXPLAINED:
             notes.append(
-                "The fit itself leaves more than a quarter of its force's deviation: its model lacks something."
+                "The fit's own residual exceeds a quarter of its force's deviation: its model does not describe the data."
             )
         if self.beyond and (outside := self.beyond.text()):
             notes.append(f"{outside[:1].upper()}{outside[1:]}.")

@@ -89,14 +89,14 @@ def _experiment(fit: Fit, name: str) -> str:
 
 
 def _note(name: str, e: Estimate, share: float) -> str:
-    """What is missing, and what to measure, in one sentence."""
+    """The precision that is missing, and the experiment, in one sentence."""
     narrow, wide = half_width(e.interval, e.value), half_width(e.range or e.interval, e.value)
     if e.state in (EstimateState.AT_LEAST, EstimateState.AT_MOST):
-        known = f"is known as a bound only ({e.state})"
+        known = f"has a bound only ({e.state})"
     elif narrow > share:
         known = f"is known within {_share(narrow)} by its interval" if np.isfinite(narrow) else "has an open interval"
     elif wide <= share:
-        known = f"is known within {_share(wide)}, but this fit is doubted, as the other notes say"
+        known = f"is known within {_share(wide)}, but the fit is doubtful for the reasons in other notes"
     else:
         cause = f", because of {e.depends_on}" if e.depends_on else ""
         known = f"is known within {_share(narrow)} by its interval, but {_share(wide)} by its model range{cause}"

@@ -110,7 +110,7 @@ def with_units(
 def _why(state: EstimateState) -> str:
     if state is EstimateState.NOT_IDENTIFIABLE:
         return "its interval spans more than a factor of two"
-    return f"no speed below {REACHED:g} v_s was seen"
+    return f"no speed below {REACHED:g} v_s was recorded"
 
 
 class Fit(Told, ABC):

@@ -234,7 +234,7 @@ class Square(SignalTable):
     kind: Literal["square"] = "square"
     amplitude: float = given_as(waveforms.SquareSignal.constants["amplitude"])
     frequency: float = given_as(waveforms.SquareSignal.constants["frequency"])
-    cycles: int = Field(ge=1, le=100_000, description="how many periods")
+    cycles: int = Field(ge=1, le=100_000, description="number of periods")
     offset: float = given_as(waveforms.SquareSignal.constants["offset"])
 
 

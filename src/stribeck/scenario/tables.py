@@ -23,9 +23,7 @@ class Solve(FileTable):
     atol: dict[str, Annotated[float, ConstantField(POSITIVE)]] = Field(
         default_factory=dict, description="absolute tolerance by state; the default scales with F_s/sigma_0 and v_s"
     )
-    max_steps: int = Field(
-        1_000_000_000, gt=0, le=10**18, description="attempted steps after which the run is given up"
-    )
+    max_steps: int = Field(1_000_000_000, gt=0, le=10**18, description="largest number of attempted steps")
 
 
 class Output(FileTable):

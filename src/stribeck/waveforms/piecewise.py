@@ -164,7 +164,7 @@ class SquareSignal(Signal):
     constants: ClassVar[dict[str, Constant]] = {
         "amplitude": OfSignal("signal", "amplitude"),
         "frequency": Constant("Hz", "frequency", above=0),
-        "cycles": Constant("", "how many periods", above=0),
+        "cycles": Constant("", "number of periods", above=0),
         "offset": OfSignal("signal", "mean", default=0.0),
     }
 
@@ -221,7 +221,7 @@ class PointsSignal(Signal):
     t: Array = field(default_factory=lambda: np.zeros(1))
     value: Array = field(default_factory=lambda: np.zeros(1))
     kind: ClassVar[str] = "points"
-    meaning: ClassVar[str] = "straight lines between points, constant outside; two equal times make a jump"
+    meaning: ClassVar[str] = "linear interpolation between points, constant outside; two equal times make a jump"
 
     def __post_init__(self) -> None:
         self.values = {}
@@ -269,7 +269,7 @@ class FileSignal(PointsSignal):
 
     kind, meaning = "file", "two columns of a recorded file, read as points"
     constants: ClassVar[dict[str, Constant]] = {
-        "scale": Constant("", "what the values are multiplied by, after their unit", default=1.0)
+        "scale": Constant("", "factor of the values, after their unit", default=1.0)
     }
 
     @classmethod

@@ -70,4 +70,4 @@ def test_a_machine_that_never_slides_far_shows_one_level(tmp_path):
     assert {name for name, e in told.items() if e.identifiable} == {"sigma_0"}
     assert told["sigma_0"].low < 2e4 < told["sigma_0"].high
     assert told["F_c"].why.startswith("no stroke is much longer")
-    assert told["F_s"].why == "v_s is open: the level of slow motion may be F_c"
+    assert told["F_s"].why == "v_s is not identifiable: the friction level of slow motion may be F_c"

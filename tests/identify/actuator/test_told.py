@@ -139,7 +139,7 @@ def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     assert not beyond_noise(problem, good, 1)
     assert not BestPoint(problem, good, 1, False, [], False).missed()
     assert beyond_noise(problem, bad, 1)
-    assert BestPoint(problem, bad, 1, False, [], False).missed() == ["a.y: cannot be simulated with the best numbers"]
+    assert BestPoint(problem, bad, 1, False, [], False).missed() == ["a.y: cannot be simulated with the best values"]
 
 
 def test_known_masses_may_differ_in_a_recording_that_is_advised():

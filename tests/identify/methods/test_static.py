@@ -113,7 +113,7 @@ def test_a_mass_below_zero_is_never_identified():
     fit = stribeck.fit(record(6, mass=-2.0), "stribeck")
     assert fit["mass"].value < 0
     assert fit["mass"].state is not EstimateState.IDENTIFIED
-    assert any("mass comes out below 0" in note for note in fit.notes)
+    assert any("mass is below 0" in note for note in fit.notes)
 
 
 def test_a_level_below_zero_is_not_reported_as_one_that_a_law_can_have():

@@ -24,7 +24,7 @@ from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed
 
-STOPPED = "Ctrl-C: the best numbers so far, without intervals"
+STOPPED = "Ctrl-C: the best values so far, without intervals"
 
 
 def fit_machine(
@@ -162,7 +162,7 @@ class Fitting:
             if result.status == "done" and baselines:
                 result.baselines = choice.baselines(self, result)
         except (KeyboardInterrupt, Stopped):
-            result.status, result.reason = "stopped", "Ctrl-C: what follows the fit is missing"
+            result.status, result.reason = "stopped", "Ctrl-C: the analysis after the fit is missing"
         self.work.section(1.0)
         return result
 
@@ -180,7 +180,7 @@ class Fitting:
         status, reason = ("stopped", STOPPED) if best.stopped else ("done", "")
         if missed:
             status = "missed"
-            reason = f"the machine does not follow its recordings ({'; '.join(missed)}): nothing is identified"
+            reason = f"the machine does not follow its recordings ({'; '.join(missed)}): no parameter is identified"
         try:
             if best.stopped or any("cannot be simulated" in text for text in missed):
                 judged = judge.blank(best, self.scenario, reason)
@@ -190,7 +190,7 @@ class Fitting:
                 judged = judge.judged(best, self.scenario, not (missed or doubts), self.advised, self.logs.words)
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
-            status, reason = "stopped", "Ctrl-C: the best numbers, without intervals"
+            status, reason = "stopped", "Ctrl-C: the best values, without intervals"
             judged = judge.blank(best, self.scenario, reason)
         notes += judged.notes + best.notes
         result = MachineFit(
@@ -205,7 +205,7 @@ class Fitting:
     def doubts(self, best: BestPoint) -> list[str]:
         """Reasons to withhold all parameters although the machine describes the recordings, in words."""
         if coarse := beyond_noise(best.problem, best.u, best.agreeing):
-            few = "few starts came to this minimum, so that nothing is identified (more starts may find a better one)"
+            few = "few starts reached this minimum, so that no parameter is identified (more starts may find a better one)"
             return [f"{'; '.join(coarse)}: {few}."]
         return []
 

@@ -30,7 +30,7 @@ def _gaps(r: Recording) -> list[str]:
     at = float(r.t[:-1][long][0])
     return [
         f"{r.file}: {missing} samples are missing in {int(long.sum())} gaps (first after {at:.4g} s, longest "
-        f"{gaps.max():.3g} s); inputs cross them smoothly, and nothing is compared there"
+        f"{gaps.max():.3g} s); inputs are interpolated there, and outputs are not compared"
     ]
 
 
@@ -41,7 +41,7 @@ def _tails(r: Recording) -> Iterator[str]:
         last, empty = float(c.t[good][-1]), int((~good).sum())
         place = f"{r.file}: {name}: column {c.column!r}"
         if last < (1 - _TAIL) * r.t[-1]:
-            yield f"{place} ends at {last:.4g} s, the recording at {r.t[-1]:.4g} s: cut short?"
+            yield f"{place} ends at {last:.4g} s, the recording at {r.t[-1]:.4g} s: was it cut short?"
         elif empty:
             yield f"{place} has {empty} empty cells, which are left out"
         if name in r.outputs and not np.ptp(c.x[good]) > 0:

@@ -59,9 +59,9 @@ class BestPoint:
         texts = []
         for column, (left, size) in leftovers(self.problem, self.u).items():
             if not np.isfinite(left):
-                texts.append(f"{column}: cannot be simulated with the best numbers")
+                texts.append(f"{column}: cannot be simulated with the best values")
             elif left > max(EXPLAINED * size, 3 * floor_of(self.problem, column)):
-                texts.append(f"{column}: {100 * left / size if size else np.inf:.0f} % of its changes are left")
+                texts.append(f"{column}: {100 * left / size if size else np.inf:.0f} % relative residual")
         return texts
 
 
@@ -134,10 +134,10 @@ def _in_stretches(
     least = 1 / AS_WELL if grows else _MUCH  # whole recordings may be the only information on unmeasured states
     if all(not left[c][0] > least * right[c][0] for c in left):
         return whole
-    why = "errors grow fast in this motion" if grows else "whole recordings cannot be followed from their start"
+    why = "errors grow fast in this motion" if grows else "the model does not follow whole recordings from their start"
     note = (
-        f"{why}: recordings are fitted in {len(problem.runs)} stretches of about {window:.2g} s, each with a start of its own; "
-        "errors are those within stretches"
+        f"{why}: recordings are fitted in {len(problem.runs)} stretches of about {window:.2g} s, each with its own initial "
+        "state; errors are those within stretches"
     )
     return BestPoint(problem, u, solution.agreeing, False, [*whole.notes, note], True)
 
@@ -161,11 +161,11 @@ def _joined(parts: BestPoint) -> BestPoint:
     left, right = leftovers(parts.problem, parts.u), leftovers(tied.problem, tied.u)
     if not all(right[c][0] <= AS_WELL * left[c][0] for c in left):
         parts.notes.append(
-            "the ends of the stretches do not meet the starts of the next within the noise: they are left free (the model "
-            "errs, or something moved that is not in it)"
+            "consecutive stretches do not join within the noise, so that their initial states are free; the model may lack "
+            "an effect"
         )
         return parts
-    tied.notes.append("stretches begin where those before end, within the noise")
+    tied.notes.append("each stretch begins at the end of the previous one, within the noise")
     return tied
 
 

@@ -309,5 +309,5 @@ def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]
     if problem.tied or len(problem.runs) == len({run.log for run in problem.runs}):
         return
     off = replace(problem, runs=problem.handed_on(u)).residuals(u[None])[0] - r
-    words = "stretches that begin as those before end"
+    words = "stretches that begin at the end of the previous one"
     yield MissingForm("stretches", off, 1.0, lambda x: f"{words}, {x:.2g} of the way", "stretches")

@@ -26,8 +26,10 @@ from stribeck.laws.base import Law
 
 SLIDING = 1e-3  # of the fastest speed: a slower contact counts as stuck
 _STROKE = 5.0  # break-away distances: gross sliding begins after two or three
-_ONE_LEVEL = "v_s is open: the level of slow motion may be F_c"
-_NO_SLIDING = "no stroke is much longer than the way to break-away: the level of slow motion may be F_s"
+_ONE_LEVEL = "v_s is not identifiable: the friction level of slow motion may be F_c"
+_NO_SLIDING = (
+    "no stroke is much longer than the displacement to break-away: the friction level of slow motion may be F_s"
+)
 WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
 

@@ -76,6 +76,6 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
     if more and np.isfinite(list(more.values())).all():  # nan: the simulation fails there
         least = {n: float(np.hypot(least[n], rms(x))) for n, x in by_column(problem, carried(problem, u)).items()}
     return [
-        f"{n}: {left:.2g} is left, {left / least[n]:.3g} times the noise of what is measured"
+        f"{n}: residual {left:.2g}, {left / least[n]:.3g} times the measurement noise"
         for n, left in more.items() if not left <= AS_WELL * least[n]
     ]  # fmt: skip

@@ -74,7 +74,7 @@ class Estimate:
         ends = [(max(a, low), min(b, high)) for a, b in (self.interval, wide)]
         if all(a <= b for a, b in ends):
             return replace(self, value=value, interval=ends[0], range=ends[1])
-        why = "the estimate lies beyond the bounds of the law, so another effect is in its place"
+        why = "the estimate lies beyond the bounds of the law, so that another effect must have caused it"
         state = EstimateState.NOT_IDENTIFIABLE
         return replace(self, value=value, interval=(low, high), range=(low, high), state=state, why=why)
 

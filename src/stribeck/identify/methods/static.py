@@ -90,7 +90,7 @@ def _compared(rows: Rows, name: str, body: Sequence[str], options: FitOptions) -
     )
     curve.bounds = {n: x for n, x in options.bounds.items() if n in constants or n in TERMS}
     if wrong := [n for n in curve.bounds if n not in curve.shapes]:
-        text = "is found by linear least squares, which has one optimum: no bounds, but a value"
+        text = "is estimated by linear least squares, which needs no search range; give a value instead"
         raise InputError([f"{arg('unknown')}: {n}: {text} ({arg('constants')})" for n in wrong])
     return record_of(rows, body, options.numbers, curve.sigma_2, options.published), curve
 
@@ -301,16 +301,17 @@ def _notes(
     out, left = [], missed(choice)
     if left > EXPLAINED:
         out.append(
-            f"The fit leaves {100 * left:.0f} % of the force's deviation: the model lacks something, and nothing is identified."
+            f"The residual is {100 * left:.0f} % of the force's deviation: the model does not describe the data, and no "
+            "parameter is identified."
         )
     if unused:
         terms_of = " and ".join(MEASURED[n] for n in unused)
         out.append(
-            f"The column {' and '.join(unused)} was not used, as it changes with the motion alone: give {terms_of} with --set."
+            f"The column {' and '.join(unused)} was not used, as it depends on the motion only: give {terms_of} with --set."
         )
     if "mass" in estimates and estimates["mass"].value < 0:
         out.append(
-            "The mass comes out below 0: it stands in for a weight or spring, which a motion of one frequency cannot separate."
+            "The estimated mass is below 0: at a single frequency, mass cannot be separated from a spring or weight."
         )
     out += hanging(estimates)
     for name, e in estimates.items():
@@ -318,7 +319,7 @@ def _notes(
             out.append(f"{name}: {e.experiment}.")
     if forms:
         form_sizes = ", ".join(f"{name} ({size:.2g} {log.unit('N')})" for name, size in forms.items())
-        out.append(f"Beside the law the force holds: {form_sizes}.")
+        out.append(f"Further terms of the force: {form_sizes}.")
     if len(set(log.files)) < 2:
-        out.append("The intervals are of this one file: another day or another motion may differ by more.")
+        out.append("The intervals are from a single file: another day or motion may differ by more.")
     return out

@@ -219,7 +219,7 @@ class SlidingCurve(SteadyCurve):
         self.names = tuple(n for n in wanted if n in self._linear)
         self.shapes = tuple(n for n in wanted if n not in self.names)
         if not self.names:
-            text = "is linear in none of its constants, so that no static fit finds them; must be fitted as 'dynamic'"
+            text = "has no linear constant, so that a static fit is impossible; must be fitted as 'dynamic'"
             raise InputError(f"{arg('law')}: {law!r}: {text}")
 
     def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:

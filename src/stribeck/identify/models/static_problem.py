@@ -63,11 +63,11 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     if len(log) > ENOUGH_ROWS:
         log, every = in_stretches(log, rest, ENOUGH_ROWS)
         rest, smeared = rest[every], smeared[every]
-        notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
+        notes.append(f"{len(log)} of {len(source)} rows are fitted, in stretches spread evenly over every run")
     if rest.any():
         log = log.with_columns(velocity=np.where(rest, 0.0, log.velocity))
         notes.append(
-            f"the body rests in {share:.0%} of the rows: they are left out, as friction takes any value there up to break-away"
+            f"the body is at rest in {share:.0%} of the rows, which were left out: friction there has any value up to break-away"
         )
     q, why = decimation(log, _FEW_TO_CHOOSE if to_choose else _FEW_ROWS)
     kept = kept_rows(log, q)

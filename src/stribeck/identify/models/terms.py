@@ -43,15 +43,15 @@ TERMS: dict[str, Term] = {
     "offset": Term("N", "constant force, such as gravity", "1", lambda log: np.ones(len(log))),
     "stiffness": Term("N/m", "spring to ground", "y", lambda log: log.position),
     "gravity_sin": Term(
-        "N", "what the sine of the position (rad) multiplies: an arm's weight", "sin(y)", lambda log: np.sin(log.position)
+        "N", "coefficient of the sine of the position (rad): an arm's weight", "sin(y)", lambda log: np.sin(log.position)
     ),
-    "gravity_cos": Term("N", "what its cosine multiplies", "cos(y)", lambda log: np.cos(log.position)),
-    "area": Term("m^2", "area that the pressure pushes on", "p", lambda log: log.pressure, needs="pressure"),
+    "gravity_cos": Term("N", "coefficient of the cosine of the position (rad)", "cos(y)", lambda log: np.cos(log.position)),
+    "area": Term("m^2", "effective area of the pressure", "p", lambda log: log.pressure, needs="pressure"),
     "sigma_2_by_direction": Term(
-        "N s/m", "half of what viscous friction is more forwards", "|v|", lambda log: abs(log.velocity), friction=True
+        "N s/m", "half of viscous friction forwards minus backwards", "|v|", lambda log: abs(log.velocity), friction=True
     ),
     "F_c_by_direction": Term(
-        "N", "half of what the friction level is more forwards", "sign(v)", lambda log: np.sign(log.velocity), level=True
+        "N", "half of the friction level forwards minus backwards", "sign(v)", lambda log: np.sign(log.velocity), level=True
     ),
     "F_c_by_load": Term("1", "growth of the friction level with load", "N", lambda log: log.load, True, "load"),
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", "p", lambda log: log.pressure, True, "pressure"),

@@ -65,9 +65,9 @@ class Body(Element, family=True):
     )
     ratio: float | None = ratio_constant("how far it moves by the body it is tied to; 1 unless given")
     velocity: Annotated[Velocity | None, BeforeValidator(_velocity)] = Field(
-        None, description="the velocity, where it is given: nothing acts back on it"
+        None, description="the prescribed velocity, on which no force acts"
     )
-    rotary: bool | None = Field(None, description="whether a body turns whose velocity is given")
+    rotary: bool | None = Field(None, description="whether a body with prescribed velocity turns")
 
     def __init__(self, name: str, *, y: float | None = None, v: float | None = None, **keys: Any) -> None:
         if start := {n: x for n, x in (("y", y), ("v", v)) if x is not None}:
@@ -247,7 +247,9 @@ class Laden(Body):
     """
 
     kind: Literal["laden"] = "laden"
-    added: SignalTable = Field(description="what is added to mass or inertia: a table with kind and its constants")
+    added: SignalTable = Field(
+        description="signal that is added to mass or inertia: a table with kind and its constants"
+    )
 
     @property
     def added_signal(self) -> SignalTable | None:

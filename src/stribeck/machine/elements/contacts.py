@@ -88,8 +88,8 @@ class Raise(FileTable):
     F_s: float | None = quantity("", "rise of the level by the force", at_least=0, optional=True)
     against: Annotated[str | None, Refers(FORCES)] = Field(
         None,
-        description="a link, motor or load: counts only while that force is of the other sign and larger, and then by the "
-        "square",
+        description="a link, motor or load: the square of the force counts, and only while this other force is larger and of "
+        "opposite sign",
     )
 
     def wrong(self) -> list[Problem]:
@@ -187,9 +187,7 @@ class Contact(BetweenBodies, family=True):
     initial: Annotated[Deflected | None, Aside()] = Field(None, description="the state at t = 0")
     law: FrictionLaw = Field(description="the friction law: a table with name and parameters")
     loads: tuple[Raise, ...] = Field((), description="forces that raise the level", strict=False)
-    factors: Annotated[dict[str, Factor], AfterValidator(Frozen)] = Field(
-        Frozen(), description="what parameters are multiplied by"
-    )
+    factors: Annotated[dict[str, Factor], AfterValidator(Frozen)] = Field(Frozen(), description="factors of parameters")
 
     @property
     def law_path(self) -> str:

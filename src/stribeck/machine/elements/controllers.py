@@ -63,9 +63,7 @@ class Compensation(FileTable):
     """What a controller does against friction: a law's steady force at the reference's speed, or an observer."""
 
     contact: Annotated[str | None, Refers(("contacts",))] = Field(None, description="the contact whose friction it is")
-    speed: Literal["reference", "measured"] = Field(
-        description="reference or measured: the speed that the law is given"
-    )
+    speed: Literal["reference", "measured"] = Field(description="speed for the law: reference or measured")
     law: CompensatedLaw = Field(None, description="the law, if it is not the contact's")
     share: float | None = quantity("", "share of the law's force that the controller adds", at_least=0, optional=True)
     lead: float | None = quantity(
@@ -162,8 +160,8 @@ class Controller(AnyController, for_users=True):
     measures: Annotated[str | None, Refers(("bodies",))] = Field(None, description="the body that carries the encoder")
     signal: SignalTable = Field(description="the signal: a table with kind and its constants")
     feedforward: Feedforward | None = Field(None, description="added to the output")
-    compensation: Compensation | None = Field(None, description="what is done against friction")
-    sampling: Sampling | None = Field(None, description="when it computes; continuous without it")
+    compensation: Compensation | None = Field(None, description="friction compensation")
+    sampling: Sampling | None = Field(None, description="sampling of the controller; continuous unless given")
     dither: Dither | None = Field(None, description="a fast oscillation, added to the output")
     limit: float | None = quantity("N", "limit of the output", above=0, optional=True, rotary_unit="N m")
 

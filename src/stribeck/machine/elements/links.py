@@ -55,7 +55,7 @@ class Link(BetweenBodies, family=True):
     end: BodyOrGround = Field(GROUND, alias="to", description="a body, or 'ground'")
     stiffness: float = quantity("N/m", "stiffness, on the side of `to`", at_least=0, rotary_unit="N m/rad")
     damping: float | None = quantity("N s/m", "damping", at_least=0, off_at_zero=True, rotary_unit="N m s/rad")
-    gap: float | None = quantity("m", "total play", at_least=0, off_at_zero=True, rotary_unit="rad")
+    gap: float | None = quantity("m", "total backlash", at_least=0, off_at_zero=True, rotary_unit="rad")
     ratio: float | None = ratio_constant()
 
     def __init__(self, name: str, start: object, end: str = GROUND, **keys: Any) -> None:
@@ -134,7 +134,9 @@ class StagedSpring(Link):
 
     kind: Literal["spring"] = "spring"
     preload: float | None = quantity("N", "force at d = 0", off_at_zero=True, rotary_unit="N m")
-    reach: float | None = quantity("m", "where the second stage begins", above=0, optional=True, rotary_unit="rad")
+    reach: float | None = quantity(
+        "m", "deflection at which the second stage begins", above=0, optional=True, rotary_unit="rad"
+    )
     second: float | None = quantity(
         "N/m", "stiffness of the second stage", at_least=0, optional=True, rotary_unit="N m/rad"
     )

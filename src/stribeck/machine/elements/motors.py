@@ -32,7 +32,7 @@ class Motor(Element, family=True):
     L: float | None = quantity("H", "inductance of the winding", above=0, optional=True)
     voltage: float | None = quantity("V", "limit of the voltage", above=0, optional=True)
     current_time: float = quantity("s", "time constant of the current loop", above=0, default=1e-3)
-    signal: SignalTable | None = Field(None, description="the voltage, where no controller asks for a current")
+    signal: SignalTable | None = Field(None, description="the voltage, if no controller commands a current")
 
     def own_states(self, m: Elements) -> tuple[State, ...]:
         """The current, with an inductance."""

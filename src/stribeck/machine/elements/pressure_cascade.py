@@ -281,7 +281,7 @@ class PressureCascade(AnyController):
     quantisation: float = given_as(_AT["quantisation"], in_code=False)
     bandwidth: float | None = given_as(_AT["bandwidth"], in_code=False)
     seed: Annotated[int, Aside(0)] = Field(
-        0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise"
+        0, ge=0, le=2**32 - 1, description="seed of the noise; the same seed gives the same noise"
     )
     adaptive: bool = Field(False, description="adapt sigma_0, sigma_1, sigma_2 and the level F_c on line")
     observer: Annotated[Held, _OfObserver()] = Field(

@@ -25,7 +25,7 @@ class Sampling(FileTable):
     )
     bandwidth: float | None = given_as(SAMPLING["bandwidth"])
     seed: Annotated[int, Aside(0)] = Field(
-        0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise"
+        0, ge=0, le=2**32 - 1, description="seed of the noise; the same seed gives the same noise"
     )
 
     def reading(self, y: Value) -> Value:

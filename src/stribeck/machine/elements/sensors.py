@@ -44,7 +44,7 @@ class Sensor(Element, family=True):
 
     def columns(self, m: Elements) -> list[Column]:
         """Its reading."""
-        return [Column(self.name_of("reading"), "rad" if self.turning(m) else "m", "what the sensor reads")]
+        return [Column(self.name_of("reading"), "rad" if self.turning(m) else "m", "reading of the sensor")]
 
     def heading(self, m: Elements) -> str:
         """See :class:`Element`."""
