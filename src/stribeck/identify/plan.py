@@ -104,7 +104,7 @@ def _loops(limits: Limits) -> list[Test]:
         identifies = "sigma_0: keep the loops in which the force levels off at the ends, and the next two smaller ones"
     else:
         sizes = limits.deflection * np.geomspace(0.5, 8, _LOOPS)
-        identifies = "sigma_0; sigma_1 where the loop is fast"
+        identifies = "sigma_0; sigma_1 if the loop is fast"
     slow, fast = 0.5, 20.0
     tests = []
     for size in sizes.tolist():
@@ -134,7 +134,7 @@ def _ramps(limits: Limits) -> list[Test]:
 
 def _accelerate(limits: Limits) -> Test:
     half = min(0.9 * limits.stroke / (0.5 * limits.speed), 0.5)
-    identifies = "mass: shorten it until the force comes near its limit"
+    identifies = "mass: shorten the move until the force is near its limit"
     way = 0.5 * limits.speed * half
     return Test("acceleration", identifies, "motion", way, limits.speed, None, 2 * half, 3)
 

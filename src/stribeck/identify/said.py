@@ -163,7 +163,7 @@ def _data(fit: LogFit) -> list[Chapter]:
         return []
     count = len(list(log.runs()))
     rows = f"{len(log)} rows in {count} {'run' if count == 1 else 'runs'}, one every {log.step:.6g} s."
-    text = [f"{rows} SHA-256 {fit.data_hash[:16]}...", *(["Faults and repairs:"] if log.quality else []), *log.quality]
+    text = [f"{rows} SHA-256 {fit.data_hash[:16]}...", *(["Notes on the data:"] if log.quality else []), *log.quality]
     table = Table(["column", "source"], [[n, s] for n, s in log.sources.items() if n != "unfiltered"], prose=True)
     shown = [Figure("data", "The log as it was fitted.", partial(figures.data, log))]
     if log.spectrum is not None:

@@ -85,7 +85,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     if cutoff is None:
         order, cutoff, _ = smoother
         notes.append(
-            f"{measured}: filtered at {cutoff:.4g} Hz (order {order}, zero phase), where motion and noise have the same density"
+            f"{measured}: filtered at {cutoff:.4g} Hz (order {order}, zero phase), where motion and noise have the same spectral "
+            "density"
         )
     else:
         notes += _given(cutoff, parts, measured, step)

@@ -65,7 +65,10 @@ def better(
     name, best = min(fits, key=lambda each: _bic(each[1]))
     chosen = best.judged() if static is None or best.error < HALF * left else static
     if static is not None and chosen is not static:
-        notes = (f"The best static law ({static.law_name}) leaves {100 * left:.0f} % of the force in all rows.", *notes)
+        notes = (
+            f"The relative residual of the best static law ({static.law_name}) is {100 * left:.0f} % in all rows.",
+            *notes,
+        )
     candidate_rows = [*(_candidate(n, fit, n == name) for n, fit in fits), *(static.candidates if static else ())]
     candidates = tuple(
         Candidate(**{**c, "chosen": c["chosen"] and c["law"] == chosen.law_name}) for c in candidate_rows
