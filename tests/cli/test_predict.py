@@ -99,7 +99,7 @@ def test_a_fit_on_a_record_of_the_wrong_sign_shows_it(stribeck, fitted, tmp_path
     found = stribeck("predict", test, "--fit", fitted / "out", "--force-gain", "-1", "--json")
     assert json.loads(found.out)["relative_force_error"] > 1.9
     told = stribeck("predict", test, "--fit", fitted / "out", "--force-gain", "-1").out
-    assert "A constant force predicts this record better" in " ".join(told.split())
+    assert "A constant force predicts this recording better" in " ".join(told.split())
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert errors["force"]["unit"] == "N"
     page = Page(tmp_path / "page" / "validation.html")
     assert page.pictures == 1
-    assert page.rows(["of", "rms error"])["position"][0] == f"{1e12 * errors['position']['rms']:#.3g} pm"
+    assert page.rows(["quantity", "rms error"])["position"][0] == f"{1e12 * errors['position']['rms']:#.3g} pm"
     other = stribeck(
         "predict", log, "--machine", tmp_path / "rig.toml", *columns, "--set", "law.parameters.F_c=1.2", "--json"
     )

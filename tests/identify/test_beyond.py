@@ -58,7 +58,7 @@ def test_rows_at_rest_and_loads_of_which_no_term_is_do_not_count():
     moves = np.array([True, True, False])
     assert beyond(ranges, (), there, moves, np.zeros(3)).rows == 0
     found = beyond(ranges, ("F_c_by_load",), there, moves, np.zeros(3))
-    assert (found.rows, list(found.what), found.text()[:31]) == (1, ["load"], "1 rows (50%) lie beyond what wa")
+    assert (found.rows, list(found.what), found.text()[:31]) == (1, ["load"], "1 rows (50%) lie beyond the fit")
 
 
 def test_a_position_that_nobody_measured_has_no_range():
