@@ -202,12 +202,12 @@ class _Machine:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Its name."""
         return self.scenario.name
 
     @property
     def json_extras(self) -> dict[str, object]:
-        """What the JSON has beside the verdicts."""
+        """Entries of the JSON other than the verdicts."""
         return {"forces": self.forces}
 
     def verdicts(self, v_max: float | None) -> MachineVerdicts:
@@ -257,12 +257,12 @@ class _Law:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Its name."""
         return self.law.name
 
     @property
     def json_extras(self) -> dict[str, object]:
-        """What the JSON has beside the verdicts."""
+        """Entries of the JSON other than the verdicts."""
         return {}
 
     def verdicts(self, v_max: float | None) -> Verdicts:

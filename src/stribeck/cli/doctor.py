@@ -42,7 +42,7 @@ class CacheFound(TypedDict):
 
 
 class SelfTest(TypedDict):
-    """How a solution agrees with another's; why it could not be compared."""
+    """The agreement of two solutions, or the reason why they could not be compared."""
 
     passed: bool
     solver: str | None
@@ -88,7 +88,7 @@ def doctor(json: Json = False) -> int:
 
 
 def _document(title: str, lead: str, rows: dict[str, str]) -> Document:
-    """What was found, in rows."""
+    """The results, in rows."""
     from stribeck.mouth.document import Chapter, Document, Table
 
     table = Table(["part", "what was found"], [list(row) for row in rows.items()], prose=True)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PartOptions:
-    """What is exported, and of what."""
+    """The part to export, and its source."""
 
     part: Annotated[
         str | None,
@@ -57,7 +57,7 @@ class PartOptions:
 
 @dataclass(frozen=True)
 class ToolOptions:
-    """What the tool that takes the export asks for."""
+    """The options of the target."""
 
     step: Annotated[
         float | None,
@@ -140,7 +140,7 @@ def export(
 
 @dataclass(frozen=True)
 class _Chosen:
-    """What is exported: a part of a law or of a machine, and where its parameters are from."""
+    """The export: a part of a law or of a machine, and the source of its parameters."""
 
     part: str
     law: Law | None
@@ -199,7 +199,7 @@ def _write(chosen: _Chosen, target: str, out: Path, controller: str | None, tool
 
 
 def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
-    """What was exported: the law, or the machine with its constants."""
+    """The exported law, or the machine with its constants."""
     if law is not None:
         return {"law": law.name, "parameters": law.values, "guarantees": law.guarantees()}
     assert rig is not None

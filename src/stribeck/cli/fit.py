@@ -30,7 +30,7 @@ def _advanced(name: str, metavar: str, text: str) -> typer.models.OptionInfo:
 
 @dataclass(frozen=True)
 class How:
-    """How to fit a law to a log."""
+    """Options of a fit of a law to a log."""
 
     term: Annotated[
         list[str] | None,
@@ -58,7 +58,7 @@ class How:
         typer.Option(
             "--no-forms",
             rich_help_panel=ADVANCED,
-            help="Fit the law alone, without forms for missing effects (static).",
+            help="Fit the law alone, without forms (further terms for missing effects; static).",
         ),
     ] = False
     no_weight: Annotated[
@@ -140,7 +140,7 @@ def fit(
         typer.Option(
             "--plan",
             metavar="stroke=M,speed=M/S,force=N[,deflection=M]",
-            help="Print what to measure within these limits of the rig. deflection: F_c/sigma_0, if known.",
+            help="Print a measurement plan within these limits of the rig. deflection: F_c/sigma_0, if known.",
         ),
     ] = None,
     simulate: Annotated[

@@ -147,7 +147,7 @@ Backend = Annotated[
     str | None,
     typer.Option(
         "--backend", metavar="NAME", callback=_solve_by, rich_help_panel=ADVANCED,
-        help="Solver backend: c (needs a compiler), wasm (the same bits on every processor), auto (default): c with a compiler.",
+        help="Solver backend: c (needs a compiler), wasm (bit-identical on every processor), auto (default): c with a compiler.",
     ),
 ]  # fmt: skip
 Set = Annotated[

@@ -1,4 +1,4 @@
-"""What the whole process goes by: the signals that end it, its streams, its threads and its looks for garbage."""
+"""Settings of the whole process: signals that end it, streams, threads and garbage collection."""
 
 from __future__ import annotations
 

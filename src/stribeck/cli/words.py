@@ -1,4 +1,4 @@
-"""What the command says where the library raises: a line, in which options stand for arguments."""
+"""Error lines of the command: the library's messages with options in place of arguments."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _EXTRA = {"fit": "fit", "predict": "fit", "check": "fit", "design": "fit", "expo
 
 
 def option(name: str, command: str) -> str:
-    """What gives an argument on the command line: ``--set k_v`` for ``constants.k_v``."""
+    """The option of an argument on the command line: ``--set k_v`` for ``constants.k_v``."""
     name, _, key = name.partition(".")
     if command in _POSITIONAL.get(name, ()):
         return name.upper()
@@ -48,7 +48,7 @@ def status_of(error: BaseException, command: str) -> tuple[int, str]:
 
 
 def _missing(error: MissingExtra | ModuleNotFoundError, command: str) -> str:
-    """How to get a package that is not installed; nothing where no extra brings it."""
+    """The command that installs a missing package; empty if no extra contains it."""
     package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
     if package not in EXTRAS:
         return ""

@@ -1,4 +1,4 @@
-"""How the page calls a system's module: the same that simulates where there is no C compiler."""
+"""Calls of a system's WebAssembly module by the page; the module is the one of the WebAssembly backend."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from stribeck.simulation.wasm import System, run_struct
 
 
 def shape(system: System) -> dict[str, object]:
-    """What the runtime needs to know of the system before it solves (runtime/any.c), and where memory is free."""
+    """The runtime's description of the system before a solution (runtime/any.c), and the address of free memory."""
     return {"numbers": system.shape, "end": system.end}
 
 

@@ -67,7 +67,7 @@ def deflection(scenario: Scenario, contact: str | None = None) -> tuple[str, flo
 
 @dataclass(frozen=True)
 class _Instant:
-    """What a contact asks the assembly of a machine for, from the law's inputs."""
+    """The quantities that a contact needs from the machine's assembly, from the law's inputs."""
 
     p: SimpleNamespace
     inputs: Places
@@ -160,7 +160,7 @@ def _constants(part: Contact, taken: set[str]) -> tuple[dict[str, Constant], Pla
 
 
 def _inputs(part: Contact, taken: set[str]) -> tuple[dict[str, Constant], Places]:
-    """What the contact is given at each instant, by name; and the names of its loads, factors and position."""
+    """The inputs of the contact at each instant, by name; and the names of its loads, factors and position."""
     named = [name for each in part.loads for name in (*each.weights, *([each.against] if each.against else []))]
     inputs = {("load", name): Constant("N", f"force of {name}", default=0.0) for name in named}
     for factored, factor in part.factors.items():

@@ -1,4 +1,4 @@
-"""What is to be exported, and what every export says about itself."""
+"""The request of an export, and the header of every export."""
 
 from __future__ import annotations
 

@@ -186,7 +186,7 @@ def fit_log(log: Log, names: Sequence[str], options: FitOptions, progress: Progr
 
 
 def preparation(names: Sequence[str], options: FitOptions, cutoff: float | None) -> Preparation:
-    """How a fit of these laws reads its record."""
+    """The preparation of a log for a fit of these laws."""
     simulated = any(options.method_for(laws.find(name)) == "dynamic" for name in names)
     return Preparation(cutoff, simulated, options.published)
 

@@ -370,7 +370,7 @@ def _doubted(recordings: Sequence[Recording], log: Log, model: OneBody) -> Itera
 
 
 def _words(model: OneBody) -> dict[str, str]:
-    """What errors of the output's sensor are called in a log's fit. The contact is the only one, and is not named."""
+    """Names of errors of the output's sensor in the fit of a log. The only contact has no name."""
     errors = {"clock": "clock drift", "delay": "delay", "gain": "gain", "offset": "offset"}
     of_output = {f"outputs.{OUTPUTS[model.output]}.{n}": f"{text} of the {model.output}" for n, text in errors.items()}
     return {**of_output, "contact": ""}

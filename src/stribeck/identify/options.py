@@ -1,4 +1,4 @@
-"""What a fit is asked for, as one thing that the library and the command hand on whole."""
+"""Options of a fit, as one object for the library and the command."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ OUTPUTS = ("force", "position", "velocity")  # what a simulation is to meet
 
 @dataclass(frozen=True)
 class FitOptions:
-    """How to fit; the meaning of each is that of the argument of :func:`stribeck.fit` with its name.
+    """Options of a fit; each has the meaning of the argument of :func:`stribeck.fit` with its name.
 
     Raises:
         InputError: there is no such method.
@@ -61,7 +61,7 @@ class FitOptions:
 
     @cached_property
     def sought(self) -> dict[str, Sought]:
-        """What is known of numbers that are sought, by name: bounds, where to start, a prior.
+        """Prior knowledge of unknown parameters, by name: bounds, initial value, prior.
 
         Raises:
             InputError: a line of it is wrong; a line for each.
@@ -151,7 +151,7 @@ class FitOptions:
             raise InputError(problems)
 
     def _wrong_given(self, known: Mapping[str, Constant], unknown: str) -> list[str]:
-        """What is wrong with given constants and terms, and with the mass."""
+        """Problems of given constants and terms, and of the mass."""
         problems = []
         for name, value in self.constants.items():
             if name not in known and name not in TERMS:
@@ -166,7 +166,7 @@ class FitOptions:
         return problems
 
     def _wrong_free(self, law: str) -> list[str]:
-        """What is wrong with constants that are to be fitted."""
+        """Problems of constants that are to be fitted."""
         known, problems = laws.find(law).constants(), []
         for name in self.free:
             if name not in known:

@@ -1,4 +1,4 @@
-"""What to measure: a test programme for a rig's stroke, speed and force limit."""
+"""Measurement plan: tests within a rig's limits of stroke, speed and force."""
 
 from __future__ import annotations
 

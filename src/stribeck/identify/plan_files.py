@@ -72,7 +72,7 @@ def _write_columns(path: Path, columns: Mapping[str, Array]) -> None:
 
 
 def simulated(limits: Limits, law: str, given: Mapping[str, float], seed: int) -> Experiment:
-    """What a synthetic rig with these limits measures of a law when it plays the motions; made up, and labelled so.
+    """The synthetic log of a rig with these limits and a law, labeled as synthetic.
 
     Constants not given are made to suit the rig: a fifth of its force as Coulomb friction, and so on.
 

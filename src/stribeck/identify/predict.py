@@ -56,13 +56,13 @@ class Predicted(Told):
     fitted: bool
 
     def document(self) -> Document:
-        """What the prediction says to people, for the terminal and for a page."""
+        """The document of the prediction, for the terminal and for a page."""
         from stribeck.identify import said
 
         return said.of_prediction(self)
 
     def to_dict(self) -> dict[str, object]:
-        """What ``stribeck predict --json`` prints."""
+        """The JSON of ``stribeck predict --json``."""
         return {
             "law": self.model.law_name, "method": self.model.method, "relative_force_error": self.force_error,
             "friction_error": self.friction_error, "all_rows_error": self.all_rows_error,
@@ -177,7 +177,7 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
 
 
 def _preparation(fit: LogFit, cutoff: float | None) -> Preparation:
-    """How another record is prepared for a model: as the fit's was."""
+    """The preparation of another log for a model, as in the fit."""
     chosen = cutoff if cutoff is not None else fit.reading.cutoff
     return Preparation(chosen, fit.reading.simulated, fit.reading.published)
 

@@ -1,4 +1,4 @@
-"""How well numbers must be known: what a fit does not reach, and which experiment gives it."""
+"""Required precision of parameters: shortfalls of a fit, and experiments that remove them."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def unmet(fit: Fit, require: Mapping[str, float]) -> bool:
 
 
 def _paths(fit: Fit, require: Mapping[str, float]) -> dict[str, float]:
-    """What is required, by the whole paths of the numbers.
+    """The required precision, by full paths of parameters.
 
     Raises:
         InputError: the fit has no such number; a line for each.
@@ -63,7 +63,7 @@ def _paths(fit: Fit, require: Mapping[str, float]) -> dict[str, float]:
 
 
 def half_width(ends: tuple[float, float] | None, value: float) -> float:
-    """How far the farther end is from an estimate, as a share of it."""
+    """The larger half width of an interval, relative to the estimate."""
     if ends is None or not value:
         return np.inf
     return max(abs(ends[0] - value), abs(ends[1] - value)) / abs(value)

@@ -1,4 +1,4 @@
-"""What a fit returns: numbers with two uncertainties and a state each, and the model that was chosen."""
+"""Results of fits: estimates with two uncertainties and a state each, and the chosen model."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Candidate(TypedDict):
 
 @dataclass(frozen=True)
 class RecordReading:
-    """How a record was read.
+    """The preparation of a log.
 
     Attributes:
         files: the record's, if it is from files.
@@ -114,7 +114,7 @@ def _why(state: EstimateState) -> str:
 
 
 class Fit(Told, ABC):
-    """What a fit found: a :class:`LogFit` of a log, a :class:`MachineFit` of a machine's recordings.
+    """The result of a fit: a :class:`LogFit` of a log, a :class:`MachineFit` of a machine's recordings.
 
     ``fit["F_c"]`` is an estimate with ``value``, ``interval``, ``range`` and ``state``; ``print(fit)`` shows all of them.
 
@@ -137,7 +137,7 @@ class Fit(Told, ABC):
     @property
     @abstractmethod
     def title(self) -> str:
-        """What was fitted."""
+        """The fitted model."""
 
     @property
     @abstractmethod
@@ -146,15 +146,15 @@ class Fit(Told, ABC):
 
     @abstractmethod
     def document(self) -> Document:
-        """What the fit says to people, for the terminal and for a page."""
+        """The document of the fit, for the terminal and for a page."""
 
     @abstractmethod
     def to_dict(self) -> dict[str, object]:
-        """What ``stribeck fit --json`` prints."""
+        """The JSON of ``stribeck fit --json``."""
 
     @abstractmethod
     def plot(self) -> Figure:
-        """What was measured beside what the fit makes of it, as a Matplotlib figure."""
+        """Measured and fitted signals, as a Matplotlib figure."""
 
     def __getitem__(self, name: str) -> Estimate:
         """An estimate by its name, or by the end of its path where no other path ends so.
@@ -369,13 +369,13 @@ class LogFit(Fit):
             return figures.curve(self, self.friction)
 
     def document(self) -> Document:
-        """What the fit says to people, for the terminal and for a page."""
+        """The document of the fit, for the terminal and for a page."""
         from stribeck.identify import said
 
         return said.of_log(self)
 
     def to_dict(self) -> dict[str, object]:
-        """What ``stribeck fit --json`` prints."""
+        """The JSON of ``stribeck fit --json``."""
         further = {name: getattr(self, name) for name in _FURTHER}
         return {
             "law": self.law_name, "method": self.method, "status": self.status,

@@ -173,7 +173,7 @@ def _data(fit: LogFit) -> list[Chapter]:
 
 
 def _traces(fit: LogFit) -> list[Chapter]:
-    """What was fitted against time: the motion, or friction."""
+    """The fitted signal against time: the motion, or friction."""
     if (shown := fit.output) is None:
         if (p := fit.friction) is None:
             return []

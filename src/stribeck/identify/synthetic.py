@@ -22,7 +22,7 @@ LABEL = "SYNTHETIC: simulated by Stribeck, not measured"
 
 @dataclass(frozen=True)
 class Sensors:
-    """What the rig's sensors do to the truth: steps of the position, standard deviation of the force; 0 for a perfect one."""
+    """Errors of the rig's sensors: resolution of the position, standard deviation of the force; 0 for none."""
 
     position_resolution: float = 5e-9
     force_noise: float = 0.0

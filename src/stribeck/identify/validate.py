@@ -49,7 +49,7 @@ class Validated(Told):
 
     @property
     def rows(self) -> int:
-        """How many rows of the record were reached."""
+        """The number of rows of the recording that were reached."""
         return len(self.traces[0].t)
 
     @property
@@ -68,13 +68,13 @@ class Validated(Told):
         return self.reason or self.status
 
     def document(self) -> Document:
-        """What the comparison says to people, for the terminal and for a page."""
+        """The document of the comparison, for the terminal and for a page."""
         from stribeck.identify import said
 
         return said.of_validation(self)
 
     def to_dict(self) -> dict[str, object]:
-        """What ``stribeck predict --machine --json`` prints."""
+        """The JSON of ``stribeck predict --machine --json``."""
         return {"status": self.status, "reason": self.reason, "rows": self.rows, "errors": self.errors}
 
 
@@ -140,7 +140,7 @@ def _driven_until(scenario: Scenario) -> float:
 
 
 def _changes(scenario: Scenario, raw: Mapping[str, Array], time: Array) -> dict[str, object]:
-    """What of the scenario the record replaces: its length, and with a command its signal and the start."""
+    """The parts of the scenario that the recording replaces: its length, and with a command its signal and the start."""
     changes: dict[str, object] = {"solve.t_end": float(time[-1])}
     step = float(np.median(np.diff(time)))
     if step > 0:

@@ -1,4 +1,4 @@
-"""How far a long fit has come, and whether it is to stop."""
+"""Progress and cancellation of a long fit."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Work:
         self._stop = threading.Event()
 
     def section(self, end: float) -> None:
-        """What follows goes from the share done to ``end``."""
+        """A context whose work goes from the share done to ``end``."""
         self._start, self._end, self._ticks = max(self.share, self._end), end, 0
         self.done(0.0)
 

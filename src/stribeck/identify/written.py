@@ -78,7 +78,7 @@ def toml(fit: Fit, command: str, folder: Path | None = None) -> str:
 
 
 def _of_log(fit: LogFit, command: str) -> dict[str, object]:
-    """What was fitted."""
+    """The fitted model."""
     data = ", ".join(Path(name).name for name in fit.reading.files) or fit.title
     about = {
         "title": f"{fit.law_name} fitted to {data}", "source": f"stribeck {__version__}: {command}",

@@ -186,7 +186,7 @@ def _starts(result: Design) -> Chapter:
 
 
 def starts_sentence(starts: Sequence[Start], judgement: Judgement, unit: str) -> str:
-    """How many starts end differently from the file's own run, and in what."""
+    """A sentence with the starts that end differently from the file's own run."""
     sentences = []
     for kind in distinct_judgements(list(starts), judgement)[1:]:
         alike = [s for s in starts if len(distinct_judgements([s], kind)) == 1]

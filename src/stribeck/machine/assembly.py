@@ -143,7 +143,7 @@ class Assembly:
             body.obey(self)
 
     def _added(self, body: Body, v: Expr) -> None:
-        """What comes onto a body brings its kinetic energy along, at once where it jumps."""
+        """Add the energy of mass that is added with the body's velocity; a jump adds its energy at once."""
         if (signal := body.added_signal) is not None:
             r = self.reference(signal)
             self.power_in = self.power_in + r.rate * v * v / 2

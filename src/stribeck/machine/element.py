@@ -1,4 +1,4 @@
-"""What an element of a machine is: a table with a name, and the equations by which it takes part."""
+"""The base of machine elements: a named table, and its equations."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Element(Family):
         return table_path(self.section, self.name)
 
     def name_of(self, word: str, by: str = ".") -> str:
-        """What one of its quantities is called: ``gear.f``; ``f`` of an element without a name."""
+        """The name of one of its quantities: ``gear.f``; ``f`` of an element without a name."""
         return joined(self.name, word, by)
 
     # -- what it says of itself: structure -------------------------------------------------------------------------
@@ -84,11 +84,11 @@ class Element(Family):
         return self.states
 
     def columns(self, m: Elements) -> list[Column]:
-        """What the output has of it."""
+        """Its columns of the output."""
         return []
 
     def heading(self, m: Elements) -> str:
-        """What it is, for the head of the generated code."""
+        """A description for the head of the generated code."""
         return ""
 
     def turning(self, m: Elements) -> bool:
@@ -119,11 +119,11 @@ class Element(Family):
         return {}
 
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
-        """What is wrong with it among the others: place below its table, message."""
+        """Contradictions with other elements: place below its table, message."""
         return []
 
     def until(self, m: Elements, t_end: float) -> list[Problem]:
-        """What does not go together with the end of a run: path, message."""
+        """Contradictions with the end of a run: path, message."""
         return []
 
     def laws(self) -> list[tuple[str, Friction]]:
@@ -131,12 +131,12 @@ class Element(Family):
         return [(path, x) for path, x in everything(self, self.path) if isinstance(x, Friction)]
 
     def signals(self) -> Iterator[SignalUse]:
-        """How the equations refer to every signal in its table; only of a structure."""
+        """The references to the signals of its table in the equations; only of a structure."""
         yield from (x for _, x in everything(self, self.path) if isinstance(x, SignalUse))
 
     @property
     def use(self) -> SignalUse:
-        """How the equations refer to its first signal; only of a structure."""
+        """The reference to its first signal in the equations; only of a structure."""
         return next(self.signals())
 
     def followed(self) -> Iterator[SignalTable]:

@@ -1,4 +1,4 @@
-"""What a controller does against friction: a law's steady force at the reference's speed, or an observer."""
+"""Friction compensation of a controller: a law's steady force at the reference's speed, or an observer."""
 
 from __future__ import annotations
 

@@ -178,7 +178,7 @@ class Friction:
         return replace(self, p=p, law=self.law if kept else None)
 
     def to_table(self) -> dict[str, Any]:
-        """What a file would hold."""
+        """The value as in a file."""
         return dict(self.written)
 
     def scales(self) -> Scales:

@@ -74,7 +74,7 @@ class Elements:
         return body
 
     def tie(self, name: str) -> Value:
-        """How far a body moves by its leader."""
+        """The displacement of a body per unit of its leader's."""
         body, total = self.bodies[name], 1.0
         while body.tied_to is not None:
             total = total * body.ratio if body.ratio is not None else total
@@ -82,7 +82,7 @@ class Elements:
         return total
 
     def carried(self, body: str) -> dict[str, float]:
-        """How far each body with a coordinate of its own goes by ``body`` while no link is stretched; the leader's first."""
+        """The displacement of each leading body per unit of ``body``, if links are rigid; its own leader first."""
         travel = {self.leader(body).name: 1.0 / self.tie(body)}
         for _ in self.bodies:
             for link in self.links.values():

@@ -201,7 +201,7 @@ class File(SignalTable):
         return waveforms.FileSignal.read(*columns, self.unit, self.time_unit, self.scale)
 
     def wrong(self) -> list[Problem]:
-        """What the file does not hold."""
+        """Problems of the recording and its columns."""
         if self.folder is None:
             return []
         try:

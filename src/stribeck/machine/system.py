@@ -53,7 +53,7 @@ class MachineSystem(Equations):
 
     @cached_property
     def signals(self) -> tuple[SignalUse, ...]:
-        """How the equations refer to each signal."""
+        """The reference to each signal in the equations."""
         every = (each for section in SIGNAL_ORDER for each in getattr(self.elements, section).values())
         return tuple(use for each in every for use in each.signals())
 
@@ -167,7 +167,7 @@ class MachineSystem(Equations):
 
     @property
     def heading(self) -> tuple[str, ...]:
-        """What this is, for the head of the generated code."""
+        """A description for the head of the generated code."""
         e = self.elements
         if e.unnamed:
             law = e.contacts[""].friction.kind
@@ -190,7 +190,7 @@ class MachineSystem(Equations):
 
     @cached_property
     def shown(self) -> tuple[str, ...]:
-        """What of the controllers' memory the output shows: as much of it from the first as has to be."""
+        """The entries of the controllers' memory that an output needs: the first ones."""
         memory, needed = list[str](), 0
         for each in self._sampled:
             needed = len(memory) + len(shown) if (shown := each.shown()) else needed
@@ -199,7 +199,7 @@ class MachineSystem(Equations):
 
     @property
     def memory(self) -> dict[str, tuple[str, ...]]:
-        """What each sampled controller remembers, by its name."""
+        """The memory of each sampled controller, by its name."""
         return {each.name: each.memory(self.elements) for each in self._sampled}
 
     def assembly(self, exact: bool = False, called: Names | None = None) -> Assembly:
@@ -235,7 +235,7 @@ class MachineSystem(Equations):
         return [Watch(name, watch[1], watch[0]) for name, watch in watches if watch is not None]
 
     def samples(self, called: Names | None = None) -> list[Sample]:
-        """What each sampled controller does at its instants, in the order of :attr:`held`."""
+        """The update of each sampled controller at its instants, in the order of :attr:`held`."""
         a = self.assembly(called=called)
         return [each.sample(a) for each in self._sampled]
 

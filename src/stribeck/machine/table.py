@@ -29,7 +29,7 @@ Held = Any  # what a field holds: a number, a symbol or an array of one for each
 
 
 def joined(name: str, word: str, by: str = ".") -> str:
-    """What an element's quantity is called: ``arm.y``; ``y`` of an element without a name, the only one of its kind."""
+    """The name of an element's quantity: ``arm.y``; ``y`` of an element without a name, the only one of its kind."""
     return f"{name}{by}{word}" if name else word
 
 
@@ -40,7 +40,7 @@ def table_path(section: str, name: str) -> str:
 
 @dataclass(frozen=True)
 class Reading:
-    """What reading a table needs beside it: where relative paths begin, and whether files of code are executed."""
+    """The context of reading a table: the base of relative paths, and whether files of code are executed."""
 
     folder: Path = Path()
     executes: bool = True
@@ -193,7 +193,7 @@ def unknown_key(key: str, value: object, known: list[str]) -> str:
 
 
 def no_table(value: object) -> str:
-    """What is wrong with a value that should be a table."""
+    """A message about a value that should be a table."""
     return f"{show(value)}: must be a table, not {kind_of(value)}"
 
 
@@ -246,7 +246,7 @@ class ConstantLeaf:
 
 @dataclass(frozen=True)
 class Carrier:
-    """What replaces run-time constants, and signals by their paths.
+    """Replacements of run-time constants, and of signals by their paths.
 
     Symbols, other numbers, or arrays with one number for each lane replace the constants. With ``structure``, no other value
     of the file stays either."""
@@ -335,7 +335,7 @@ class FileTable(BaseModel):
         return plain_words(info, error)
 
     def wrong(self) -> list[Problem]:
-        """What does not go together in a table whose keys are valid one by one: key, message."""
+        """Contradictions in a table whose keys are valid one by one: key, message."""
         return []
 
     @classmethod
@@ -390,7 +390,7 @@ class FileTable(BaseModel):
         return self.model_copy(update=new)
 
     def to_table(self) -> dict[str, Held]:
-        """What a file would hold."""
+        """The value as in a file."""
         table: dict[str, Held] = {}
         for name, info in type(self).model_fields.items():
             if name in self.model_fields_set and not info.exclude and (value := getattr(self, name)) is not None:

@@ -1,1 +1,1 @@
-"""How results are presented: a document of chapters, which the terminal prints and a page renders."""
+"""Presentation of results: a document of chapters, which the terminal prints and a page renders."""

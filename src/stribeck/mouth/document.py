@@ -126,7 +126,7 @@ class Chapter:
 
 @dataclass(frozen=True)
 class Document:
-    """What a result says.
+    """The document of a result.
 
     Attributes:
         title: what it is about, such as a file's name.
@@ -147,7 +147,7 @@ class Told:
     """A result that says itself: ``print()`` shows what a terminal would, a notebook the same as HTML."""
 
     def document(self) -> Document:
-        """What the result says to people, for the terminal and for a page."""
+        """The document of the result, for the terminal and for a page."""
         raise NotImplementedError
 
     def __str__(self) -> str:

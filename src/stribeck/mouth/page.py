@@ -75,7 +75,7 @@ def _sentence(text: str) -> str:
 
 
 def fragment(document: Document) -> str:
-    """What a terminal shows of a document as HTML without a style, for notebooks."""
+    """The terminal's view of a document as HTML without style, for notebooks."""
     parts = [f"<p><b>{_shown(document.title)}</b>: {_shown(document.lead)}</p>"]
     parts += [f"<p>{_shown(text)}</p>" for text in document.facts]
     for chapter in (each for each in document.chapters if "terminal" in each.on):

@@ -1,4 +1,4 @@
-"""What an axis shows: a quantity with its unit and meaning, in a prefix that keeps its numbers short."""
+"""Quantities on an axis, with unit, meaning and an SI prefix for short numbers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Scale:
-    """How an axis shows a quantity: ``(value - base) / factor``, under a label."""
+    """The scale of a quantity on an axis: ``(value - base) / factor``, under a label."""
 
     factor: float
     base: float

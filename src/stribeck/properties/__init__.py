@@ -73,7 +73,7 @@ def check(
         from stribeck.properties.ports import check_machine
 
         if level is not None:
-            raise InputError("level: must be left out for a machine: its file says what varies")
+            raise InputError("level: must be left out for a machine: its file defines what varies")
         if tolerated:
             raise InputError([f"{name}: must be left out for a machine: it is about one law" for name in tolerated])
         return check_machine(what, v_max, forces, t_end, work)

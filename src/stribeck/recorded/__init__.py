@@ -483,7 +483,7 @@ def _hdf5(path: Path) -> dict[str, Later]:
             return np.asarray(file[name][()]).T
 
     def resolved(file: h5py.File, name: str) -> tuple[object, str]:
-        """What a name of the file leads to, and the reason if that is nothing within the file."""
+        """The target of a name in the file, and the reason if there is none within the file."""
         node, parts, links = file, [name], list[str]()
         while parts:
             part = parts.pop(0)

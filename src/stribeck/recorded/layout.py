@@ -120,7 +120,7 @@ def thousands_without_mark(x: Array) -> bool:
 
 
 def mark_of(cell: str, decimal: str) -> Literal["either", "decimals", "none"]:
-    """What a cell says of the mark that is read as the one of decimals."""
+    """The role of the assumed decimal mark in a cell: either, decimals or none."""
     text = cell.strip()
     if decimal not in text:
         return "none"

@@ -192,7 +192,7 @@ class Scenario:
 
     @property
     def subject(self) -> str:
-        """What it is about, in a few words: the law, or the machine."""
+        """A short description: the law, or the machine."""
         if self.elements.unnamed:
             return f"law {self.law.name}"
         laws = ", ".join(f"{name} {c.friction.kind.name}" for name, c in self.elements.contacts.items())
@@ -202,7 +202,7 @@ class Scenario:
 
     @property
     def label(self) -> str:
-        """What its line in a plot is called: the law's name, or the machine's."""
+        """The label of its line in a plot: the name of the law or of the machine."""
         return self.law.name if self.elements.unnamed else self.name
 
     @property
@@ -218,7 +218,7 @@ class Scenario:
 
     @cached_property
     def rows(self) -> int:
-        """How many rows the output has: i * step for i = 0 ... floor(t_end/step + 1e-9)."""
+        """The number of rows of the output: i * step for i = 0 ... floor(t_end/step + 1e-9)."""
         return tables.rows(self.solve.t_end, self.output.step)
 
     @property

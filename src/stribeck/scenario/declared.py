@@ -1,4 +1,4 @@
-"""What a number of the file is, by its path: the declaration of it that an element, a law or a signal makes."""
+"""The declaration of a number in a file, by its path: from an element, a law or a signal."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ class Machine:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Its name."""
         return self._name
 
     def __getitem__(self, name: str) -> Element:
@@ -118,7 +118,7 @@ class Machine:
         return VariedMachine(self, dict(values))
 
     def scenario(self, t_end: float, step: float | None = None, *, energy: bool = False, **solve: object) -> Scenario:
-        """What is simulated: until ``t_end`` (s), with a row every ``step`` (s; t_end/1000 unless given).
+        """The scenario to simulate, until ``t_end`` (s), with a row every ``step`` (s; t_end/1000 unless given).
 
         Further arguments are those of [solve], such as ``rtol``.
 

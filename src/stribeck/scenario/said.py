@@ -1,4 +1,4 @@
-"""What a scenario says of itself: its laws, and its file."""
+"""Documents of a scenario: its laws, and its file."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ def text() -> str:
 
 
 def _common(version: int) -> Node:
-    """What a scenario and a machine have alike at the top."""
+    """Common top-level keys of a scenario and a machine."""
     return {
         "schema": {"const": version, "description": "the version of the file format"},
         "name": {"type": "string", "description": "the scenario's name; the file's unless given"},
@@ -180,7 +180,7 @@ def _law(law: type[Law], observes: bool = False) -> Node:
 
 
 def _observers() -> Node:
-    """What a controller takes the friction for."""
+    """The friction that a controller assumes."""
     without = _object({"name": {"const": NONE, "description": "no compensation"}}, ["name"])
     observers = [_law(law, observes=True) for law in laws.builtin().values() if law.claims.smooth is not False]
     return {"oneOf": [without, *observers, _own_law()]}

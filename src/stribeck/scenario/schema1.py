@@ -53,7 +53,7 @@ _ORDER = (
 
 @dataclass(frozen=True)
 class Called:
-    """What a file calls otherwise than the machine that it becomes.
+    """Names of a file that differ from those of its machine.
 
     Attributes:
         paths: pairs of the machine's path and the file's; the first that a path begins with counts.
@@ -85,7 +85,7 @@ def _swapped(path: str, pairs: tuple[tuple[str, str], ...]) -> str:
 
 @dataclass(frozen=True)
 class ElementNames:
-    """What the body, the contact and what moves the body are called; nothing in a file of schema 1."""
+    """The names of the body, the contact and the drive; empty in a file of schema 1."""
 
     body: str = ""
     contact: str = ""

@@ -297,7 +297,7 @@ def _ground(page: _Page, layout: _Layout, body: str, y: float, y_ground: float) 
 
 
 def _top(page: _Page, layout: _Layout, body: str, y_control: float, y_above: float, y_box: float) -> None:
-    """What acts on a body from above, and the controllers above that."""
+    """The elements drawn above a body, and the controllers above them."""
     places: dict[str, float] = {}
     above = layout.above[body]
     for x, entry in zip(layout.slots(body, max(1, len(above))), above, strict=False):

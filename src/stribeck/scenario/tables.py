@@ -16,7 +16,7 @@ RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
 
 
 class Solve(FileTable):
-    """How to solve."""
+    """Settings of the solver."""
 
     t_end: float = given_as(Constant("s", "end of the simulation", above=0))
     rtol: float = Field(1e-8, ge=RTOL_SMALLEST, le=RTOL_LARGEST, description="relative tolerance")
@@ -27,13 +27,13 @@ class Solve(FileTable):
 
 
 class Output(FileTable):
-    """What to keep."""
+    """Settings of the output."""
 
     step: float = given_as(Constant("", "time between rows, s: row i is at i * step", above=0))
     energy: bool = Field(False, description="add the columns E_in, E_stored and E_dissipated, J")
 
 
 def rows(t_end: float, step: float) -> int:
-    """How many rows an output has: i * step for i = 0 ... floor(t_end/step + 1e-9)."""
+    """The number of rows of an output: i * step for i = 0 ... floor(t_end/step + 1e-9)."""
     ratio = t_end / step + 1e-9
     return math.floor(ratio) + 1 if ratio < ROWS_LARGEST else ROWS_LARGEST

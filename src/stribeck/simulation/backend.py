@@ -40,7 +40,7 @@ def chosen() -> str:
         raise InputError(f"{VARIABLE}: {wanted!r}: must be {', '.join(BACKENDS[:-1])} or {BACKENDS[-1]}")
     has_compiler = wanted != "wasm" and compiler.find() is not None
     if wanted == "c" and not has_compiler:
-        raise InputError(f"{VARIABLE}: 'c': no C compiler was found ('stribeck doctor' says where it is looked for)")
+        raise InputError(f"{VARIABLE}: 'c': no C compiler was found ('stribeck doctor' lists the places searched)")
     return "c" if has_compiler else "wasm"
 
 

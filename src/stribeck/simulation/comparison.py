@@ -36,7 +36,7 @@ class Comparison:
         return said.comparison(self)
 
     def summary(self) -> dict[str, object]:
-        """What ``stribeck run --json`` prints under several laws, without the files."""
+        """The JSON of ``stribeck run --json`` with several laws, without the files."""
         labels = list(self.solutions)
         failed = {label: s.reason for label, s in self.solutions.items() if s.reason}
         return {

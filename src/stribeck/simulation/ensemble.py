@@ -252,7 +252,7 @@ def _simulate_singly(batch: _Lanes, threads: int, progress: Callable[[float], No
 
 
 def inaccurate_lanes(number: int, lanes: int) -> str:
-    """How many of the lanes do not reach the promised accuracy, in words; empty if all reach it."""
+    """A sentence with the number of lanes that do not reach the promised accuracy; empty if all reach it."""
     return f"{number} of {lanes} lanes do not reach the promised accuracy" if number else ""
 
 

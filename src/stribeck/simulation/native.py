@@ -59,7 +59,7 @@ def doubts(scenario: Scenario) -> list[str]:
     if rtol < finest * (1 - 1e-9):
         ratio = f"damping ratio {damping_ratio(scenario):.2g}"
         return [
-            f"the contact is hardly damped ({ratio}) and rings: v may be off by more than solve.rtol = {rtol:g} says"
+            f"the contact is hardly damped ({ratio}) and rings: the error of v may exceed the promise of solve.rtol = {rtol:g}"
         ]
     return []
 

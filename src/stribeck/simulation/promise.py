@@ -232,7 +232,7 @@ class Promise:
         return np.asarray(moved <= _NOISE * np.max(moved, axis=1, keepdims=True))
 
     def missed(self, tolerances: Tolerances, measured: MeasuredMotion) -> Missed:
-        """What may miss the promise in each lane."""
+        """Possible violations of the promise in each lane."""
         rtol, peaks, force = self._rtol, measured.peaks, measured.force
         sizes = rtol * peaks / tolerances.atol
         followed = np.max(sizes, axis=1, keepdims=True).clip(_LEAST_SIZE, 1.0)
@@ -285,7 +285,7 @@ class Promise:
         )
 
     def after(self, missed: Missed, coarse: Pass, fine: Pass) -> Missed:
-        """What may miss the promise after a run with finer tolerances, whose rows measure the errors of the run before.
+        """Possible violations of the promise after a run with finer tolerances, whose rows measure the errors of the run before.
 
         Args:
             missed: the same before that run.

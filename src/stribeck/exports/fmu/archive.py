@@ -170,5 +170,5 @@ def _zipped(content: dict[str, str | bytes]) -> bytes:
 
 
 def notes(request: Request) -> list[str]:
-    """What co-simulation loses at the communication step that was given."""
+    """Notes about the accuracy of co-simulation at the given communication step."""
     return resolution(request) if request.part == "law" else []

@@ -51,7 +51,7 @@ class Variable:
 
 
 class Details(TypedDict, total=False):
-    """What not every variable has."""
+    """Optional attributes of a variable."""
 
     start: float
     minimum: float | None
@@ -100,13 +100,13 @@ class Description:
 
     @property
     def token(self) -> str:
-        """What an importer must show when it instantiates the FMU: the same for the same model only."""
+        """The token that an importer must present to instantiate the FMU; it is unique to the model."""
         words = [self.model, str(self.fmi), *self.about, *(v.name for v in self.variables)]
         identifier = uuid.uuid5(uuid.NAMESPACE_URL, "\n".join(words))
         return f"{{{identifier}}}" if self.fmi == 2 else str(identifier)
 
     def values(self) -> dict[str, object]:
-        """What the templates need of it."""
+        """Its values for the templates."""
         return {
             "P": self.prefix, "model": self.model, "fmi": self.fmi, "about": self.about, "variables": self.variables,
             "derivatives": self.derivatives, "states": self.states, "exchange": self.exchange, "token": self.token,

@@ -1,4 +1,4 @@
-"""What an exported machine is made of: the generated C, its values as tables, and the names of all that it has."""
+"""The model of an exported machine: generated C, values as tables, and names."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ class MachineModel:
         return [ascii_only(line) for line in (*lines, made_by())]
 
     def context(self) -> dict[str, object]:
-        """What the templates need."""
+        """Values for the templates."""
         scenario, machine, held = self.scenario, self.machine, len(self.machine.held)
         pieces, share = scenario.pieces(), step_share(scenario)
         room, noise = held_back(scenario.end, [scenario.elements.sampling()])
@@ -160,7 +160,7 @@ class MachineModel:
         }  # fmt: skip
 
     def notes(self) -> list[str]:
-        """What differs from the simulation."""
+        """Notes about differences from the simulation."""
         if any(each.sampling is not None and each.sampling.noise is not None for each in self.machine.controllers):
             return [f"measurement noise is exported up to t = {self.scenario.end:g} s; later readings have none"]
         return []
@@ -210,7 +210,7 @@ def _plain(line: str) -> str:
 
 
 def _unit_of(machine: MachineSystem, use: SignalUse) -> str:
-    """What a signal is measured in, by the table that it stands in."""
+    """The unit of a signal, by its table."""
     section, name, *_rest = use.path.split(".")
     if section == "motors":
         return "V"

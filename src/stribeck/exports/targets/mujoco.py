@@ -40,7 +40,7 @@ def files(request: Request) -> Content:
 
 
 def notes(request: Request) -> list[str]:
-    """What MuJoCo cannot keep at the time step."""
+    """Notes about the accuracy in MuJoCo at the time step."""
     law, warnings = request.law, []
     if law.jumps_at_rest:
         warnings.append(f"law '{law.name}': F jumps at v = 0: a body at rest chatters by F/mass * step in v")
@@ -238,7 +238,7 @@ def remove():
 
 
 def _at(model, data, i):
-    """What equations() gives, v, and the growth h phi_1(h d(dz/dt)/dz) of the bristle's step."""
+    """The results of equations(), v, and the growth h phi_1(h d(dz/dt)/dz) of the bristle's step."""
     v, h = data.actuator_velocity[i], model.opt.timestep
     z = data.act[model.actuator_actadr[i]] if model.actuator_actnum[i] else np.float64(0.0)
     with np.errstate(all="ignore"):

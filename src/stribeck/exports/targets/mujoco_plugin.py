@@ -30,7 +30,7 @@ def files(block: Block) -> Content:
 
 
 def notes(block: Block) -> list[str]:
-    """What differs from the file: of the encoder, the plugin has no noise."""
+    """Notes about differences from the file: the plugin's encoder has no noise."""
     return block.notes(carried=("delay", "resolution"))
 
 

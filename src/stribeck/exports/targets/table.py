@@ -36,7 +36,7 @@ def files(request: Request) -> Content:
 
 
 def notes(request: Request) -> list[str]:
-    """What every table loses, whatever the step."""
+    """Notes about the limits of every table."""
     if not request.law.has_z or request.step is None:
         return []
     return [f"{arg('step')}: a table keeps none of the law's dynamics at any step: it is the steady friction alone"]
@@ -129,7 +129,7 @@ def _compensation(block: Block) -> Content:
 
 
 def _notes_of_compensation(block: Block) -> list[str]:
-    """What no table of a compensation has."""
+    """Notes about settings that a table of a compensation cannot represent."""
     compensation = block.controller.compensation
     assert compensation is not None
     if compensation.speed == "reference":

@@ -208,7 +208,7 @@ class RecordingTable(FileTable):
 
 
 class PriorTable(FileTable):
-    """What is known of a parameter beforehand."""
+    """Prior knowledge of a parameter."""
 
     mean: Finite
     deviation: float = quantity("", "standard deviation", above=0)

@@ -1,1 +1,1 @@
-"""What is fitted: problems with their residuals."""
+"""Models of fits: problems with their residuals."""

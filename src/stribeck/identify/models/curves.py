@@ -48,11 +48,11 @@ class SteadyCurve(ABC):
 
     @abstractmethod
     def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
-        """What each coefficient multiplies."""
+        """The columns of the coefficients."""
 
     @abstractmethod
     def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
-        """What is given of the force; None if nothing is."""
+        """The given part of the force, or None."""
 
     @abstractmethod
     def constants(
@@ -162,7 +162,7 @@ class StribeckCurve(SteadyCurve):
         return np.asarray(np.exp(-(share**2 if "delta" not in have else share ** have["delta"])))
 
     def columns(self, v: Array, shape: Mapping[str, float]) -> dict[str, Array]:
-        """What F_c and the rise multiply."""
+        """The columns of F_c and the rise."""
         sign = self.sign(v, shape)
         if not self.rises:
             return {} if "F_c" in self.given else {"F_c": sign}
@@ -172,7 +172,7 @@ class StribeckCurve(SteadyCurve):
         return {"F_c": sign, "rise": bump}
 
     def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
-        """What given levels do."""
+        """The force of given levels."""
         if not {"F_c", "F_s"} & self.given.keys():
             return None
         sign = self.sign(v, shape)
@@ -232,7 +232,7 @@ class SlidingCurve(SteadyCurve):
         return columns
 
     def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
-        """What given constants multiply."""
+        """The columns of given constants."""
         held = [n for n in self._linear if n in self.given]
         if not held:
             return None

@@ -84,7 +84,7 @@ class Record:
 
 
 def body_columns(log: Log, names: Sequence[str], viscous: bool = True) -> dict[str, Array]:
-    """What each coefficient of the body multiplies: inertia, viscous friction, and terms."""
+    """The columns of the body's coefficients: inertia, viscous friction, and terms."""
     viscous_column = {"sigma_2": log.velocity} if viscous else {}
     usual = {"mass": log.acceleration} | viscous_column
     sign = np.sign(log.velocity)

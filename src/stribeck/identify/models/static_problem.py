@@ -1,4 +1,4 @@
-"""Which rows a static fit compares: the band of the force, filtered and thinned, without rest."""
+"""The rows of a static fit: filtered force, decimated and without rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the force holds beside the law's friction: inertia, spring, offset, pressure's push, levels that vary."""
+"""Terms of the force other than the law's friction: inertia, spring, offset, pressure, varying levels."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def column(name: str, log: Log) -> Array:
 
 
 def problem(name: str, value: object) -> str:
-    """What is wrong with a value that is given for a term; nothing where it may be so."""
+    """A message about an invalid value of a term; empty if it is valid."""
     positive = TERMS[name].positive
     number = value if isinstance(value, int | float) and not isinstance(value, bool) else float("nan")
     if abs(number) <= LARGEST and not (positive and number < 0):

@@ -27,7 +27,7 @@ MASS = Constant("kg", "mass of the body", above=0, rotary_unit="kg m^2")
 
 
 def sum_of_forces(u: Value, F: Value) -> Value:
-    """What accelerates a body, N: the force u on it less the friction force F."""
+    """The net force on a body, N: the force u minus the friction force F."""
     return u - F
 
 
@@ -97,7 +97,7 @@ class Body(Element, family=True):
         return self.tied_to is None and self.velocity is None
 
     def wrong(self) -> list[Problem]:
-        """What in the table does not go together."""
+        """Contradictions in the table."""
         problems: list[Problem] = []
         given = [n for n in ("mass", "inertia") if getattr(self, n) is not None]
         if self.velocity is not None:
@@ -139,7 +139,7 @@ class Body(Element, family=True):
         return inertia * v**2 / 2
 
     def lost_power(self, y: Value, v: Value, x: Own) -> Value:
-        """What is dissipated beside friction, W."""
+        """The power dissipated other than by friction, W."""
         return 0.0
 
     def inside(self, y: Value) -> Value | None:

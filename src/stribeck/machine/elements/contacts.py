@@ -116,7 +116,7 @@ class Raise(FileTable):
 
 
 class Factor(FileTable):
-    """What a parameter is multiplied by: a signal, or 1 + sum of amplitude sin(waves d + phase)."""
+    """A factor of a parameter: a signal, or 1 + sum of amplitude sin(waves d + phase)."""
 
     signal: SignalTable | None = Field(None, description="the factor, > 0 at all times")
     amplitude: tuple[float, ...] | None = quantity("", "amplitude of a wave of the factor", optional=True, many=True)
@@ -342,7 +342,7 @@ def _not_positive(signal: waveforms.Signal) -> str | None:
 
 
 def _beyond(law: Law, by: Mapping[str, tuple[float, float]]) -> list[Problem]:
-    """What a law does not allow any more where factors are at their least and largest."""
+    """Problems of the law at the smallest and largest factors."""
     problems: list[Problem] = []
     for name, (low, _) in by.items():
         declared, value = law.constants().get(name), law.values.get(name)

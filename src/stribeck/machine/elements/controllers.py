@@ -54,13 +54,13 @@ Rates = dict[str, Expr]
 
 
 class Feedforward(FileTable):
-    """What is added to a controller's output."""
+    """A feedforward, added to a controller's output."""
 
     inertia: float = quantity("kg", "force by the signal's second derivative", rotary_unit="kg m^2")
 
 
 class Compensation(FileTable):
-    """What a controller does against friction: a law's steady force at the reference's speed, or an observer."""
+    """Friction compensation of a controller: a law's steady force at the reference's speed, or an observer."""
 
     contact: Annotated[str | None, Refers(("contacts",))] = Field(None, description="the contact whose friction it is")
     speed: Literal["reference", "measured"] = Field(description="speed for the law: reference or measured")
@@ -92,13 +92,13 @@ class Compensation(FileTable):
     def force(
         self, m: Elements, r: Reference, v: Expr, z: Expr, called: Names, exact: bool
     ) -> tuple[Expr, Expr | None]:
-        """What it adds, and the rate of the observer's deflection."""
+        """Its force, and the rate of the observer's deflection."""
         force, rate = compensation(self.friction(m), self.speed, r, v, z, called, exact, self.lead)  # type: ignore[arg-type]
         return (self.share * force if self.share is not None else force), rate
 
 
 class Courses(Protocol):
-    """What a remark is made of: the rows of a solution."""
+    """The rows of a solution, for remarks."""
 
     @property
     def t(self) -> Array:
@@ -106,14 +106,14 @@ class Courses(Protocol):
 
     @property
     def held(self) -> Mapping[str, Array]:
-        """What controllers held at these times."""
+        """The held values of controllers at these times."""
 
     def __getitem__(self, name: str, /) -> Array:
         """A column."""
 
 
 class AnyController(Element, family=True):
-    """What follows a signal by what it measures: the base of controllers of a force and of those that move a valve."""
+    """The base of controllers of a force and of controllers of a valve."""
 
     section, positional = "controllers", ("name",)
     moves_valve: ClassVar[bool] = False
@@ -124,7 +124,7 @@ class AnyController(Element, family=True):
         sampling: Held
 
     def memory(self, m: Elements) -> tuple[str, ...]:
-        """What a sampled one remembers."""
+        """The memory of a sampled controller."""
         raise NotImplementedError
 
     def valve(self, a: Assembly, body: Piston, p: SimpleNamespace, F: Expr) -> tuple[SimpleNamespace, Expr]:
@@ -132,11 +132,11 @@ class AnyController(Element, family=True):
         raise NotImplementedError
 
     def shown(self) -> tuple[str, ...]:
-        """What of its memory the output shows: the first of it."""
+        """The entries of its memory that an output needs: the first ones."""
         return ()
 
     def sample(self, a: Assembly) -> Sample:
-        """What a sampled one does at its instants."""
+        """The update of a sampled controller at its instants."""
         raise NotImplementedError
 
     def longest_step(self) -> Value:
@@ -283,13 +283,13 @@ class Controller(AnyController, for_users=True):
     # -- samples -----------------------------------------------------------------------------------------------------
 
     def memory(self, m: Elements) -> tuple[str, ...]:
-        """What a sampled controller remembers: how often it read, its last reading, its filter, its states, its dither's
+        """The memory of a sampled controller: the number of readings, its last reading, its filter, its states, its dither's
         phase."""
         assert self.sampling is not None
         return ("readings", *self.sampling.memory, *self.all_states(m), *([PHASE] if self.dither is not None else []))
 
     def sample(self, a: Assembly) -> Sample:
-        """What it does at its instants."""
+        """Its update at its instants."""
         assert self.sampling is not None
         y = wrap(self.sampling.reading(a.motion(self.body)[0]))
         a.called[y] = self.name_of("reading", "_")

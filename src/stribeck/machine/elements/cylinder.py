@@ -51,7 +51,7 @@ class Piston(Body):
 
     @property
     def constants(self) -> dict[str, Value]:
-        """What the equations of the gas take."""
+        """The arguments of the gas equations."""
         return {n: getattr(self, n) for n in _C}
 
     def obey_force(self, a: Assembly) -> None:
@@ -88,7 +88,7 @@ class Piston(Body):
         return {s.name: force / self.area for s in self.states}
 
     def wrong(self) -> list[Problem]:
-        """What a piston does not have; a start outside the stroke, and pressures that cannot be."""
+        """Keys that a piston does not have, a start outside the stroke, and invalid pressures."""
         more = [n for n in ("inertia", "tied_to", "ratio", "velocity", "rotary") if getattr(self, n) is not None]
         problems = [
             (n, f"{show(getattr(self, n))}: must be left out: this body is the piston of a cylinder") for n in more

@@ -17,19 +17,19 @@ _EDGE = 1e-9  # of a wave: a sample so little before an edge is at it; 1e6 sampl
 
 
 class Dither(FileTable):
-    """What a controller adds to its output, before its limit: a sine, or a square wave from one sample to another."""
+    """An oscillation added to a controller's output before its limit: a sine, or a sampled square wave."""
 
     kind: Literal["sine", "square"] = Field("sine", description="sine, or square if it is sampled; sine unless given")
     amplitude: float = quantity("N", "amplitude of the dither", at_least=0, rotary_unit="N m")
     frequency: float = quantity("Hz", "frequency of the dither", above=0)
 
     def force(self, phase: Value) -> Expr:
-        """What is added after ``phase`` of a wave; it begins at 0 and upwards."""
+        """The value after ``phase`` of a wave, which begins at 0 and rises."""
         wave = sin(2 * pi * phase) if self.kind == "sine" else where(phase < 0.5 - _EDGE, 1.0, -1.0)
         return wrap(self.amplitude * wave)
 
     def force_at(self, t: Expr) -> Expr:
-        """What is added at the time t by a controller that is continuous."""
+        """The value at time t in a continuous controller."""
         return self.force(self.frequency * t)
 
     def next_phase(self, phase: Value, period: Value) -> Expr:

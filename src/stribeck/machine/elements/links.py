@@ -69,7 +69,7 @@ class Link(BetweenBodies, family=True):
         return [("to", f"{show(self.end)}: {text}")] if self.far is not None and self.end == GROUND else []
 
     def stretch(self, d: Value) -> Value:
-        """What the spring is stretched by: d, less the play."""
+        """The elongation of the spring: d minus the backlash."""
         return d if self.gap is None else d - clip(d, -self.gap / 2, self.gap / 2)
 
     def elastic(self, d: Value) -> Value:

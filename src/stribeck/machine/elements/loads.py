@@ -112,7 +112,7 @@ class Follower(Load):
 
 
 class Pendulum(Load):
-    """What gravity does to an arm: -amplitude sin(y + phase)."""
+    """The gravity torque of an arm: -amplitude sin(y + phase)."""
 
     conservative = by_position_alone = True
     kind: Literal["pendulum"] = "pendulum"

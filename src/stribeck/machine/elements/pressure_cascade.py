@@ -316,7 +316,7 @@ class PressureCascade(AnyController):
 
     @property
     def observer_name(self) -> str:
-        """What that law is called."""
+        """The name of the assumed law."""
         return NONE if self.observer is None else str(self.observer.kind.name)
 
     @property
@@ -350,11 +350,11 @@ class PressureCascade(AnyController):
         return tuple(State(c.name, c.unit, c.meaning, START[c.name]) for c in kept)
 
     def shown(self) -> tuple[str, ...]:
-        """What a sampled controller computed at its last instant, by the names of columns and states."""
+        """The results of a sampled controller at its last instant, by the names of columns and states."""
         return (*_HELD, *(state.name for state in self._remembered if state is not Z_HAT), _SWINGS)
 
     def memory(self, m: Elements) -> tuple[str, ...]:
-        """What a sampled controller remembers: what it shows, its states for the next instant, and its filter's."""
+        """The memory of a sampled controller: its outputs, its states for the next instant, and its filter's."""
         assert self.sampling is not None
         tracked = _TRACKED if self.sampling.bandwidth is not None else ()
         return (*self.shown(), *_TURNS, "readings", *(f"next_{state.name}" for state in self._remembered), *tracked)
@@ -522,7 +522,7 @@ class PressureCascade(AnyController):
     # -- what is wrong with it -----------------------------------------------------------------------------------------
 
     def wiring(self, m: Draft) -> list[tuple[Loc, str]]:
-        """What it is on, and what of its table does not go together."""
+        """Problems of its place, and contradictions in its table."""
         body, problems = m.machine.bodies.get(self.on), list[tuple[Loc, str]]()
         before = next(x.name for x in m.machine.controllers.values() if x.moves_valve and x.on == self.on)
         if body is None and self.on in m.names["bodies"]:

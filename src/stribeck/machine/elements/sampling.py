@@ -29,7 +29,7 @@ class Sampling(FileTable):
     )
 
     def reading(self, y: Value) -> Value:
-        """What the encoder gives for the position y: with noise, rounded to the nearest count."""
+        """The encoder's reading of the position y: with noise, rounded to the nearest count."""
         if self.noise is not None:
             y = y + self.noise * symbol("noise")
         if self.resolution is not None:
@@ -38,7 +38,7 @@ class Sampling(FileTable):
 
     @property
     def memory(self) -> tuple[str, ...]:
-        """What the estimator of the speed remembers."""
+        """The memory of the speed estimator."""
         return ("filter_y", "filter_v") if self.bandwidth is not None else ("last",)
 
     def speed(self, first: Value, y: Expr, m: dict[str, Expr]) -> tuple[Expr, dict[str, Expr]]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Sensor(Element, family=True):
-    """What an instrument reads of a body at each row of the output.
+    """The reading of an instrument on a body, at each row of the output.
 
     A sensor of your own overrides ``reading``.
     """
@@ -31,7 +31,7 @@ class Sensor(Element, family=True):
         return Encoder(name=name, on=on, resolution=resolution, ratio=ratio, offset=offset)
 
     def reading(self, y: Value, v: Value) -> Value:
-        """What it reads, m or rad."""
+        """The reading, m or rad."""
         raise NotImplementedError
 
     def equations(self, a: Assembly) -> None:

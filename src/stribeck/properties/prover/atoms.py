@@ -1,4 +1,4 @@
-"""What stands for a function in a leaf: an atom of the ring, with a rule for its value there (docs/reference/certificates.md)."""
+"""Atoms of the ring, which replace functions in a leaf, with rules for their values (docs/reference/certificates.md)."""
 
 from __future__ import annotations
 

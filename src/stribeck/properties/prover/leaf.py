@@ -38,7 +38,7 @@ def _context() -> Polynomial:
 
 
 class Leaf:
-    """What can be shown on a region with certain rules for atoms."""
+    """Proofs on a region with given rules for atoms."""
 
     def __init__(self, ring: Ring, region: Region, rules: Rules, inputs: Mapping[str, Range]) -> None:
         self.ring, self.region, self.rules = ring, region, rules

@@ -23,7 +23,7 @@ _FACTORED = 120  # terms up to which factors are looked for
 
 
 class Unclear(Exception):
-    """What this algebra cannot treat."""
+    """An expression that this algebra cannot treat."""
 
 
 @dataclass(eq=False)
@@ -175,5 +175,5 @@ class Ring:
         return self._interned(self.generators[3 + self._index[key]], self.context.constant(1))
 
     def index(self, quotient: Quotient) -> int:
-        """Which atom it is."""
+        """The index of the atom."""
         return int(next(i for i, power in enumerate(quotient.top.monoms()[0]) if power)) - 3

@@ -99,7 +99,7 @@ class Prover:
         return self.proved[key]
 
     def _shared_form(self, expr: Expr, relation: str, region: Region) -> Hashable:
-        """What two claims share whose normal forms are the same, such as those for (v, z) and for (-v, -z)."""
+        """The shared key of claims with the same normal form, such as those for (v, z) and for (-v, -z)."""
         try:
             value = self.leaf(region, Rules(opaque=True)).convert(expr)
         except Unclear:

@@ -1,4 +1,4 @@
-"""What a steepness costs: the stiffness of the equations, and the step that an explicit method may take."""
+"""The cost of a steepness: the stiffness of the equations, and the largest step of an explicit method."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ _SLOPES = (1e-6, 1e12)  # k_v as multiples of 1/v_s: where it is looked for
 
 @dataclass(frozen=True)
 class Requirement:
-    """What one tolerance asks of k_v.
+    """The k_v that one tolerance needs.
 
     Attributes:
         name: what is tolerated, in words.
@@ -48,7 +48,7 @@ class Tolerance(ABC):
 
     @abstractmethod
     def measure(self, law: Law) -> float:
-        """How large it is for a law with its k_v."""
+        """The error of a law with its k_v."""
 
     @abstractmethod
     def need(self, law: Law) -> Requirement:

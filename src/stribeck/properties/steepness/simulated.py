@@ -53,7 +53,7 @@ class _Simulated(Tolerance):
 
     @abstractmethod
     def scenario(self, law: Law) -> Scenario:
-        """What is simulated."""
+        """The scenario of the simulation."""
 
     @abstractmethod
     def words(self, law: Law) -> tuple[str, str]:
