@@ -91,7 +91,7 @@ def _document(title: str, lead: str, rows: dict[str, str]) -> Document:
     """The results, in rows."""
     from stribeck.mouth.document import Chapter, Document, Table
 
-    table = Table(["part", "what was found"], [list(row) for row in rows.items()], prose=True)
+    table = Table(["part", "result"], [list(row) for row in rows.items()], prose=True)
     return Document(title, lead, (), [Chapter("installation", "Installation", tables=[table])])
 
 

@@ -65,7 +65,7 @@ class LuGreArctan(BristleLaw):
 
 
 class LuGreSobczyk(BristleLaw):
-    """Sobczyk's smooth LuGre law: bounded, but not passive for any parameters; creeps under a held load."""
+    """Sobczyk's smooth LuGre law: bounded, but not passive for any parameters; creeps under a constant load."""
 
     name = "lugre_sobczyk"
     source = "Sobczyk, Perondi, Cunha, A continuous approximation of the LuGre friction model, eqs 7-9"

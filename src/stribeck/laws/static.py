@@ -13,7 +13,7 @@ _TIME = 1e-2  # s; a static law has no natural length: its scale is the distance
 
 
 class CoulombViscous(StaticLaw):
-    """Coulomb and viscous friction, the sign made smooth with steepness k_v."""
+    """Coulomb and viscous friction with a smooth sign of steepness k_v."""
 
     name = "coulomb_viscous"
     source = "Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7):1083-1138, 1994; S_0 from the paper's eq. 4"

@@ -16,7 +16,7 @@ V_D = Constant(
     above=0, optional=True, rotary_unit="rad/s",
 )  # fmt: skip
 DELTA = Constant("", "exponent of the Stribeck curve exp(-|v/v_s|^delta); 2 unless given", at_least=1, optional=True)
-SMOOTH_ABS = Constant("", "which smooth majorant of |v|; atan unless given", choices=("atan", "sqrt", "compact"))
+SMOOTH_ABS = Constant("", "smooth majorant of |v|; atan unless given", choices=("atan", "sqrt", "compact"))
 
 
 def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
