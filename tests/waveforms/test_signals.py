@@ -78,8 +78,13 @@ def test_a_step_cannot_miss_a_wave():
 
 
 def crossings(signal, level=1.0, t_end=10.0):
-    found = signal.crossings(level, t_end)
-    return [(round(t, 12), rises) for t, rises in found]
+    """Those of the signal, which are also those of a sum of it and nothing."""
+    found, of_sum = (
+        [(round(t, 12), rises) for t, rises in each.crossings(level, t_end)]
+        for each in (signal, SumSignal.flattened([signal, RampSignal({"rate": 0.0})]))
+    )
+    assert of_sum == found
+    return found
 
 
 def test_crossings_inside_pieces():

@@ -113,17 +113,24 @@ class SumSignal(Signal):
         return rate
 
     def _zeros(self, quantity: Callable[[int, Value], Value], t_end: float) -> Iterator[tuple[float, bool]]:
-        """Times at which a quantity passes through 0 within a piece, bisected to rounding, and whether it rises."""
-        starts = [start for start, _ in self.pieces if start < t_end]
+        """Times at which a quantity passes through 0 and whether it rises: starts of pieces, or bisected to rounding."""
+        starts = [start for start, _ in self.pieces if start <= t_end]
+        before = 0.0
         for i, (begin, end) in enumerate(zip(starts, [*starts[1:], t_end], strict=True)):
             count = int(np.ceil((end - begin) / self.longest_step * _SAMPLES)) + 8 * _SAMPLES
             t = np.linspace(begin, end, count + 1)
             side = np.sign(quantity(i, t) + 0.0 * t)
+            t, side = t[side != 0], side[side != 0]  # where it is 0 it may pass, or touch 0 only
+            if not len(t):
+                continue
+            if before * side[0] < 0:
+                yield begin, bool(side[0] > 0)
             for k in np.flatnonzero(side[1:] * side[:-1] < 0):
                 low, high = float(t[k]), float(t[k + 1])
                 while low < (middle := 0.5 * (low + high)) < high:
                     low, high = (middle, high) if quantity(i, middle) * side[k] > 0 else (low, middle)
                 yield low, bool(side[k] < 0)
+            before = side[-1]
 
     def turns(self, t_end: float) -> Array:
         """The times before ``t_end`` at which the rate passes through 0."""
@@ -133,11 +140,7 @@ class SumSignal(Signal):
         def above(i: int, t: Value) -> Value:
             return abs(self._within(i, t)) - level
 
-        crossings = [(t, rises) for t, rises in self._zeros(above, t_end) if t > 0]
-        for i, (start, _) in enumerate(self.pieces[1:]):
-            before, after = above(i, start) >= 0, above(i + 1, start) >= 0
-            crossings += [(start, bool(after))] if before != after and start <= t_end else []
-        return sorted(crossings)
+        return [(t, rises) for t, rises in self._zeros(above, t_end) if t > 0]
 
 
 @lru_cache(maxsize=64)
