@@ -7,6 +7,7 @@ import pytest
 
 import stribeck
 from stribeck.errors import StribeckNote
+from stribeck.exports.targets import table
 from stribeck.expressions.ops import sign
 from stribeck.laws import BristleLaw
 from tests.exports.harness import law
@@ -56,6 +57,8 @@ def test_table(name, tmp_path):
     )
     assert np.max(abs(np.interp(at, v, F) - chosen.steady_force(at))) <= 1.01 * error
     assert error <= 0.02 * np.max(F)
+    grid = table._grid(chosen)  # no other table has a smaller one
+    assert error < 1e-9 * np.max(F) or len(table._polygon(grid, chosen.steady_force(grid), 0.99 * error)[0]) > 20
     assert any(f"{key} = {value!r}" in line for line in head for key, value in chosen.values.items() if value)
 
 

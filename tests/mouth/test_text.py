@@ -10,8 +10,8 @@ import pytest
 from stribeck.errors import printable, unbroken
 from stribeck.explore import explore
 from stribeck.mouth import page, plots, terminal
-from stribeck.mouth.cells import human, percent
-from stribeck.mouth.document import Amount, Chapter, Document, Figure, Head, Table
+from stribeck.mouth.cells import human, percent, text
+from stribeck.mouth.document import Amount, Chapter, Document, Ends, Figure, Head, Table, Uncertain
 from stribeck.scenario import Scenario
 from tests.cli.conftest import stribeck  # noqa: F401
 from tests.simulation.rig import needs_compiler
@@ -84,6 +84,14 @@ def test_a_rounded_number_keeps_its_digits(share, text):
 def test_a_rounded_number_keeps_its_digits_in_its_unit():
     assert [human(x, "m") for x in (0.0641999, 0.0999999, 0.01, 5.0)] == ["64.2 mm", "100 mm", "10 mm", "5 m"]
     assert [human(x, "N") for x in (1.0004, 0.9996, 0.0)] == ["1.00 N", "1.00 N", "0 N"]
+
+
+def test_an_interval_says_how_many_places_count():
+    assert text(Uncertain(1.23456, (1.2, 1.27))) == "1.235"
+    assert text(Uncertain(12345.6, (12000, 13000), doubtful=True)) == "~12350"
+    assert text(Uncertain(2.5, (2.5, 2.5))) == "2.5"
+    assert text(Uncertain(math.nan, (1, 2))) == "nan"
+    assert text(Ends((1.2, math.inf), 1.23456, (1.2, math.inf))) == "> 1.200"
 
 
 @pytest.mark.pictures

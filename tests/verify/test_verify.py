@@ -13,12 +13,15 @@ import sys
 from itertools import cycle, islice, product
 from typing import Any
 
+import numpy as np
 import pytest
+from flint import fmpq
 
 from stribeck.properties.statement import statement
 from stribeck.properties.verdicts import Verdict
-from stribeck_verify import verify
+from stribeck_verify import theorems, verify
 from stribeck_verify.__main__ import main
+from stribeck_verify.expressions import Refused
 from tests.verify import hand_made as by_hand
 from tests.verify.hand_made import ALL, SIGNS, certificate, claim
 
@@ -219,11 +222,14 @@ def test_a_kink_is_not_smooth(what):
         assert re.search("could not be shown to (agree|meet)|may be singular", found)
 
 
+BELL = ["exp", ["neg", ["mul", "v", "v"]]]
 SMOOTH = {
     "v |v|": ["mul", "v", ["abs", "v"]],
     "sgn(v) v^2": ["mul", ["sign", "v"], ["mul", "v", "v"]],
     "a spline": ["where", ["lt", "v", "1"], "0", ["mul", ["sub", "v", "1"], ["sub", "v", "1"]]],
     "cases that agree": ["where", ["lt", "z", "v"], ["mul", "2", "z"], ["add", "z", "z"]],
+    "a largest that is not passed": ["where", ["lt", BELL, "1"], BELL, "1"],
+    "a least that is not passed": ["where", ["le", "1", BELL], BELL, "1"],
 }
 
 
@@ -250,6 +256,17 @@ def test_a_storage_without_a_bound_is_refused():
     data["force"] = inner["force"] = "0"
     assert refusal(inner) is None
     assert refusal(data) is not None
+
+
+@pytest.mark.parametrize("c", [0.0, 0.3])
+def test_a_force_that_decays_too_slowly_is_refused(c):
+    s, d, above, x = 1.5, 0.7, 0.4, np.linspace(0, 3, 3001)
+    share = np.exp(-x * x)
+    least = np.max(s**2 * share**2 * (d * x + above) / (4 * (s * share + c)))
+    numbers, knots = [fmpq(*v.as_integer_ratio()) for v in (s, d, c)], [fmpq(i, 500) for i in range(1000)]
+    theorems._decays_fast(*numbers, fmpq(int(1.01e9 * least), 10**9), fmpq(2, 5), knots)
+    with pytest.raises(Refused, match="is not shown between"):
+        theorems._decays_fast(*numbers, fmpq(int(0.999e9 * least), 10**9), fmpq(2, 5), knots)
 
 
 def test_splits_and_polar_coordinates():
