@@ -19,7 +19,7 @@ from stribeck.properties.prover import atoms
 from stribeck.properties.prover.bernstein import POSITIVE, UNIT, signs
 from stribeck.properties.prover.leaf import Leaf, Rules
 from stribeck.properties.prover.region import Axis, Region
-from stribeck.properties.prover.ring import Ring
+from stribeck.properties.prover.ring import Ring, Unclear
 from stribeck.properties.prover.search import Budget, Prover
 
 U, W = symbol("u"), symbol("w")
@@ -45,6 +45,8 @@ def test_pi_is_pi_and_a_float_is_a_float():
     assert low == high == 1e12
     assert shown(sin(pi * U / U) + 0.0 * W, "=0", {"u": (Fraction(1), Fraction(2))})
     assert not shown(sin(float(pi) * U / U), "=0", {"u": (Fraction(1), Fraction(2))})
+    with pytest.raises(Unclear, match="sqrt of a number"):
+        Ring({}).number(sqrt(Exact(2.0, 2.0)))
 
 
 def test_signs_of_polynomials():

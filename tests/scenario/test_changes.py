@@ -90,6 +90,8 @@ def test_the_result_is_validated():
     [
         ("name.x", "name.x: name is not a table, so it has no key 'x'"),
         ("solve.t_end.x.y", "solve.t_end.x.y: solve.t_end is not a table, so it has no key 'y'"),
+        ("drive.signal.t.x", "drive.signal.t.x: 'x': must be a number from 0 to 3, an entry of the list"),
+        ("drive.signal.t.4", "drive.signal.t.4: '4': must be a number from 0 to 3, an entry of the list"),
     ],
 )
 def test_paths_into_what_is_no_table(path, said):
