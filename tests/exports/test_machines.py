@@ -13,6 +13,7 @@ from stribeck.errors import StribeckNote
 from stribeck.exports.fmu import binaries
 from stribeck.simulation.native import sampled_share
 from tests.exports.harness import need, output_of
+from tests.exports.test_fmu import Exchanged
 from tests.exports.test_loads import RIG
 from tests.machine.machines import assert_balanced, law, machine
 from tests.machine.test_mistakes import edited
@@ -143,6 +144,24 @@ def table(text):
     return dict(zip(head.split(","), values.T, strict=True))
 
 
+def changes(path, fmi, until):
+    """Whether each event tells that it changed states, and whether it did, of an FMU whose states do not move between."""
+    model, t, found = Exchanged(path, fmi), 0.0, []
+    model.reach("enterContinuousTimeMode")
+    size = len(model.of.derivatives)
+    before, after = np.empty((2, size))
+    happen = model.fmu.newDiscreteStates if fmi == 2 else model.fmu.updateDiscreteStates
+    while t < until:
+        model.fmu.getContinuousStates(np.ctypeslib.as_ctypes(before), size)
+        *_, told, _, t = happen()
+        model.fmu.getContinuousStates(np.ctypeslib.as_ctypes(after), size)
+        found.append((bool(told), not np.array_equal(before, after)))
+        model.fmu.enterContinuousTimeMode()
+        model.fmu.setTime(t)
+        model.fmu.enterEventMode()
+    return [list(column) for column in zip(*found, strict=True)]
+
+
 @pytest.mark.share(4)
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_fmu(fmi, scenario, exact, tmp_path):
@@ -161,6 +180,9 @@ def test_fmu(fmi, scenario, exact, tmp_path):
         str(path), **times, fmi_type="ModelExchange", solver="CVode", relative_tolerance=1e-9, record_events=False
     )
     close({n: exchanged[n] for n in names}, exact)
+    told, changed = changes(path, fmi, until=0.25)
+    assert told == changed
+    assert set(told) == {False, True}
     if fmi == 2:
         return
     # a constant that is changed, and an input, against the same in the file

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 
+import numpy as np
 import pytest
 
-from stribeck import InputError, Scenario
+from stribeck import InputError, Scenario, platforms
 from tests.scenario.valid_scenarios import VALID, edited, toml
 
 GOOD = toml(VALID["pid_step"])
@@ -106,3 +107,14 @@ def test_more_rows_than_memory_holds(t_end, step, said):
         Scenario(data)
     assert f"{step}: " in str(error.value)
     assert len(error.value.problems) == 1
+
+
+def test_rows_are_kept_twice_in_the_memory_that_is_free(monkeypatch):
+    data = edited(VALID["force_points"], "output.step", value=1e-4)
+    columns = 1 + len(Scenario(data).system.columns)  # and the time
+    needed = 2 * np.zeros((10_001, columns)).nbytes
+    monkeypatch.setattr(platforms, "free_memory", lambda: float(needed))
+    Scenario(data)
+    monkeypatch.setattr(platforms, "free_memory", lambda: needed - 1.0)
+    with pytest.raises(InputError, match="rows would take"):
+        Scenario(data)
