@@ -284,9 +284,8 @@ def page(kept: dict[str, Any]) -> str:
 
 
 def _by_range(kept: dict[str, Any]) -> list[str]:
-    """The further motions of all rigs, by whether they leave the ranges that the fit saw."""
-    head = f"Motions with more than {100 * OUTSIDE:.0f} % of their rows beyond the position or speed that the fit saw:"
-    rows = ["", head, "", "| motions | n | mean log ratio | within 1 % | within 5 % |", "|---|---|---|---|---|"]
+    """Rows for the further motions of all rigs, by whether they leave the ranges that the fit saw."""
+    rows = []
     for part in ("inside", "outside"):
         of = [c for n in ("held", "rigs", "kinds") if f"{part} n" in (c := kept.get(n, {}))]
         n = sum(c[f"{part} n"] for c in of)
@@ -294,19 +293,14 @@ def _by_range(kept: dict[str, Any]) -> list[str]:
             sum(c[f"{part} {what}"] * c[f"{part} n"] for c in of) / max(n, 1)
             for what in ("mean log ratio", "within 1 %", "within 5 %")
         )
-        rows.append(f"| {part} | {n:.0f} | {mean:+.2f} | {100 * one:.0f} % | {100 * five:.0f} % |")
-    return rows
+        worst = max((c[f"{part} worst"] for c in of), default=0.0)
+        rows.append(f"| {part} | | {n:.0f} | {mean:+.2f} | {100 * one:.0f} % | {100 * five:.0f} % | {worst:+.2f} |")
+    return [*rows, "", f"*Outside*: more than {100 * OUTSIDE:.0f} % of the rows leave the fitted positions or speeds."]
 
 
 def _bounds(kept: dict[str, Any]) -> list[str]:
     """Static friction and Stribeck velocity, which may be bounds, over all families of wrong friction."""
-    rows = [
-        "",
-        "Where no slow rows exist, F_s and v_s are bounds:",
-        "",
-        "| estimate | n | range holds |",
-        "|---|---|---|",
-    ]
+    rows = ["", "| estimate | n | range holds |", "|---|---|---|"]
     for label in ("F_s two-sided", "F_s at least", "v_s two-sided", "v_s at most"):
         of = [c for n in FAMILIES if f"{label} n" in (c := kept.get(n, {}))]
         n = sum(c[f"{label} n"] for c in of)
