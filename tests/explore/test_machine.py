@@ -67,6 +67,12 @@ def test_numbers_turned_together_do_what_the_file_says(name):
         assert shown[array] == pytest.approx(told[array], rel=1e-12, abs=1e-300), array
 
 
+def test_the_numbers_of_a_set_have_sliders():
+    path = "contacts.sole.law.parameters"
+    found = measured(Scenario.load(examples.path("belt"), {path: "canudas1995"}))
+    assert {f"{path}.{n}" for n in ("F_c", "F_s", "sigma_0", "v_s")} <= {number.path for number in found.numbers}
+
+
 def test_numbers_that_move_more_than_a_number_stay():
     found = measured(Scenario.load(examples.path("arm"), {"controllers.axis.sampling.delay": 9e-4}))
     free = {n.path for n in found.numbers}

@@ -10,7 +10,7 @@ from stribeck.loops.compensation import CompensationResult, _dithered, with_comp
 from stribeck.loops.figures import unbeaten
 from stribeck.loops.judge import Judgement, judge, rest_bands
 from stribeck.loops.loop import loop_of
-from stribeck.loops.moves import Tracked, reversal_errors
+from stribeck.loops.moves import Tracked, on_a_sine, reversal_errors
 from stribeck.loops.said import starts_sentence
 from stribeck.loops.shaken import SHARE, swings
 from stribeck.loops.starts import Start, _travel_ratios, distinct_judgements, from_starts
@@ -78,6 +78,14 @@ def test_a_dither_stops_what_hunts():
     free = 12.0 / (2.0 * (2 * np.pi * 100) ** 2)  # of the mass alone
     assert 0.3 * free < shaken.amplitude < 1.2 * free
     assert swings(loop, {}, 1)[0]["a"] == pytest.approx(2 * SHARE * free, rel=0.02)
+
+
+def test_errors_after_reversals_are_those_of_each_lane_that_is_simulated():
+    loop = hunter(K_i=0.0, K_d=300.0)
+    own, stiff, wild = reversal_errors(loop, "hold", {"controllers.hold.K_p": np.array([2000.0, 8000.0, -1e9])})
+    assert own == pytest.approx(on_a_sine(loop, "hold").errors["reversal"], rel=1e-6)
+    assert 0 < stiff < own / 2
+    assert np.isnan(wild)
 
 
 @pytest.mark.thorough

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, StribeckError
 from stribeck.identify.actuator import estimate as estimation
 from stribeck.identify.actuator import fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import coordinates
@@ -14,6 +14,7 @@ from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.scenario import Scenario
 from tests.identify.actuator.recorded import body, logs, record
+from tests.machine.test_servo import MACHINE
 from tests.reference.apart import solve
 
 F_C, F_S, MASS = "contacts.guide.law.parameters.F_c", "contacts.guide.law.parameters.F_s", "bodies.a.mass"
@@ -240,3 +241,11 @@ def test_intervals_are_those_of_the_noise_that_is_left(tmp_path):
     wanted = {n: {"low": x / 5, "high": 5 * x, "start": 2.5 * x} for n, x in truth.items()}
     found = fit_machine(body(), logs(tmp_path, ["run.csv"], wanted), starts=1, baselines=False)
     assert abs(found.noise["a.y"] / 2e-5 - 1) < 0.2
+
+
+def test_a_controller_whose_model_changes_with_the_machine_is_refused(tmp_path):
+    (tmp_path / "run.csv").write_text("t,y\n" + "".join(f"{0.01 * i},{1e-4 * i * i}\n" for i in range(21)))
+    entry = {"file": "run.csv", "inputs": {}, "outputs": {"piston.y": "y"}}
+    wanted = {"contacts.seal.law.parameters.F_c": {"low": 10.0, "high": 100.0}}
+    with pytest.raises(StribeckError, match="changes the form of the equations"):
+        fit_machine(MACHINE, logs(tmp_path, [entry], wanted), starts=1, baselines=False)
