@@ -94,6 +94,17 @@ def test_functions_hold_the_value_of_mpmath(x):
             assert found.high[0] - found.low[0] <= 1e-14 * max(abs(float(value)), 1e-300) + 1e-16
 
 
+@given(small, st.floats(min_value=0, max_value=20), st.floats(0, 1))
+def test_functions_hold_their_values_on_boxes(low, width, share):
+    v, high = symbol("v"), low + width
+    x = mpmath.mpf(min(low + share * width, high))
+    names = ("exp", "atan", "tanh", "sin", "cos", "sign")
+    found = Evaluator([*(getattr(ops, name)(v) for name in names), abs(v) ** 1.5])({"v": interval([low], [high])})
+    with mpmath.workdps(50):
+        for box, value in zip(found, [*(getattr(mpmath, name)(x) for name in names), abs(x) ** 1.5], strict=True):
+            assert mpmath.mpf(float(box.low[0])) <= value <= mpmath.mpf(float(box.high[0]))
+
+
 def test_unbounded_boxes():
     v = symbol("v")
     found = Evaluator([ops.atan(v), ops.exp(-v * v), 1 / v, abs(v)])({"v": interval([2.0], [inf])})
