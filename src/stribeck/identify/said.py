@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -61,8 +61,13 @@ def _numbers(
     given: Sequence[list[Cell]],
     speeds: Mapping[str, float],
     notes: Sequence[str],
+    in_table: Collection[str],
 ) -> list[Chapter]:
-    """The table of estimates, the reasons why some are withheld, and the notes. A terminal prints only the first notes."""
+    """The table of estimates, the reasons why some are withheld, and the notes. A terminal prints only the first notes.
+
+    Args:
+        in_table: notes that a page has in its table of reasons.
+    """
     rows = [*(_row(n, e, speeds.get(n)) for n, e in estimates.items()), *given]
     why: list[list[Cell]] = [[n, e.why, e.experiment or "-"] for n, e in estimates.items() if e.why or e.experiment]
     tables = [Table(HEAD, rows)]
@@ -70,7 +75,7 @@ def _numbers(
         tables.append(Table(["parameter", "reason", "what to measure"], why, prose=True, on=PAGE))
     text = [UNCERTAINTIES, *(["A level is the friction at one of the recorded speeds."] if speeds else [])]
     return [
-        Chapter("result", "Parameters", [*text, *notes], tables),
+        Chapter("result", "Parameters", [*text, *(each for each in notes if each not in in_table)], tables),
         Chapter("notes", "Notes", facts=notes, brief=True, on=TERMINAL),
     ]
 
@@ -106,12 +111,13 @@ def _overlay(key: str, title: str, shown: Sequence[Trace], words: tuple[str, str
 def of_log(fit: LogFit) -> Document:
     """A law fitted to a log."""
     others = {c["name"]: c["relative_force_error"] for c in fit.candidates if not c["chosen"]}
+    advice = [e.advice(n) for n, e in fit.parameters.items()]
     return Document(
         fit.title,
         _beside(fit.lead, others),
         (),
         [
-            *_numbers(fit.parameters, _given(fit), fit.speeds, fit.notes), *_relation(fit.relation), *_quality(fit),
+            *_numbers(fit.parameters, _given(fit), fit.speeds, fit.notes, advice), *_relation(fit.relation), *_quality(fit),
             _model(fit), *_candidates(fit), *_data(fit), *_traces(fit), *_curve(fit),
         ],
     )  # fmt: skip
@@ -203,7 +209,7 @@ def _curve(fit: LogFit) -> list[Chapter]:
 def of_machine(fit: MachineFit) -> Document:
     """A machine fitted to its recordings."""
     plainer = {n: b.get("held_out") or b.get("fitted") for n, b in list(fit.baselines.items())[1:]}
-    chapters = [*_numbers(fit.parameters, (), fit.speeds, _of_machine(fit)), _errors(fit), *_other_friction(fit)]
+    chapters = [*_numbers(fit.parameters, (), fit.speeds, *_of_machine(fit)), _errors(fit), *_other_friction(fit)]
     for i, log in enumerate(fit.logs):
         if log.traces:
             title = f"{log.file}{' (held out)' if log.held_out else ''}"
@@ -212,8 +218,8 @@ def of_machine(fit: MachineFit) -> Document:
     return Document(fit.title, lead, (), [*chapters, *_relation(fit.relation)])
 
 
-def _of_machine(fit: MachineFit) -> list[str]:
-    """Notes of one sentence each: doubts, withheld values, and values that cannot be separated."""
+def _of_machine(fit: MachineFit) -> tuple[list[str], list[str]]:
+    """Notes of one sentence each: doubts, withheld values, and values that cannot be separated; and the withheld ones alone."""
     stopped = fit.status == "stopped"
     open_ones = [
         f"{n}: {e.state}{f': {e.why}' if e.why else ''}{f'; {e.experiment}' if e.experiment else ''}"
@@ -222,7 +228,7 @@ def _of_machine(fit: MachineFit) -> list[str]:
     ]
     together = [f"Cannot be separated: {', '.join(group['names'])}." for group in fit.correlated]
     failed = [f"{label} was not fitted: {why}." for label, why in (fit.laws or {"failed": {}})["failed"].items()]
-    return [*fit.notes, *open_ones, *together, *failed]
+    return [*fit.notes, *open_ones, *together, *failed], open_ones
 
 
 def _errors(fit: MachineFit) -> Chapter:

@@ -87,6 +87,11 @@ class Estimate:
             "state": str(self.state), "depends_on": self.depends_on, **reasons,
         }  # fmt: skip
 
+    def advice(self, name: str) -> str:
+        """The experiment that would determine this parameter, as a sentence; empty if there is none."""
+        open_ = self.state in (EstimateState.NOT_IDENTIFIABLE, EstimateState.AT_LEAST)
+        return f"To determine {name}, measure {self.experiment}." if open_ and self.experiment else ""
+
     @classmethod
     def of_dict(cls, data: Kept) -> Estimate:
         """The estimate from the data of :meth:`to_dict`."""

@@ -21,7 +21,7 @@ from stribeck.identify.core.forms import OF_RECORD
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
-from stribeck.identify.core.states import Estimate, EstimateState, hanging
+from stribeck.identify.core.states import Estimate, hanging
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.models import terms
@@ -314,9 +314,7 @@ def _notes(
             "The estimated mass is below 0: at a single frequency, mass cannot be separated from a spring or weight."
         )
     out += hanging(estimates)
-    for name, e in estimates.items():
-        if e.state in (EstimateState.NOT_IDENTIFIABLE, EstimateState.AT_LEAST) and e.experiment:
-            out.append(f"{name}: {e.experiment}.")
+    out += [text for name, e in estimates.items() if (text := e.advice(name))]
     if forms:
         form_sizes = ", ".join(f"{name} ({size:.2g} {log.unit('N')})" for name, size in forms.items())
         out.append(f"Further terms of the force: {form_sizes}.")
