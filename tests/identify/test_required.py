@@ -47,6 +47,11 @@ def test_what_to_measure_stands_with_what_is_missing(columns, usual):
     assert e.state == "not identifiable"
     assert "constant speeds" in e.experiment
     assert e.experiment in found.notes[0]
+    page = next(chapter for chapter in found.document().chapters if chapter.key == "result")
+    for name, each in found.parameters.items():  # in the table of a page alone
+        assert not each.advice(name) or each.advice(name) not in page.text
+        assert not each.advice(name) or [name, each.why, each.experiment] in page.tables[-1].rows
+    assert any(each.advice(name) for name, each in found.parameters.items())
     assert (e.value, e.interval, e.range) == tuple(getattr(usual["F_c"], n) for n in ("value", "interval", "range"))
 
 
