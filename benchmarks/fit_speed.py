@@ -8,6 +8,7 @@ files of constant speed, and one record, short or very long, with a law and with
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -92,12 +93,15 @@ def static(folder: Path, files: list[str], law: str) -> Callable[[], object]:
     command = [sys.executable, "-m", "stribeck", *words]
 
     def run() -> float:
+        peak = 0
         with subprocess.Popen(command, stdout=subprocess.DEVNULL, env=environment()) as process:
-            _, status, used = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
+            while process.poll() is None:
+                high = re.search(r"VmHWM:\s+(\d+) kB", Path(f"/proc/{process.pid}/status").read_text())
+                peak = int(high[1]) if high else peak
+                time.sleep(0.05)
         if process.returncode:
             raise subprocess.CalledProcessError(process.returncode, command)
-        return used.ru_maxrss * 1024 / 1e9
+        return peak * 1024 / 1e9
 
     return run
 

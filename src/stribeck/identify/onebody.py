@@ -27,10 +27,9 @@ from stribeck.identify.actuator.traces import BEGIN
 from stribeck.identify.beyond import seen
 from stribeck.identify.features.filtering import other_motions
 from stribeck.identify.features.guess import Guess, ranges, sizes_of, steady_curve
-from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import ENOUGH_ROWS, Log
 from stribeck.identify.models import terms
-from stribeck.identify.models.static_problem import in_stretches
+from stribeck.identify.models.static_problem import shortened
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import FrictionRows, LogFit, with_units
@@ -136,7 +135,7 @@ def simulated(
         InputError: constants are unknown, missing or not allowed; nothing moves.
         StribeckError: the law cannot be simulated along the motion.
     """
-    log = log if len(log) <= ENOUGH_ROWS else in_stretches(log, at_rest(log), ENOUGH_ROWS)[0]
+    log = shortened(log, ENOUGH_ROWS)
     model = _model(log, name, options)
     recordings = [_recording(log, rows, model, i) for i, rows in enumerate(_runs(log))]
     doubted = tuple(recordings if rough else _doubted(recordings, log, model))

@@ -27,7 +27,7 @@ from stribeck.identify.features.rest import at_rest
 from stribeck.identify.log import MANY_ROWS, Log
 from stribeck.identify.models.curves import curve_of
 from stribeck.identify.models.record import LawColumns, body_columns
-from stribeck.identify.models.static_problem import MOST_ROWS, beside_rest, in_stretches
+from stribeck.identify.models.static_problem import MOST_ROWS, beside_rest, shortened
 
 FOLDS = 6  # stretches left out in turn
 EXPECTED = 1.2  # times the cross-validated error: found for other motions of the same machine in calibration records
@@ -98,8 +98,7 @@ def predictor(choice: Selection[SteadyLibrary], log: Log) -> Predictor:
     Args:
         log: the whole record of the choice; of a very long one stretches are used.
     """
-    if len(log) > MANY_ROWS:
-        log, _ = in_stretches(log, at_rest(log), MANY_ROWS)
+    log = shortened(log, MANY_ROWS)
     rest = at_rest(log)
     moving, block = np.flatnonzero(~(rest | beside_rest(rest, log))), choice.library.record.block
     if not len(moving):

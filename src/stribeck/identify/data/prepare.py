@@ -93,7 +93,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     trim = max(round(SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     columns, lengths = _columns(parts, roles, measured, step, cutoff, order, trim, spline)
     notes += _too_short(parts, lengths, trim)
-    run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
+    numbers = np.arange(len(lengths), dtype=np.int32)
+    run = np.repeat(numbers, lengths) if len(lengths) > 1 else np.broadcast_to(numbers, lengths)  # one takes no memory
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if spline else "central differences")
     sources["unfiltered"] = measured

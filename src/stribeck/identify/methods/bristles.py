@@ -12,7 +12,8 @@ from stribeck.errors import StribeckError, first_line
 from stribeck.identify.core.choice import rows_together
 from stribeck.identify.data.smoother import encoder_step
 from stribeck.identify.features.guess import rises, sizes_of
-from stribeck.identify.log import Log, thinned
+from stribeck.identify.log import MANY_ROWS, Log, thinned
+from stribeck.identify.models.static_problem import shortened
 from stribeck.identify.onebody import Simulated, raw, simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, LogFit
@@ -109,8 +110,9 @@ def _candidate(name: str, fit: Simulated, chosen: bool) -> Candidate:
 
 
 def _error_everywhere(fit: LogFit, log: Log) -> float:
-    """The relative residual of a static fit in all rows, including rest."""
+    """The relative residual of a static fit in all rows, including rest; of a very long record in stretches of it."""
     assert fit.predictor is not None
+    log = shortened(log, MANY_ROWS)
     size = max(float(np.linalg.norm(log.force)), 1e-300)
     return float(np.linalg.norm(log.force - fit.predictor.force(log))) / size
 

@@ -142,6 +142,11 @@ def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
     return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
 
 
+def shortened(log: Log, enough: int) -> Log:
+    """The record, or stretches of a longer one, ``enough`` rows in all."""
+    return log if len(log) <= enough else in_stretches(log, at_rest(log), enough)[0]
+
+
 def in_stretches(log: Log, rest: NDArray[np.bool_], enough: int) -> tuple[Log, NDArray[np.intp]]:
     """Stretches of a long log as separate runs, evenly over the moving parts of every run, and their rows.
 
