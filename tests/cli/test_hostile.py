@@ -203,10 +203,11 @@ def test_devices_and_links_stay_what_they_are(tmp_path):
 
 def test_errors_name_the_users_file(tmp_path, stribeck, scenario):
     """And not the one that is written beside it."""
-    (tmp_path / "out" / "trajectory.csv").mkdir(parents=True)
-    outcome = stribeck("run", scenario, "--set", "solve.t_end=0.1", "--out", tmp_path / "out")
+    (tmp_path / "out" / "0_lugre.csv").mkdir(parents=True)
+    laws = ("--law", "lugre", "--law", "lugre_sobczyk")
+    outcome = stribeck("run", scenario, "--set", "solve.t_end=0.1", *laws, "--out", tmp_path / "out")
     assert outcome.status == 1
-    assert "trajectory.csv" in outcome.err
+    assert "0_lugre.csv" in outcome.err
     assert ".tmp" not in outcome.err
 
 

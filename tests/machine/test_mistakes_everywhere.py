@@ -130,7 +130,7 @@ MISTAKES = [
     ({'controllers.axis.compensation.contact': 'mesh'},
      "controllers.axis.compensation.contact: 'mesh': there is no such contact (there is rail, felt, pin, b"),
     ({'controllers.axis.compensation.speed': GONE},
-     'controllers.axis.compensation.speed: missing: must be given (reference or measured: the speed that t'),
+     'controllers.axis.compensation.speed: missing: must be given (speed for the law: reference or measured)'),
     ({'controllers.axis.compensation.law': {'name': 'lugre'}},
      'controllers.axis.compensation.law.parameters: missing: must be a table of numbers or the name of a s'),
     ({'controllers.axis.sampling.period': GONE},
