@@ -203,7 +203,7 @@ def needed(what: str, extra: str = "") -> Iterator[None]:
 
 @contextmanager
 def left_out(what: str) -> Iterator[None]:
-    """Around what is written beside the numbers: without a package or room on the disk for it, one note reports that it lacks."""
+    """A context for files beside the numbers. If a package or disk space for them is missing, a note reports it."""
     try:
         with needed(what):
             yield

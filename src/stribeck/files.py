@@ -9,7 +9,7 @@ import os
 import re
 import shutil
 import stat
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import file_digest
 from pathlib import Path
@@ -67,9 +67,9 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
                 if not beside.is_dir() or not os.path.samestat(state, folder.stat()):
                     raise OSError(errno.ESTALE, "was replaced by another folder meanwhile", str(folder))
                 obsolete = (_summary_files(folder / last) | _older_files(folder, older or {})) - files
+                if text := misplaced(folder, sorted({*files, *obsolete, Path(last)})):
+                    raise OSError(errno.EISDIR, text, str(folder))
                 for path in (folder / name for name in {*files, *obsolete, Path(last)}):
-                    if path.is_dir():
-                        raise OSError(errno.EISDIR, "is a folder; must be a file or a new name", str(path))
                     if path.is_file():
                         refuse_open(path)
                 (folder / last).unlink(missing_ok=True)
@@ -123,6 +123,12 @@ def _user_path_in_errors(beside: Path, path: Path) -> Iterator[None]:
         text = (error.strerror or str(error)).replace(str(beside), str(path)).replace(beside.name, path.name)
         name = str(error.filename or path).replace(str(beside), str(path))
         raise OSError(error.errno, text, name) from None
+
+
+def misplaced(folder: Path, names: Iterable[str | Path]) -> str | None:
+    """A message about a folder that stands in the place of one of these files, or None."""
+    taken = next((name for name in names if (folder / name).is_dir()), None)
+    return None if taken is None else f"{taken} in it is a folder; must be a file"
 
 
 def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | None:

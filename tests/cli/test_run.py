@@ -12,6 +12,7 @@ import pyarrow.parquet
 import pytest
 
 from stribeck import Scenario, simulate
+from stribeck.simulation.tables import RUN
 
 
 def test_prints_a_summary_and_writes_nothing(stribeck, scenario):
@@ -146,6 +147,9 @@ def test_without_room_for_the_page_the_numbers_are_kept(stribeck, scenario, tmp_
         "trajectory.parquet",
         "summary.json",
     }
+    monkeypatch.undo()
+    assert stribeck("run", scenario, "--out", tmp_path / "out").status == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == set(RUN)
 
 
 def _fails(path):

@@ -13,15 +13,16 @@ from typing import TYPE_CHECKING
 
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, one_line, printable
-from stribeck.files import trouble
+from stribeck.files import misplaced, trouble
 
 if TYPE_CHECKING:
     from stribeck.mouth.document import Document
 
 
 class OutputFolder:
-    """The folder of a command, created if missing, and removed again if the block leaves it empty. Refused if it cannot be
-    written, if a file that is read would be replaced, or if a folder stands in a file's place.
+    """The folder of a command, created if missing, and removed again if the block leaves it empty.
+
+    It must be writable. No file that is read may be replaced, and no folder may stand in a file's place.
 
     Args:
         out: the folder; None where nothing is to be written.
@@ -32,10 +33,8 @@ class OutputFolder:
         self._made: list[Path] = []  # the innermost first
         if out is None:
             return
-        if text := trouble(out, folder=True):
+        if text := trouble(out, folder=True) or misplaced(out, writes):
             raise InputError(f"--out: {shown(str(out))}: {text}")
-        for name in (name for name in writes if (out / name).is_dir()):
-            raise InputError(f"--out: {shown(str(out))}: {name} in it is a folder; must be a file, or another --out")
         for path in (path for name in writes for path in reads if _same_file(out / name, path)):
             text = f"{path.name}, which is read, would be replaced: must be another folder"
             raise InputError(f"--out: {shown(str(out))}: {text}")
@@ -61,7 +60,7 @@ class OutputFolder:
 
 
 def check_file(option: str, path: Path, *reads: Path, parents: bool = False, new: bool = False) -> None:
-    """Refuse, before anything runs, a file that cannot be written, or that is read, or that exists though it must be ``new``.
+    """Check, before anything runs, that a file can be written and is not read. With ``new``, it must not exist.
 
     Raises:
         InputError: with the reason.

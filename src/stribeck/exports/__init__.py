@@ -13,7 +13,7 @@ from stribeck.exports.contact import contact_law, deflection
 from stribeck.exports.controller.block import Block, block_of
 from stribeck.exports.machine.model import MachineModel
 from stribeck.exports.request import Content, Options, Request, Target
-from stribeck.files import together, trouble, write_with
+from stribeck.files import misplaced, together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 
@@ -188,10 +188,8 @@ def _write_file(out: Path, content: Content) -> list[Path]:
 
 def _write_folder(out: Path, content: Content) -> list[Path]:
     """All files, or none."""
-    if taken := [name for name in content if (out / name).is_dir()]:
-        raise InputError(
-            [f"{arg('out')}: {show(str(out))}: {name} in it is a folder; must be a file" for name in taken]
-        )
+    if text := misplaced(out, content):
+        raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
     with together(out, last=next(iter(content))) as beside:
         for name, data in content.items():
             (beside / name).write_bytes(_encode(data))

@@ -1,6 +1,6 @@
 """fit.json: a fit as a file, of a log or of a machine, written and read back.
 
-The file is a result, and nobody's input. A digest of its content shows every change, and a changed file is refused whole.
+The file is a result, not an input. A digest of its content shows every change. A changed file is an error.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ def _visible(value: object) -> object:
 def write(
     document: Document, folder: Path, command: str = "", name: str = "report.html", *, pictures: bool = True
 ) -> list[Path]:
-    """Write a document's page, which stands alone, and with ``pictures`` its figures as SVG.
+    """Write a document's page, which stands alone, and with ``pictures`` its figures as SVG: all of them or none.
 
     Args:
         folder: where they go.
@@ -56,17 +56,25 @@ def write(
     Returns:
         The paths, last the page.
     """
-    chapters, paths = [], list[Path]()
+    chapters, pictured = [], list[FigureSvg]()
     for chapter in (each for each in document.chapters if "page" in each.on):
         drawings = [plots.drawn(each) if isinstance(each, Figure) else each for each in chapter.figures]
         shown = [figure for figure in drawings if figure is not None]
         chapters.append(replace(chapter, figures=shown))
-        paths += [write_figure(figure, folder) for figure in shown if pictures]
+        pictured += shown if pictures else []
     introduction = [_sentence(text) for text in (document.lead, *document.facts)]
     about = f"Stribeck {__version__}" + (f", {command}" if command else "")
-    path = folder / name
-    write_text(path, html(document.title, about, introduction, chapters, command, document.next))
-    return [*paths, path]
+    text = html(document.title, about, introduction, chapters, command, document.next)
+    paths = [*(folder / f"{figure.name}.svg" for figure in pictured), folder / name]
+    try:
+        for figure in pictured:
+            write_figure(figure, folder)
+        write_text(paths[-1], text)
+    except OSError:
+        for path in paths:
+            path.unlink(missing_ok=True)
+        raise
+    return paths
 
 
 def _sentence(text: str) -> str:
