@@ -37,7 +37,9 @@ AS_USERS_COMPILE = {"codegen", "reference"}
 # Elsewhere systems are compiled in a third of the time, and run slower; `make thorough` compiles all as a user's run.
 QUICKLY = "-O0"
 # Where one system is solved many times: in half the time, and a fifth slower.
-SOLVE_MUCH = dict.fromkeys(("identify", "loops"), "-O1 -fexpensive-optimizations -fno-inline-functions-called-once")
+SOLVE_MUCH = dict.fromkeys(
+    ("identify", "loops", "kept"), "-O1 -fexpensive-optimizations -fno-inline-functions-called-once"
+)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -42,6 +42,8 @@ ANY: dict[str, tuple[int, str]] = {
 # Folders of tests that are no room of src/stribeck, and what they test; rooms that other folders test.
 BESIDE_THE_ROOMS = {
     "fuzz": "tools/fuzz",
+    "kept/inputs": "laws and machines that its commands read",
+    "kept": "what every command and export writes, beside what is kept of it",
     "paper": "examples/paper, which 'make demo' runs",
     "proofs": "proofs/, the Coq developments",
     "properties/nasty": "laws written to mislead, which tests/properties reads",
