@@ -25,6 +25,7 @@ extensions = [
     "explorer",
     "evidence",
     "reference",
+    "signatures",
 ]
 exclude_patterns = ["_build", "gallery", "made/gallery/*.ipynb", "made/gallery/*.py", "**sg_execution_times.rst"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
@@ -32,8 +33,9 @@ myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 nitpicky = False
 
-autodoc_default_options = {"members": True, "member-order": "bysource", "exclude-members": "model_config"}
+autodoc_member_order = "bysource"  # reference/python.md lists the members of each class
 autodoc_typehints = "signature"
+napoleon_attr_annotations = False
 autodoc_class_signature = "mixed"
 
 html_theme = "furo"

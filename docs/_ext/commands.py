@@ -6,6 +6,7 @@ import textwrap
 
 import typer
 from docutils import nodes
+from reference import NONE, STATED, default_of, literal
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
@@ -18,12 +19,13 @@ def reference() -> dict[str, list[tuple[str, str]]]:
     found: dict[str, list[tuple[str, str]]] = {}
     for name, command in sorted(group.commands.items()):
         lines = [("", " ".join(textwrap.dedent(command.help or "").split()))]
-        for p in command.params:
+        for p in sorted(command.params, key=lambda p: p.param_type_name == "option"):  # arguments first, as in usage
             if getattr(p, "hidden", False) or p.name == "help":
                 continue
             words = ", ".join((*p.opts, *p.secondary_opts)) if p.param_type_name == "option" else ""
-            metavar = p.metavar or ""
-            lines.append((f"{words} {metavar}".strip(), p.help or ""))
+            _, default = default_of(p.help or "", None if p.default is False or callable(p.default) else p.default)
+            stated = "" if default == NONE or STATED.search(p.help or "") else f" Default: {default}."
+            lines.append((f"{words} {p.metavar or ''}".strip(), f"{p.help or ''}{stated}"))
         lines.append(("example", command.epilog or ""))
         found[name] = lines
     return found
@@ -38,11 +40,13 @@ class Commands(SphinxDirective):
         for name, lines in reference().items():
             section = nodes.section(ids=[f"stribeck-{name}"], names=[f"stribeck {name}"])
             section += nodes.title("", f"stribeck {name}")
-            section += nodes.paragraph("", lines[0][1])
+            section += self.parse_text_to_nodes(literal(lines[0][1]))
             items = nodes.definition_list()
             for words, meaning in lines[1:-1]:
                 term = nodes.term("", "", nodes.literal("", words))
-                items += nodes.definition_list_item("", term, nodes.definition("", nodes.paragraph("", meaning)))
+                items += nodes.definition_list_item(
+                    "", term, nodes.definition("", *self.parse_text_to_nodes(literal(meaning)))
+                )
             section += items
             if lines[-1][1]:
                 example = lines[-1][1].removeprefix("Example:").strip()

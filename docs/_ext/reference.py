@@ -29,6 +29,31 @@ def table(head: tuple[str, ...], rows: list[tuple[object, ...]]) -> str:
     return "\n".join([row(*head), row(*["---"] * len(head)), *(row(*r) for r in rows), ""]) + "\n" if rows else ""
 
 
+def literal(text: str) -> str:
+    """A help text with its options as code, in which no dash is joined."""
+    return re.sub(r"(?<![\w`-])--\w[\w-]*", r"`\g<0>`", text)
+
+
+STATED = re.compile(r"(?:^|[;,] )([^;,]+(?:, or [^;,]+,)?) unless given")  # a default that a meaning states
+NONE = "none"
+
+
+def default_of(meaning: str, default: object, required: bool = False) -> tuple[str, str]:
+    """A meaning without the default that it states, and the default as a file writes it."""
+    stated = STATED.search(meaning)
+    if stated:
+        meaning = meaning[: stated.start()] + meaning[stated.end() :]
+    if required:
+        return meaning, "required"
+    if default in (None, "", [], {}, ()):
+        return meaning, stated[1].rstrip(",") if stated else NONE
+    if isinstance(default, bool):
+        return meaning, str(default).lower()
+    if isinstance(default, int | float):
+        return meaning, re.sub(r"e([+-])0*", lambda m: "e" + m[1].strip("+"), f"{default:g}")
+    return meaning, str(default)
+
+
 # -- laws --------------------------------------------------------------------------------------------------------------
 
 
@@ -53,16 +78,11 @@ def laws() -> Iterator[str]:
         yield table(
             ("constant", "unit", "meaning", "allowed", "default"),
             [
-                (
-                    f"`{n}`",
-                    p["unit"],
-                    p["meaning"],
-                    p["allowed"].removeprefix("a finite number "),
-                    p["default"] if not p["required"] else "required",
-                )
+                (f"`{n}`", p["unit"], meaning, p["allowed"].removeprefix("a finite number "), default)
                 for n, p in law["parameters"].items()
+                for meaning, default in [default_of(p["meaning"], p["default"], p["required"])]
             ],
-        ).replace("| None |", "| off |")
+        )
         yield f"\nSource: {law['source']}\n\n"
 
 
@@ -106,10 +126,10 @@ def limits(node: Entry) -> str:
     if "anyOf" in node or "oneOf" in node:
         kinds = {limits(x) for x in node.get("anyOf", node.get("oneOf", ())) if x.get("type") != "null"}
         return " or ".join(sorted(x for x in kinds if x)) if len(kinds) < 4 else "a table"
-    kind = {"object": "a table", "array": "a list", "string": "text", "boolean": "true or false"}.get(
-        node.get("type", ""), ""
-    )
-    return bounds or kind
+    kinds = {
+        "object": "a table", "array": "a list", "string": "text", "boolean": "true or false", "number": "any number",
+    }  # fmt: skip
+    return bounds or kinds.get(node.get("type", ""), "")
 
 
 def keys(node: Entry, path: str = "") -> list[tuple[object, ...]]:
@@ -117,12 +137,12 @@ def keys(node: Entry, path: str = "") -> list[tuple[object, ...]]:
     rows: list[tuple[object, ...]] = []
     needed = node.get("required", ())
     for key, entry in node.get("properties", {}).items():
-        if key in ("kind", "folder") or (key == "name" and "description" not in resolved(entry)):
+        if (key == "kind" and not path) or key == "folder" or (key == "name" and "description" not in resolved(entry)):
             continue
         each = resolved(entry)
         meaning = " ".join(str(each.get("description", "")).split())
-        default = "required" if key in needed else each.get("default", "")
-        rows.append((f"`{path}{key}`", meaning, limits(entry), "" if default is None else default))
+        meaning, default = default_of(meaning, each.get("default"), key in needed)
+        rows.append((f"`{path}{key}`", meaning, limits(entry), default))
         inner = {
             "": each,
             "[]": resolved(each.get("items", {})),
@@ -130,7 +150,7 @@ def keys(node: Entry, path: str = "") -> list[tuple[object, ...]]:
         }
         for suffix, parts in inner.items():
             for x in (parts, *map(resolved, parts.get("anyOf", ()))):
-                if len(x.get("properties", ())) > 1 and key not in ("signal", "law", "parameters"):
+                if x.get("properties") and key not in ("signal", "law", "parameters"):
                     rows += [r for r in keys(x, f"{path}{key}{suffix}.") if r not in rows]
     return rows
 
@@ -179,31 +199,32 @@ def tables(part: str) -> Iterator[str]:
 def defaults() -> Iterator[str]:
     """One table of every default: of a file's keys, of laws' constants and of the commands' options."""
     rows: list[tuple[object, ...]] = []
+    without = ("required", NONE)
     body = whole()["$defs"]["body"]["properties"]
     for part in ("solve", "output"):
-        rows += [(f"`[{part}]` {r[0]}", *r[1:]) for r in keys(body[part]) if r[3] not in ("required", "")]
+        rows += [(f"`[{part}]` {r[0]}", *r[1:]) for r in keys(body[part]) if r[3] not in without]
     for name, node in whole()["$defs"]["machine"]["properties"].items():
         if node.get("additionalProperties"):
             for each in kinds(node["additionalProperties"]):
                 place = f"`[{name}]` {kind_of(each)}".strip()
-                rows += [(f"{place} {r[0]}", *r[1:]) for r in keys(each) if r[3] not in ("required", "")]
+                rows += [(f"{place} {r[0]}", *r[1:]) for r in keys(each) if r[3] not in without]
     for each in kinds(whole()["$defs"]["signal"]):
-        rows += [(f"signal {kind_of(each)} {r[0]}", *r[1:]) for r in keys(each) if r[3] not in ("required", "")]
+        rows += [(f"signal {kind_of(each)} {r[0]}", *r[1:]) for r in keys(each) if r[3] not in without]
     for name, law in shelf.library().laws.items():
         described: Any = shelf.described(law, name)
         rows += [
-            (f"law `{name}` `{n}`", p["meaning"], p["allowed"].removeprefix("a finite number "), p["default"])
+            (f"law `{name}` `{n}`", meaning, p["allowed"].removeprefix("a finite number "), default)
             for n, p in described["parameters"].items()
-            if p["default"] is not None
+            for meaning, default in [default_of(p["meaning"], p["default"], p["required"])]
+            if default not in without
         ]
     for name, command in sorted(typer.main.get_command(commands).commands.items()):  # type: ignore[attr-defined]
         for p in command.params:
             words = f"`stribeck {name} {max(p.opts, key=len)}`"
-            text = getattr(p, "help", None) or ""
-            if p.default not in (None, False, [], ()) and not p.required and not callable(p.default):
-                rows.append((words, text, "", p.default))
-            elif stated := re.search(r"(?:^|[;,] )([^;,]+) unless given", text):
-                rows.append((words, text, "", stated[1]))
+            given = None if p.default is False or callable(p.default) else p.default
+            meaning, default = default_of(getattr(p, "help", None) or "", given, p.required)
+            if default not in without:
+                rows.append((words, literal(meaning), "", default))
     yield table(("where", "meaning", "allowed", "default"), rows)
 
 

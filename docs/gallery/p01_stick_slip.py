@@ -22,13 +22,13 @@ solution = stribeck.simulate(scenario)
 
 fig, (above, below) = plt.subplots(2, sharex=True)
 above.plot(solution["t"], solution["y"])
-above.set_ylabel("position in m")
+above.set_ylabel("position (m)")
 below.plot(solution["t"], solution["F"])
-below.set(xlabel="time in s", ylabel="friction in N")
+below.set(xlabel="time (s)", ylabel="friction (N)")
 print("slips at", [f"{t:.2f} s" for t in solution.events["slip"]])
 
 # %%
-# Here ``F_s`` is as low as ``F_c``: the body slips once, and follows. Drag the slider of ``F_s`` to the right: above some 1.3 N
+# Here ``F_s`` is as low as ``F_c``: the body slips once, and follows. Drag the slider of ``F_s`` to the right: above about 1.3 N
 # the position becomes a staircase, and the line at the top says how often the body sticks and slips.
 #
 # .. explorer:: stick_slip --law lugre --law lugre_majorant --law coulomb_viscous #law.parameters.F_s=1

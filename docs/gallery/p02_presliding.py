@@ -20,8 +20,8 @@ for amplitude in (0.8, 1.2, 1.425):
         )
     )
     plt.plot(1e6 * solution["y"], solution["F"], label=f"{amplitude} N")
-plt.xlabel("position in um")
-plt.ylabel("friction in N")
+plt.xlabel("position (µm)")
+plt.ylabel("friction (N)")
 plt.legend(title="amplitude")
 
 # %%

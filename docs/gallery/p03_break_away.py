@@ -1,8 +1,9 @@
 """
-Break-away: the faster the force rises, the lower the level
-===========================================================
+Break-away force against the rate of the force
+==============================================
 
-The faster the force rises, the lower is the break-away force, because the bristles need time to bend.
+A force ramp pushes a body at rest until it slips. The faster the force rises, the lower is the break-away force,
+because the bristles need time to bend.
 """
 
 import matplotlib.pyplot as plt
@@ -24,8 +25,8 @@ for rate in rates:
     solution = stribeck.simulate(scenario.replace(changes))
     levels.append(rate * solution.events["slip"][0])
 plt.semilogx(rates, levels, "o-")
-plt.xlabel("rate of the force in N/s")
-plt.ylabel("force at break-away in N")
+plt.xlabel("rate of the force (N/s)")
+plt.ylabel("force at break-away (N)")
 
 # %%
 # .. explorer:: break_away --law lugre --law lugre_sobczyk

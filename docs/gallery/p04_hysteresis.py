@@ -27,8 +27,8 @@ for frequency in (1.0, 5.0, 10.0):
     plt.plot(1e3 * solution["v"][last], solution["F"][last], label=f"{frequency:g} Hz")
 v = np.linspace(1e-6, 2e-3, 200)
 plt.plot(1e3 * v, law.steady_force(v), "k--", label="steady")
-plt.xlabel("velocity in mm/s")
-plt.ylabel("friction in N")
+plt.xlabel("velocity (mm/s)")
+plt.ylabel("friction (N)")
 plt.legend()
 
 # %%

@@ -1,6 +1,6 @@
 """
-Hunting: an integrator that never settles
-=========================================
+Hunting: a loop that never settles
+==================================
 
 A PID position loop on a body with static friction above Coulomb friction hunts around its setpoint. The integrator winds up
 while the body sticks. At break-away the body overshoots the setpoint.
@@ -20,8 +20,8 @@ scenario = stribeck.Scenario(
 for K_i in (4.0, 1.0):
     solution = stribeck.simulate(scenario.replace({"drive.K_i": K_i}))
     plt.plot(solution["t"], solution["y"], label=f"K_i = {K_i:g} N/(m s)")
-plt.xlabel("time in s")
-plt.ylabel("position in m")
+plt.xlabel("time (s)")
+plt.ylabel("position (m)")
 plt.legend()
 
 # %%

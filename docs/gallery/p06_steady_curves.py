@@ -19,8 +19,8 @@ for name, given in {
 }.items():
     law = stribeck.law(name, parameters="canudas1995", **given)
     plt.plot(1e3 * v, law.steady_force(v), label=name)
-plt.xlabel("velocity in mm/s")
-plt.ylabel("steady friction in N")
+plt.xlabel("velocity (mm/s)")
+plt.ylabel("steady friction (N)")
 plt.legend()
 
 # %%

@@ -18,11 +18,11 @@ solution = stribeck.simulate(verdict.scenario)
 
 fig, (above, below) = plt.subplots(2, sharex=True)
 above.plot(solution["t"], 1e6 * solution["z"])
-above.set_ylabel("deflection in um")
+above.set_ylabel("deflection (µm)")
 below.plot(solution["t"], 1e6 * solution["E_in"])
-below.set(xlabel="time in s", ylabel="work put in, in uJ")
+below.set(xlabel="time (s)", ylabel="work put in (µJ)")
 
 # %%
-# Another law, the same drive:
+# The law under a sine of velocity, and ``lugre_majorant`` beside it, live:
 #
 # .. explorer:: hysteresis --law lugre_sobczyk --law lugre_majorant

@@ -20,8 +20,8 @@ for name, given in {"lugre": {}, "elastoplastic_majorant": {"k_v": 1e7, "z_ba": 
         )
     )
     plt.plot(solution["t"], 1e6 * solution["y"], label=name)
-plt.xlabel("time in s")
-plt.ylabel("position in um")
+plt.xlabel("time (s)")
+plt.ylabel("position (µm)")
 plt.legend()
 
 # %%

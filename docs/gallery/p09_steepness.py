@@ -18,8 +18,8 @@ v = np.linspace(-2e-3, 2e-3, 801)
 for k_v in (1e3, 1e4, 1e5):
     law = stribeck.law("lugre_majorant", parameters="canudas1995", k_v=k_v)
     plt.plot(1e3 * v, law.steady_force(v), label=f"k_v = {k_v:g} s/m")
-plt.xlabel("velocity in mm/s")
-plt.ylabel("steady friction in N")
+plt.xlabel("velocity (mm/s)")
+plt.ylabel("steady friction (N)")
 plt.legend()
 
 # %%

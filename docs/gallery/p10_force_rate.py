@@ -15,7 +15,7 @@ v = np.linspace(-3e-6, 3e-6, 601)
 for k_v in (1e6, 1e7):
     law = stribeck.law("lugre_majorant", parameters="canudas1995", k_v=k_v)
     plt.plot(1e6 * v, law.force_rate(v=v, z=1e-5, dv_dt=0.01), label=f"k_v = {k_v:g} s/m")
-plt.xlabel("velocity in um/s")
+plt.xlabel("velocity (µm/s)")
 plt.ylabel("dF/dt in N/s at z = 10 um, dv/dt = 10 mm/s^2")
 plt.legend()
 try:

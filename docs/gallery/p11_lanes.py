@@ -20,8 +20,8 @@ scenario = stribeck.Scenario(
 F_s = np.random.default_rng(1).uniform(1.2, 1.8, 64)
 lanes = stribeck.simulate(scenario, {"law.parameters.F_s": F_s})
 plt.plot(lanes.t, lanes["y"].T, color="C0", alpha=0.2)
-plt.xlabel("time in s")
-plt.ylabel("position in m")
+plt.xlabel("time (s)")
+plt.ylabel("position (m)")
 print("slips of each lane:", sorted(int(n) for n in lanes.slips))
 
 # %%

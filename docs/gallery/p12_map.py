@@ -24,8 +24,8 @@ slips = np.array(lanes.slips).reshape(len(stiffness), len(speed))
 plt.pcolormesh(speed, stiffness, slips, shading="nearest")
 plt.xscale("log")
 plt.yscale("log")
-plt.xlabel("speed in m/s")
-plt.ylabel("stiffness in N/m")
+plt.xlabel("speed (m/s)")
+plt.ylabel("stiffness (N/m)")
 plt.colorbar(label="slips in 60 s")
 
 # %%

@@ -27,10 +27,10 @@ solution = st.simulate(rig, t_end=1.5, step=2e-3)
 fig, (above, below) = plt.subplots(2, sharex=True)
 above.plot(solution["t"], 0.02 * solution["rotor.y"], label="motor, behind the ratio")
 above.plot(solution["t"], solution["arm.y"], label="arm")
-above.set_ylabel("angle in rad")
+above.set_ylabel("angle (rad)")
 above.legend()
 below.plot(solution["t"], 1e3 * (solution["arm.y"] - 0.02 * solution["rotor.y"]))
-below.set(xlabel="time in s", ylabel="difference in mrad")
+below.set(xlabel="time (s)", ylabel="difference (mrad)")
 print("the teeth meet and part:", solution.events["gear"])
 
 # %%

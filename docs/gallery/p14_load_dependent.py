@@ -24,8 +24,8 @@ for share in (0.0, 0.1):
     )
     solution = st.simulate(rig, t_end=4.0, step=2e-3)
     plt.plot(solution["rotor.v"], solution["mesh.F"], label=f"{share:g} N m for each N m carried")
-plt.xlabel("velocity in rad/s")
-plt.ylabel("friction in N m")
+plt.xlabel("velocity (rad/s)")
+plt.ylabel("friction (N m)")
 plt.legend()
 
 # %%

@@ -19,8 +19,8 @@ rig = st.Machine(
 )
 solution = st.simulate(rig, t_end=120.0, step=0.01)
 plt.plot(solution["mass.y"], solution["mass.v"])
-plt.xlabel("position in m")
-plt.ylabel("velocity in m/s")
+plt.xlabel("position (m)")
+plt.ylabel("velocity (m/s)")
 print(len(solution.events["rub"]["slip"]), "slips")
 
 # %%

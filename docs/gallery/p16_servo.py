@@ -20,11 +20,11 @@ for words, changes in {"with the observer": {}, "without": {"drive.observer": {"
     last = solution["t"] > 5
     above.plot(solution["t"][last], 1e3 * solution["e"][last], label=words)
     below.plot(solution["t"][last], solution["F"][last])
-above.set_ylabel("position error in mm")
+above.set_ylabel("position error (mm)")
 above.legend()
-below.set(xlabel="time in s", ylabel="friction in N")
+below.set(xlabel="time (s)", ylabel="friction (N)")
 
 # %%
-# The law of the observer, live:
+# The law of the observer in the built-in stick-slip run, live:
 #
 # .. explorer:: lugre_sobczyk --law lugre_sobczyk

@@ -20,8 +20,8 @@ print(fit)
 plt.plot(1e3 * v, log["F"], ".", ms=1, label="log")
 speeds = np.linspace(v.min(), v.max(), 401)
 plt.plot(1e3 * speeds, fit.law(guessing=True).steady_force(speeds), label="fit")
-plt.xlabel("velocity in mm/s")
-plt.ylabel("friction in N")
+plt.xlabel("velocity (mm/s)")
+plt.ylabel("friction (N)")
 plt.legend()
 
 # %%

@@ -1,8 +1,8 @@
 """
-To the drive: C99, and how many instructions a step costs
-=========================================================
+To the drive: a law as C99
+==========================
 
-The law as C99, with a self-test that compares it with the simulated equations.
+``export`` writes the simulated equations as C. The figure shows the steady friction that a drive can compensate with them.
 """
 
 import tempfile
@@ -20,8 +20,8 @@ with tempfile.TemporaryDirectory() as folder:
 print("\n".join(header.splitlines()[:30]))
 v = np.linspace(-2e-3, 2e-3, 401)
 plt.plot(1e3 * v, law.steady_force(v))
-plt.xlabel("velocity in mm/s")
-plt.ylabel("what the drive should compensate, in N")
+plt.xlabel("velocity (mm/s)")
+plt.ylabel("steady friction (N)")
 
 # %%
 # .. explorer:: lugre_majorant --law lugre_majorant

@@ -73,7 +73,7 @@ def test_files_are_read_back_and_the_page_stands_alone(stribeck, log, tmp_path, 
 
 
 def test_the_screen_is_a_headline_a_table_and_at_most_five_notes(stribeck, log, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "120")  # on a narrow terminal the names stand above their rows
+    monkeypatch.setenv("COLUMNS", "150")  # on a narrow terminal the names stand above their rows
     found = stribeck("fit", log, *OPTIONS)
     assert found.status == 0, found.err
     lines = found.out.splitlines()

@@ -251,6 +251,13 @@ def by_warp(chosen, load):
     return (z.numpy(), F.numpy()), load.grad.numpy()
 
 
+def test_the_use_in_isaaclab_imports_the_file_by_its_name(tmp_path):
+    (file,) = stribeck.export(PRESSED, "isaaclab", tmp_path / "pressed.py", part="law")
+    assert "from pressed import FrictionActuatorCfg" in file.read_text(encoding="utf-8")
+    (file,) = stribeck.export(PRESSED, "isaaclab", tmp_path / "a joint.py", part="law")
+    assert "from FILE import FrictionActuatorCfg" in file.read_text(encoding="utf-8")
+
+
 def test_isaaclab_holds_what_the_machine_holds(tmp_path):
     torch = pytest.importorskip("torch", reason="torch is not installed")
     (file,) = stribeck.export(PRESSED, "isaaclab", tmp_path / "pressed.py", part="law")

@@ -99,7 +99,7 @@ def test_a_law_with_bristles_has_its_deflection_explained():
     assert not any("bristles" in line for line in model_lines(fit))
     lines = model_lines(stribeck.fit(log.rows(slice(0, 100)), "dahl", starts=1))
     assert any(line.startswith("dz/dt = ") for line in lines)
-    assert "z deflection of the bristles (m)" in lines
+    assert "z: deflection of the bristles (m)" in lines
 
 
 def test_files_stand_behind_each_other_on_the_axis_of_time():

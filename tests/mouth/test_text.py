@@ -165,3 +165,23 @@ def test_the_explorer_shows_them_escaped(rig):
     pytest.importorskip("bokeh")
     text = explore(Scenario.load(rig), rig.parent / "page.html", laws=[]).read_text(encoding="utf-8")
     assert plain(text)
+
+
+def test_rows_that_do_not_fold_take_the_terminal_and_words_fold_at_a_hundred(monkeypatch):
+    wide = Table(["name", *"abcdef", "state"], [["n" * 30, *["1234567890123"] * 6, "identified"]])
+    prose = Table(["name", "how"], [["n", "word " * 60]])
+    shown = Document("t", "lead", [], [Chapter("k", "K", [], [wide]), Chapter("l", "L", [], [prose])])
+    for columns, above in ((160, False), (100, True)):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        lines = list(terminal.lines(shown))
+        assert any(line.strip() == "n" * 30 for line in lines) == above
+        assert max(len(line) for line in lines if "word" in line) <= 100
+
+
+def test_a_sentence_keeps_the_name_that_it_begins_with(tmp_path):
+    words = ("overcompensated.toml replays it", "lugre_majorant with sigma_0 = 1 N/m", "quiet from here")
+    page.write(Document("t", "lead", words, []), tmp_path, pictures=False)
+    text = unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert "overcompensated.toml replays it." in text
+    assert "lugre_majorant with" in text
+    assert "Quiet from here." in text

@@ -85,9 +85,14 @@ class How:
         ),
     ] = None
     starts: Annotated[
-        int, typer.Option("--starts", rich_help_panel=ADVANCED, min=1, help="Number of starts of a fit by simulation.")
+        int,
+        typer.Option(
+            "--starts", metavar="N", rich_help_panel=ADVANCED, min=1, help="Number of starts of a fit by simulation."
+        ),
     ] = 20
-    seed: Annotated[int, typer.Option("--seed", rich_help_panel=ADVANCED, min=0, help="Seed of the starts.")] = 0
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", rich_help_panel=ADVANCED, min=0, help="Seed of the starts.")
+    ] = 0
     output: Annotated[
         str,
         _advanced("--output", "WHAT", "Measured signal that a simulation must match: force, velocity or position."),

@@ -63,12 +63,11 @@ def export(
 
     Args:
         law: the law with its constants; None for the scenario's own; or in its place a scenario, its file or its tables.
-        target: one of :data:`TARGETS`.
+        target: name of the target, such as "c" or "fmu" (docs/reference/exports.md).
         out: folder of the files (``c``, ``mujoco``), or the file itself.
-        part: one of :data:`PARTS`; not every target has every part. Unless given, "law" of a ``contact``, "machine" of a machine,
-            else "law".
-        scenario: the machine, or the scenario that gives the body's mass, the controller and all else that is not the law's;
-            its file or its tables.
+        part: "law", "body", "observer", "controller", "compensator" or "machine"; not every target has every part. Unless
+            given, it is "machine" for a machine without a ``contact``, otherwise "law".
+        scenario: the scenario that gives mass and controller, or the machine; also its file or its tables.
         step: time step of the tool, s.
         self_test: also write a program that tests the result (target ``c``).
         fmi: version of FMI, 2 or 3 (target ``fmu``).
@@ -104,7 +103,8 @@ def export(
     else:
         exported = _law(law, scenario, contact, chosen)
         z = _deflection(exported, part, scenario, contact, chosen)
-        what = Request(exported, part, scenario, step, origin, options, z)
+        module = out.stem if out.stem.isidentifier() and out.stem.isascii() else "FILE"
+        what = Request(exported, part, scenario, step, origin, options, z, module)
     return _write(out, chosen, part, what)
 
 

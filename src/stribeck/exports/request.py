@@ -88,6 +88,7 @@ class Request:
 
     Attributes:
         z: deflection at t = 0, m (rad).
+        module: the name by which Python imports the written file, if it is a single one.
     """
 
     law: Law
@@ -97,6 +98,7 @@ class Request:
     origin: str = ""
     options: Options = PLAIN
     z: float = 0.0
+    module: str = ""
 
     @property
     def name(self) -> str:

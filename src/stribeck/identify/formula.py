@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from stribeck import laws
 from stribeck.constants import Column
+from stribeck.identify.core.forms import in_words
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import LogFit
 from stribeck.laws.base import Law
@@ -23,7 +24,7 @@ def model_lines(fit: LogFit) -> list[str]:
     law = laws.find(fit.law_name)
     term_names = [n for n, t in TERMS.items() if n in fit.values and t.column is not None]
     beside = [_product(n) for n in term_names if not TERMS[n].level and not (n == "mass" and fit.values[n] == 0)]
-    lines = [" + ".join(["force = F", *beside, *(fit.forms or ())])]
+    lines = [" + ".join(["force = F", *beside, *(f"({in_words(form)})" for form in fit.forms or ())])]
     growth = [_product(n) for n in term_names if TERMS[n].level]
     lines += [f"{level} grows by {' + '.join(growth)}" for level in ("F_c", "F_s") if growth and level in fit.values]
     if fit.values.get("delay"):
@@ -36,7 +37,7 @@ def model_lines(fit: LogFit) -> list[str]:
     named = [
         Column(letter, unit, words).of_motion(turns) for letter, (words, unit) in _MEANING.items() if letter in letters
     ]
-    return [*lines, *(f"{x.name} {x.meaning} ({x.unit})" for x in named)]
+    return [*lines, *(f"{x.name}: {x.meaning} ({x.unit})" for x in named)]
 
 
 def _product(name: str) -> str:

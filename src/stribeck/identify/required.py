@@ -10,6 +10,7 @@ import numpy as np
 
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator.result import MachineFit
+from stribeck.identify.core.forms import in_words
 from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
@@ -98,7 +99,7 @@ def _note(name: str, e: Estimate, share: float) -> str:
     elif wide <= share:
         known = f"is known within {_share(wide)}, but the fit is doubtful for the reasons in other notes"
     else:
-        cause = f", because of {e.depends_on}" if e.depends_on else ""
+        cause = f", because of {in_words(e.depends_on)}" if e.depends_on else ""
         known = f"is known within {_share(narrow)} by its interval, but {_share(wide)} by its model range{cause}"
     measure = f". To measure: {e.experiment}" if e.experiment else ""
     return f"{name} {known}; {percent(share)} is required{measure}."

@@ -113,15 +113,25 @@ def _why(state: EstimateState) -> str:
     return f"no speed below {REACHED:g} v_s was recorded"
 
 
+def _stated(estimate: Estimate) -> str:
+    """The estimate, or the bound that the data give."""
+    if estimate.state is EstimateState.AT_LEAST:
+        return f">= {estimate.interval[0]:.4g}"
+    if estimate.state is EstimateState.AT_MOST:
+        return f"<= {estimate.interval[1]:.4g}"
+    return f"= {estimate.value:.4g}"
+
+
 class Fit(Told, ABC):
     """The result of a fit: a :class:`LogFit` of a log, a :class:`MachineFit` of a machine's recordings.
 
     ``fit["F_c"]`` is an estimate with ``value``, ``interval``, ``range`` and ``state``; ``print(fit)`` shows all of them.
 
     Attributes:
-        status: "done", or why there is less; of Ctrl-C "stopped".
-        estimates: the fitted parameters by name; ``levels``: friction at speeds that were seen.
-        notes: what a reader should know, a sentence each, the most important one first.
+        status: "done", "missed" (the model does not describe the data: nothing is identified) or "stopped" (by Ctrl-C).
+        estimates: the fitted parameters by name.
+        levels: the friction at four speeds of the record, and at those that were asked for.
+        notes: one sentence each, the most important one first.
     """
 
     status: str
@@ -131,7 +141,7 @@ class Fit(Told, ABC):
 
     @property
     def parameters(self) -> dict[str, Estimate]:
-        """All estimates by name: fitted parameters and levels."""
+        """All estimates by name, levels included."""
         return {**self.estimates, **self.levels}
 
     @property
@@ -178,7 +188,7 @@ class Fit(Told, ABC):
         return paths[0]
 
     def __repr__(self) -> str:
-        known = ", ".join(f"{n} = {e.value:.4g}" for n, e in self.parameters.items() if e.identifiable)
+        known = ", ".join(f"{n} {_stated(e)}" for n, e in self.parameters.items() if e.identifiable)
         open_ones = f"; not identifiable: {', '.join(self.unidentified)}" if self.unidentified else ""
         return f"<{type(self).__name__} of {self.title}: {self.lead}: {known}{open_ones}>"
 
@@ -232,14 +242,14 @@ class LogFit(Fit):
         estimates: the fitted parameters: the law's, then the rig's (mass, offset, ...).
         values: every number of the fitted curve, and the law's words; those of ``given`` were not fitted.
         relative_force_error: norm(residual)/norm(force), a fraction.
-        cross_validated_error: the same over blocks that were left out; None where it was not computed.
+        cross_validated_error: the same over held-out blocks; None if it was not computed.
         friction_error: norm(residual)/norm(friction); ``missed``: the residual as a share of the force's deviation.
-        status: "done", or "stopped" where Ctrl-C ended it: the values are the best until then.
-        candidates: the laws that were compared, and plainer models of the same record.
-        predictor: of the force along other records; None for fits by simulation.
+        status: "done", or "stopped" (by Ctrl-C): the values are the best until then.
+        candidates: the laws that were compared, and simpler models of the same record.
+        predictor: predicts the force along other records; None for fits by simulation.
         log, reading: the record, and how it was read.
-        levels: friction at ``speeds`` that were seen, m/s or rad/s.
-        seen: the ranges of the record, which tell where a prediction goes beyond it.
+        levels: friction at ``speeds`` of the record, m/s or rad/s.
+        seen: the ranges of the record. A prediction outside them is an extrapolation.
         friction: measured and fitted, row by row.
         forms: the force of each form beside the law, N (rms); ``rest``: the share of the rows at rest.
         nearest_stribeck: the Stribeck law nearest to a curve of forms.

@@ -12,6 +12,7 @@ from stribeck import laws
 from stribeck.constants import rotary_unit
 from stribeck.identify import figures
 from stribeck.identify.actuator.result import Trace
+from stribeck.identify.core.forms import in_words
 from stribeck.identify.formula import model_lines
 from stribeck.mouth.cells import human, percent
 from stribeck.mouth.document import (
@@ -137,7 +138,7 @@ def _given(fit: LogFit) -> list[list[Cell]]:
 def _quality(fit: LogFit) -> list[Chapter]:
     """The number of notes about the data, for the terminal."""
     count = 0 if fit.log is None else len(fit.log.quality)
-    text = f"{count} {'note' if count == 1 else 'notes'} about the data: in report.html"
+    text = f"{count} {'note' if count == 1 else 'notes'} about the data: on the page (--out DIR)"
     return [Chapter("quality", "", facts=[text], on=TERMINAL)] if count else []
 
 
@@ -152,13 +153,18 @@ def _candidates(fit: LogFit) -> list[Chapter]:
     if len(fit.candidates) < 2:
         return []
     rows: list[list[Cell]] = [
-        [c["name"], ", ".join(c["forms"]) or "-", Share(c["relative_force_error"], _PLACES), c["numbers"]]
+        [
+            c["name"],
+            "; ".join(map(in_words, c["forms"])) or "-",
+            Share(c["relative_force_error"], _PLACES),
+            c["numbers"],
+        ]
         for c in fit.candidates
     ]
     text = ["The static law with the least BIC is reported. Forms are further terms, for effects that the law lacks."]
     if any(laws.find(c["law"]).has_z for c in fit.candidates if c["law"] in laws.builtin()):
         text.append(
-            "A law with bristles is fitted by simulation, and reported if it halves the static law's residual in all rows."
+            "A law with bristles is fitted by simulation. It is reported if it halves the static law's residual in all rows."
         )
     table = Table(["law", "forms", "relative residual", "parameters"], rows, prose=True)
     return [Chapter("candidates", "Candidates", text, [table], on=PAGE)]

@@ -74,7 +74,7 @@ class Design:
 
     @property
     def errors(self) -> dict[str, dict[str, float | None]]:
-        """Tracking errors of each move: peak, rms, reversal, standstill (m or rad) and settling time (s)."""
+        """Tracking errors of each move, namely peak, rms, reversal, standstill (m or rad) and settling time (s)."""
         return {name: each.errors for name, each in self.tracked.items()}
 
     def document(self) -> Document:

@@ -109,7 +109,7 @@ def shares(results: Sequence[CompensationResult], unit: str) -> Figure:
 
     return Figure(
         "compensations",
-        "Error after a reversal against margin; grey: those that none beats in both (dither aside).",
+        "Error after a reversal against the largest quiet share. A gray line joins the best remedies, without dither.",
         draw,
     )
 

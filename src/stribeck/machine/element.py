@@ -209,7 +209,7 @@ class BetweenBodies(Element):
         return f"{self.start if self.far is None else f'the signal {self.far.name}'} to {self.end}"
 
 
-RATIO = "how far `from` counts: d = ratio y_from - y_to; 1 unless given"
+RATIO = "factor of the motion of `from`, d = ratio y_from - y_to; 1 unless given"
 _RATIO_LARGEST = 1e30  # and its inverse the smallest: squares of it, times a mass, stay numbers
 
 

@@ -155,7 +155,7 @@ class Sine(SignalTable):
 
 
 class Step(SignalTable):
-    """0 before ``at`` (s), ``value`` from then on."""
+    """0 before ``time``, ``value`` from then on."""
 
     made_by = waveforms.StepSignal
     kind: Literal["step"] = "step"

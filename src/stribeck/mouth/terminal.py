@@ -90,14 +90,19 @@ def _folded(text: str, wide: int, first: str = "", other: str = "") -> list[str]
 
 
 def _table(table: Table) -> Iterator[str]:
-    """Rows in columns; where they are wider than the terminal the last column of words folds, or the first stands above."""
+    """Rows in columns. If they are too wide, the last column folds if it has words, else the first stands above the others.
+
+    Words fold at 100 columns, as prose does. Rows that do not fold take the whole terminal, and in a file one line.
+    """
     titles, rows, words = texts(table, "terminal")
     if not rows:
         return
     columns = len(titles)
     rows = [titles, *rows]
     widths = [max(len(row[i]) for row in rows) for i in range(columns)]
-    whole = width(_WIDEST) - 2  # what goes to a file may be wide
+    whole = width(_WIDEST) - 2
+    if not words[-1] or whole - sum(widths[:-1]) - _NEAR * (columns - 1) < min(_LEAST, widths[-1]):
+        whole = shutil.get_terminal_size((_ONE_LINE, 24)).columns - 2
     apart = _APART if sum(widths) + _APART * (columns - 1) <= whole else _NEAR
     room = whole - sum(widths[:-1]) - apart * (columns - 1)
     above = False

@@ -141,7 +141,7 @@ class Verdicts:
 
     @property
     def level(self) -> dict[str, list[float | None]]:
-        """The varying constants with their lower and upper ends (None: no bound); empty in a plain check."""
+        """The varying constants with their lower and upper bounds, None if unbounded; empty in a check without ``level``."""
         return {} if self.varied is None else self.varied.to_dict()
 
     def headings(self) -> list[str]:

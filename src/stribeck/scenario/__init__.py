@@ -207,13 +207,12 @@ class Scenario:
 
     @property
     def name(self) -> str:
-        """The scenario's name; what a terminal or a file could take for more than text is written as an escape."""
+        """The scenario's name, with control characters escaped."""
         return printable(str(self.data.get("name", "scenario")))
 
     @property
     def rotary(self) -> bool:
-        """Whether the one body turns: the columns are in rad and N m then, the numbers are the same. A machine of many
-        bodies says it for each."""
+        """Whether the only body turns. Its columns are then in rad and N m. In a machine, each body states it itself."""
         return self.elements.unnamed and self.elements.bodies[""].turns
 
     @cached_property

@@ -183,7 +183,8 @@ def _observers() -> Node:
     """The friction that a controller assumes."""
     without = _object({"name": {"const": NONE, "description": "no compensation"}}, ["name"])
     observers = [_law(law, observes=True) for law in laws.builtin().values() if law.claims.smooth is not False]
-    return {"oneOf": [without, *observers, _own_law()]}
+    about = f'the law of the friction observer, as in [law]; name = "{NONE}" compensates no friction'
+    return {"oneOf": [without, *observers, _own_law()], "description": about}
 
 
 def _own_law() -> Node:

@@ -91,12 +91,12 @@ class Ensemble:
 
     @cached_property
     def t(self) -> Array:
-        """Times of the rows, s: i * output.step."""
+        """Times of the rows (s), multiples of ``output.step``."""
         return np.arange(self._states.shape[1], dtype=float) * self.scenario.output.step
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """The columns after t: name, unit and meaning."""
+        """The columns after t, each with name, unit and meaning."""
         return self.scenario.system.columns
 
     @cached_property

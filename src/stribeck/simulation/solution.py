@@ -55,12 +55,12 @@ class Solution:
 
     @cached_property
     def t(self) -> Array:
-        """Times of the rows, s: i * output.step."""
+        """Times of the rows (s), multiples of ``output.step``."""
         return np.arange(len(self.states), dtype=float) * self.scenario.output.step
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
-        """The columns after t: name, unit and meaning."""
+        """The columns after t, each with name, unit and meaning."""
         return self.scenario.system.columns
 
     @cached_property

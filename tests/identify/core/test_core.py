@@ -5,7 +5,7 @@ import pytest
 
 from stribeck.identify.core import judging
 from stribeck.identify.core.choice import chosen
-from stribeck.identify.core.forms import ripple_waves
+from stribeck.identify.core.forms import in_words, ripple_waves
 from stribeck.identify.core.judging import judged
 from stribeck.identify.core.predictor import of_json, predictor
 from stribeck.identify.core.search import library, refine
@@ -203,3 +203,13 @@ def test_the_prediction_of_another_motion_survives_a_file(extra):
     error = np.linalg.norm(made.force(other) - other.force) / np.linalg.norm(other.force)
     assert error < 0.03
     assert np.allclose(of_json(made.to_json()).force(other), made.force(other))
+
+
+def test_a_form_is_named_in_words():
+    """Every form of a record with a position, a load and reversals; another text stays as it is."""
+    lib = library(record_of(rows_of(record(1)), ("offset",), {}), curve_of("stribeck", {}))
+    for name in {form for k, (form, _) in lib.name.items() if k >= lib.first_form}:
+        assert in_words(name) != name, name
+    assert in_words("growth 3.0") == "friction that grows with the speed to the power 3"
+    assert in_words("bend 0.05 square") == "a friction peak below 5 % of the top speed"
+    assert in_words("clock drift of the force") == "clock drift of the force"

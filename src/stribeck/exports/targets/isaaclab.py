@@ -15,8 +15,8 @@ def files(request: Request) -> Content:
     parts = (stepping.loop, stepping.settled, stepping.balance, stepping.solved)
     text = "\n\n".join(inspect.getsource(part) for part in parts).rstrip()
     content = render(
-        "isaaclab.txt", about=request.in_docstring(), name=request.name, eq=Written(request.law), stepping=text,
-        inputs=request.law.inputs, start=request.z,
+        "isaaclab.txt", about=request.in_docstring(), name=request.name, module=request.module, eq=Written(request.law),
+        stepping=text, inputs=request.law.inputs, start=request.z,
     )  # fmt: skip
     return {f"{request.name}_isaaclab.py": content}
 

@@ -17,8 +17,9 @@ from stribeck.identify.actuator.lacks import forms_in_words
 from stribeck.identify.actuator.regression import MachineLibrary, regressed
 from stribeck.identify.actuator.result import Group
 from stribeck.identify.core.choice import Selection
+from stribeck.identify.core.forms import dependences
 from stribeck.identify.core.judging import judged as by_core
-from stribeck.identify.core.states import Estimate, EstimateState, hanging
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.scenario import Scenario
 
 RELATED = 0.95  # correlation above which two parameters cannot be separated: it makes an interval three times as wide
@@ -72,7 +73,7 @@ def judged(
         e = estimates[name]
         estimates[name] = replace(e, why=e.why or _why(e, name, names, relation), experiment=texts.get(i, e.experiment))
     levels = {n: estimates.pop(n) for n in lib.friction.speeds}
-    notes = [*_explained(choice), *hanging(estimates)]
+    notes = [*_explained(choice), *dependences(estimates)]
     return JudgedParameters(estimates, levels, lib.friction.speeds, _groups(names, relation), (names, relation), notes)
 
 

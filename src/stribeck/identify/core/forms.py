@@ -5,6 +5,7 @@ Forms have engineering names. Those of ``OF_RECORD`` belong to one record and ar
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -14,6 +15,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from stribeck.arrays import Array
+from stribeck.identify.core.states import Estimate, EstimateState
 from stribeck.identify.data.filters import HIGHEST
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.log import Log
@@ -31,6 +33,18 @@ BENDS_BELOW = 0.35  # of v_s: half of such a bend is what the law's own curve ca
 _CELLS = 8  # of the shortest wave, into which the way is cut: they take 3 % of its amplitude away
 _MOST_CELLS = 1 << 17  # a transform of so many takes some milliseconds
 _FINER = 4  # points of the spectrum within the width of a peak: its top lies 3 % below the true one at most
+_WORDS = {  # by the first words of a form's name; {}: its number
+    "bend": "a friction peak below {:.3g} % of the top speed", "pointed": "a Stribeck curve of exponent 1",
+    "uneven bend": "a friction peak below {:.3g} % of the top speed that differs by direction",
+    "growth": "friction that grows with the speed to the power {:g}",
+    "uneven slope": "viscous friction that differs by direction", "delay": "a delay of the force",
+    "friction lags": "friction that lags behind the speed", "play": "friction that reverses over {:.3g} % of the stroke",
+    "lag": "friction that reverses within {:g} samples", "load": "friction that grows with the inertial force",
+    LOADED: "friction that grows with the inertial force and the weight", "drift": "a drift of the offset",
+    "level by time": "a friction level that changes with time", "filter": "the cut-off frequency of the filter",
+    "level by position": "a friction level that changes with position", "spring": "a spring", "weight": "a weight",
+    "ripple": "a force that repeats with position", "level ripple": "a friction level that repeats with position",
+}  # fmt: skip
 Key = tuple[str, str]  # form, column
 Column = Callable[[], Array]
 
@@ -89,6 +103,24 @@ def forms(log: Log, at: Anchor) -> dict[Key, Column]:
     if log.bandwidth and log.step:
         columns["filter", ""] = lambda: _smoother_force(log, at) - load - friction
     return columns
+
+
+def in_words(form: str) -> str:
+    """What a form is, for a reader; a text that names no form is returned as it is."""
+    named = re.fullmatch(r"(.*?)(?: (\d[\d.]*))?(?: square)?", form)
+    if named is None or named[1] not in _WORDS:
+        return form
+    percent = 100 if named[1] in ("bend", "uneven bend", "play") else 1
+    return _WORDS[named[1]].format(percent * float(named[2] or 0))
+
+
+def dependences(estimates: Mapping[str, Estimate]) -> list[str]:
+    """The estimates whose range depends on an effect that the model may lack, a sentence for each effect."""
+    causes = dict[str, list[str]]()
+    for name, e in estimates.items():
+        if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
+            causes.setdefault(e.depends_on, []).append(name)
+    return [f"{', '.join(names)}: the range covers {in_words(cause)}." for cause, names in causes.items()]
 
 
 def _wave(t: Array, k: int, height: Array | float = 1.0) -> Array:

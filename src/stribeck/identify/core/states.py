@@ -31,10 +31,11 @@ class Estimate:
     Attributes:
         interval: the confidence interval for another stretch of this experiment (with several files, another run).
         range: the interval of the true value if the model may lack a form; None if it is not computed.
-        state: decides the use of the estimate.
-        unit: SI.
+        state: "identified", "model-dependent", "not identifiable", "at least" or "at most".
+        unit: unit of the value, SI.
         depends_on: for a model-dependent estimate, the form that widens the range.
-        parts: half widths: C covariance, A choice, B forms withheld, H forms hidden.
+        parts: half widths by cause: C covariance, A choice of forms, B forms excluded at random, H forms that this motion
+            does not excite.
         why, experiment: if it is not identifiable, the missing information and the motion that provides it.
     """
 
@@ -50,7 +51,7 @@ class Estimate:
 
     @property
     def identifiable(self) -> bool:
-        """Whether the data determine the estimate if the model is right: its interval is narrow, or it is a bound."""
+        """Whether the data determine the estimate, if the model is right. Its interval is then narrow, or it is a bound."""
         return self.state is not EstimateState.NOT_IDENTIFIABLE
 
     @property
@@ -150,12 +151,3 @@ def one_sided(F_s: Estimate, v_s: Estimate, levels: Sequence[Estimate]) -> tuple
     )
     low, high = ((0.0, x[1]) for x in (v_s.interval, v_s.range or v_s.interval))
     return at_least, replace(v_s, interval=low, range=high, state=EstimateState.AT_MOST)
-
-
-def hanging(estimates: Mapping[str, Estimate]) -> list[str]:
-    """The estimates whose range depends on an effect that the model may lack, a sentence for each effect."""
-    causes = dict[str, list[str]]()
-    for name, e in estimates.items():
-        if e.state is EstimateState.MODEL_DEPENDENT and e.depends_on:
-            causes.setdefault(e.depends_on, []).append(name)
-    return [f"{', '.join(names)}: the range is wide because of '{cause}'." for cause, names in causes.items()]

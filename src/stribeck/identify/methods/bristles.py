@@ -67,7 +67,7 @@ def better(
     chosen = best.judged() if static is None or best.error < HALF * left else static
     if static is not None and chosen is not static:
         notes = (
-            f"The relative residual of the best static law ({static.law_name}) is {100 * left:.0f} % in all rows.",
+            f"The relative residual of the best static law ({static.law_name}) is {100 * left:.0f} %, rows at rest included.",
             *notes,
         )
     candidate_rows = [*(_candidate(n, fit, n == name) for n, fit in fits), *(static.candidates if static else ())]

@@ -17,11 +17,11 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.choice import Selection, chosen
-from stribeck.identify.core.forms import OF_RECORD
+from stribeck.identify.core.forms import OF_RECORD, dependences
 from stribeck.identify.core.judging import EXPLAINED, judged, missed
 from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
-from stribeck.identify.core.states import Estimate, hanging
+from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.models import terms
@@ -253,7 +253,7 @@ def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
     every, candidates = np.ones(len(choice.library.gram)), list[Candidate]()
     for n, lib in enumerate(choice.libraries):
         kinds = (
-            {False: lib.curve.law, True: "least squares"}
+            {False: lib.curve.law, True: f"{lib.curve.law} without forms"}
             if lib.curve.law == PLAIN and not choice.alone
             else {choice.alone: lib.curve.law}
         )
@@ -313,7 +313,7 @@ def _notes(
         out.append(
             "The estimated mass is below 0: at a single frequency, mass cannot be separated from a spring or weight."
         )
-    out += hanging(estimates)
+    out += dependences(estimates)
     out += [text for name, e in estimates.items() if (text := e.advice(name))]
     if forms:
         form_sizes = ", ".join(f"{name} ({size:.2g} {log.unit('N')})" for name, size in forms.items())

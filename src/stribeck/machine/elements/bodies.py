@@ -63,7 +63,7 @@ class Body(Element, family=True):
     tied_to: Annotated[str | None, Refers(("bodies",))] = Field(
         None, description="the body to which it is tied rigidly"
     )
-    ratio: float | None = ratio_constant("how far it moves by the body it is tied to; 1 unless given")
+    ratio: float | None = ratio_constant("motion per motion of the body that it is tied to; 1 unless given")
     velocity: Annotated[Velocity | None, BeforeValidator(_velocity)] = Field(
         None, description="the prescribed velocity, on which no force acts"
     )

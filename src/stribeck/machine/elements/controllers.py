@@ -56,7 +56,7 @@ Rates = dict[str, Expr]
 class Feedforward(FileTable):
     """A feedforward, added to a controller's output."""
 
-    inertia: float = quantity("kg", "force by the signal's second derivative", rotary_unit="kg m^2")
+    inertia: float = quantity("kg", "force per second derivative of the signal", rotary_unit="kg m^2")
 
 
 class Compensation(FileTable):
@@ -65,10 +65,10 @@ class Compensation(FileTable):
     contact: Annotated[str | None, Refers(("contacts",))] = Field(None, description="the contact whose friction it is")
     speed: Literal["reference", "measured"] = Field(description="speed for the law: reference or measured")
     law: CompensatedLaw = Field(None, description="the law, if it is not the contact's")
-    share: float | None = quantity("", "share of the law's force that the controller adds", at_least=0, optional=True)
-    lead: float | None = quantity(
-        "s", "lag of the inner loop that the force is led by: lead dF/dt is added", above=0, optional=True
+    share: float | None = quantity(
+        "", "share of the law's force that the controller adds; 1 unless given", at_least=0, optional=True
     )
+    lead: float | None = quantity("s", "time constant of the inner loop: lead dF/dt is added", above=0, optional=True)
 
     def leaves(self, path: str) -> Iterator[ConstantLeaf]:
         """Those of its law first."""

@@ -41,7 +41,7 @@ def _start(value: object, info: object) -> object:
 
 
 class Link(BetweenBodies, family=True):
-    """A spring and damper, with play between two flanks if ``gap`` is given.
+    """A spring and damper, with backlash between two flanks if ``gap`` is given.
 
     A link of your own derives from this class, declares its constants, and overrides ``force`` and ``stored_energy``
     (and ``rates``, with ``states``). What it dissipates follows.
@@ -54,8 +54,10 @@ class Link(BetweenBodies, family=True):
     )
     end: BodyOrGround = Field(GROUND, alias="to", description="a body, or 'ground'")
     stiffness: float = quantity("N/m", "stiffness, on the side of `to`", at_least=0, rotary_unit="N m/rad")
-    damping: float | None = quantity("N s/m", "damping", at_least=0, off_at_zero=True, rotary_unit="N m s/rad")
-    gap: float | None = quantity("m", "total backlash", at_least=0, off_at_zero=True, rotary_unit="rad")
+    damping: float | None = quantity(
+        "N s/m", "damping; 0 unless given", at_least=0, off_at_zero=True, rotary_unit="N m s/rad"
+    )
+    gap: float | None = quantity("m", "total backlash; 0 unless given", at_least=0, off_at_zero=True, rotary_unit="rad")
     ratio: float | None = ratio_constant()
 
     def __init__(self, name: str, start: object, end: str = GROUND, **keys: Any) -> None:
@@ -79,14 +81,14 @@ class Link(BetweenBodies, family=True):
     def force(self, d: Value, w: Value, x: Own = NONE) -> Value:
         """The force f, which acts as -ratio f on `from` and as f on `to`.
 
-        Play is modeled as in Modelica's ElastoBacklash: the damper acts in contact only and never pulls.
+        Backlash is modeled as in Modelica's ElastoBacklash: the damper acts in contact only and never pulls.
         """
         f_c = self.elastic(d)
         if self.damping is None:
             return f_c
         if self.gap is None:
             return f_c + self.damping * w
-        f_d = self.damping * w  # limited to |f_c|; within the play both are 0, and so is the derivative by w
+        f_d = self.damping * w  # limited to |f_c|; within the backlash both are 0, and so is the derivative by w
         return f_c + where(abs(f_d) < abs(f_c), f_d, sign(w) * abs(f_c))
 
     def rates(self, d: Value, w: Value, x: Own) -> Own:
@@ -113,11 +115,11 @@ class Link(BetweenBodies, family=True):
         a.account(lambda d: self.stored_energy(d, x), d, w, f, {x[n]: rate for n, rate in rates.items()}, self.far)
 
     def watches(self, a: Assembly) -> tuple[Events, Expr] | None:
-        """The flanks of the play."""
+        """The flanks of the backlash."""
         return None if self.gap is None else (FLANKS, a.along(self)[0])
 
     def level(self) -> Value:
-        """Half of the play."""
+        """Half of the backlash."""
         return None if self.gap is None else self.gap / 2
 
     def columns(self, m: Elements) -> list[Column]:
@@ -142,7 +144,7 @@ class StagedSpring(Link):
     )
 
     def wrong(self) -> list[Problem]:
-        """One of a stage's two numbers without the other; play, which a preload would close."""
+        """One of a stage's two numbers without the other; backlash, which a preload would close."""
         problems = super().wrong()
         for name, other in (("reach", "second"), ("second", "reach")):
             if getattr(self, name) is not None and getattr(self, other) is None:

@@ -103,7 +103,7 @@ class Follower(Load):
     """The signal is the force, times ``gain`` if given: the torque constant where a current was recorded."""
 
     kind: Literal["signal"] = "signal"
-    gain: float | None = quantity("", "force by the signal", optional=True)
+    gain: float | None = quantity("", "force per unit of the signal; 1 unless given", optional=True)
     signal: SignalTable = Field(description="the signal: a table with kind and its constants")
 
     def force(self, r: Value, y: Value, v: Value, x: Own = NONE) -> Value:

@@ -27,7 +27,7 @@ class Motor(Element, family=True):
     section, plain, positional = "motors", "motor", ("name", "on")
     kind: str = Field("motor", exclude=True)
     on: BodyName = Field(description="the body")
-    K: float = quantity("N/A", "force by current, and voltage by speed", above=0, rotary_unit="N m/A")
+    K: float = quantity("N/A", "force per current, equal to voltage per speed", above=0, rotary_unit="N m/A")
     R: float = quantity("ohm", "resistance of the winding", above=0)
     L: float | None = quantity("H", "inductance of the winding", above=0, optional=True)
     voltage: float | None = quantity("V", "limit of the voltage", above=0, optional=True)

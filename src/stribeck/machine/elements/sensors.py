@@ -56,7 +56,7 @@ class Encoder(Sensor):
 
     kind: Literal["encoder"] = "encoder"
     resolution: float = quantity("m", "step of the encoder", above=0, rotary_unit="rad")
-    ratio: float | None = ratio_constant("how far it counts by the body; 1 unless given")
+    ratio: float | None = ratio_constant("reading per position of the body; 1 unless given")
     offset: float = quantity("m", "reading at y = 0", default=0.0, rotary_unit="rad")
 
     def reading(self, y: Value, v: Value) -> Value:
