@@ -3,6 +3,7 @@
 import itertools
 from pathlib import Path
 
+from tests.kept.calls import CALLS
 from tests.kept.runner import Case, commands
 
 
@@ -18,4 +19,4 @@ def read(text):
             yield commands(f"{group}/{name}", words, *map(float, tolerance), thorough=bool(star))
 
 
-CASES: list[Case] = list(read(Path(__file__).with_name("commands.txt").read_text(encoding="utf-8")))
+CASES: list[Case] = [*read(Path(__file__).with_name("commands.txt").read_text(encoding="utf-8")), *CALLS]

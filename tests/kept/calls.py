@@ -1,0 +1,382 @@
+"""The calls whose results are kept, beside the commands: one function a case, which yields lines."""
+
+import contextlib
+import copy
+import tomllib
+import warnings
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+
+import stribeck
+from stribeck import InputError, Scenario, examples
+from stribeck.codegen import source
+from stribeck.expressions import coq, emit, ops, pretty
+from stribeck.expressions.graph import derivative, symbol
+from stribeck.expressions.intervals import Box, Evaluator, interval
+from stribeck.identify.actuator import read_logs
+from stribeck.laws import builtin
+from stribeck.scenario import schema
+from stribeck.simulation import c_source, wasm
+from stribeck.waveforms.pieces import pieces
+from tests.kept import logs, shown
+from tests.kept.runner import EXACT, PLACES, Case
+from tests.properties.nasty import PROPERTIES
+from tests.properties.nasty import cases as nasty_cases
+
+CALLS: list[Case] = []
+MACHINES = sorted((PLACES[2]).glob("*.toml"))
+CANUDAS = dict(stribeck.library().sets["canudas1995"].values)
+OWN = {"k_v": 1e5, "z_ba": 7e-6, "g1": 0.25, "g2": 100.0, "g3": 10.0, "g4": 0.1, "g5": 100.0, "g6": 0.01}
+
+
+def kept(name, tolerance=EXACT, thorough=False):
+    """A case of a function that yields lines."""
+
+    def register(function):
+        CALLS.append(Case(name, lambda: list(function()), tolerance, thorough))
+        return function
+
+    return register
+
+
+def numbers(values):
+    """Numbers in a line, to twelve digits."""
+    return ", ".join(f"{x:.12g}" for x in np.ravel(values))
+
+
+def laws():
+    """Every built-in law with constants of the literature, and some with options."""
+    for name, cls in builtin().items():
+        known = cls.constants()
+        yield name, stribeck.law(name, {n: x for n, x in {**CANUDAS, **OWN}.items() if n in known})
+    for name, more in {
+        "lugre": {"v_d": 2e-3}, "lugre_sobczyk": {"k_v": 1e6, "delta": 1.3}, "stribeck": {"k_v": None, "delta": 1.0},
+        "lugre_majorant": {"k_v": 1e4, "smooth_abs": "sqrt", "v_d": 1e-2},
+        "elastoplastic_majorant": {"k_v": 1e4, "z_ba": 5e-6, "smooth_abs": "compact"},
+    }.items():  # fmt: skip
+        known = builtin()[name].constants()
+        given = {n: x for n, x in {**CANUDAS, **more}.items() if n in known and x is not None}
+        yield f"{name} {more}", stribeck.law(name, given)
+
+
+@kept("laws/values")
+def _():
+    v = np.array([0.0, 1e-6, -3e-5, 4e-4, -1e-3, 0.02, 1.0])
+    z = np.array([0.0, 2e-6, -8e-6, 9e-6, 1.2e-5, -1.4e-5, 5e-6])
+    for name, law in laws():
+        yield f"== {name}"
+        yield f"{law.to_dict()} linear {law.linear}, differentiable {law.differentiable}, jumps {law.jumps_at_rest}"
+        yield f"{law.guarantees()} {law.scales(law.p)}"
+        for what, values in {
+            "rate": law.rate(v, z), "force": law.force(v, z), "jacobian": law.jacobian(v, z)[0],
+            "jacobian of F": law.jacobian(v, z)[1], "steady": law.steady_force(v), "steady z": law.steady_deflection(v),
+        }.items():  # fmt: skip
+            yield f"{what}: {numbers(values)}"
+        with contextlib.suppress(InputError, stribeck.StribeckError):
+            yield f"force rate: {numbers(law.force_rate(v, z, 3.0 - v))}"
+
+
+@kept("laws/told")
+def _():
+    for name, law in laws():
+        yield f"== {name}"
+        yield repr(law)
+        yield from shown.page(law._repr_html_(), 12)
+        for other in (
+            {"k": 1},
+            {"F_c": 0.0},
+            {"F_c": "a"},
+            {"F_s": 0.1},
+            {"k_v": -1},
+            {"sigma_1": np.nan},
+            {"delta": 0.2},
+        ):
+            with warnings.catch_warnings(record=True) as notes, contextlib.suppress(InputError):
+                warnings.simplefilter("always")
+                try:
+                    law.replace(**other)
+                    yield f"{other}: taken"
+                except InputError as error:
+                    yield from (f"{other}: {problem}" for problem in error.problems)
+            yield from (f"note: {each.message}" for each in notes)
+
+
+SIGNALS = {
+    "ramp": {"rate": 0.3},
+    "step": {"time": 0.4, "value": -2.0},
+    "square": {"amplitude": 1.0, "frequency": 2.0},
+    "sine": {"amplitude": 0.5, "frequency": 1.5, "offset": 0.2, "phase": 0.4},
+    "points": {"t": [0.1, 0.4, 0.4, 0.9], "value": [0, 1, -1, 2]},
+    "staircase": {"t": [0.0, 0.3, 0.6], "value": [0.1, 0.5, -0.4]},
+    "point_to_point": {"t": [0.1, 0.5, 0.8], "value": [0.0, 1.0, -0.5]},
+    "spline": {"t": [0.0, 0.3, 0.7, 1.0], "value": [0.0, 0.4, -0.2, 0.1]},
+    "sum": {"parts": [{"kind": "sine", "amplitude": 1.0, "frequency": 1.0}, {"kind": "ramp", "rate": 0.5}]},
+}
+
+
+@kept("signals/values")
+def _():
+    t = np.linspace(0, 1.2, 13)
+    for kind, constants in SIGNALS.items():
+        tables = {**RIG, "drive": {"kind": "force", "signal": {"kind": kind, **constants}}}
+        yield f"== {kind} {constants}"
+        try:
+            signal = Scenario(tables).signal
+        except InputError as error:
+            yield from error.problems
+            continue
+        yield f"at: {numbers(signal.at(t))}"
+        yield f"smooth {signal.smooth}, longest step {signal.longest_step:g}, {len(signal.pieces)} pieces"
+        for level in (0.1, 0.45):
+            yield f"passes {level}: {[(float(f'{x:.10g}'), bool(up)) for x, up in signal.crossings(level, 1.2)]}"
+        table = pieces(signal, True, 1.2)
+        yield from (
+            f"{name}: {numbers(np.asarray(x, float))}"
+            for name, x in vars(table).items()
+            if np.size(x) and _is_number(x)
+        )
+        for missing in constants:
+            yield from _refusal(f"without {missing}", _edited(tables, ("drive", "signal", missing), GONE))
+
+
+def _is_number(x):
+    return np.asarray(x).dtype.kind in "ifb"
+
+
+RIG = {
+    "schema": 1, "law": {"name": "lugre", "parameters": "canudas1995"}, "plant": {"mass": 1.0},
+    "drive": {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}}, "solve": {"t_end": 1.2}, "output": {"step": 0.1},
+}  # fmt: skip
+GONE = object()
+WRONG = (GONE, True, -1.5, 0, "?", {"?": 1}, [])
+
+
+def _edited(tables, path, value):
+    tables = copy.deepcopy(tables)
+    *parents, last = path
+    table = tables
+    for name in parents:
+        table = table[name]
+    if value is GONE:
+        del table[last]
+    else:
+        table[last] = value
+    return tables
+
+
+def _places(table, path=()):
+    for name, value in table.items():
+        yield *path, name
+        if isinstance(value, dict):
+            yield from _places(value, (*path, name))
+
+
+def _refusal(what, tables):
+    """The lines of a refusal, with what was wrong; a line with what is taken."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            Scenario(tables)
+    except InputError as error:
+        for problem in error.problems:
+            yield f"{what}: {problem}"
+    else:
+        yield f"{what}: taken"
+
+
+def _said(path, wrong):
+    return f"{'.'.join(path)} = {'nothing' if wrong is GONE else repr(wrong)}"
+
+
+def _every_mistake(tables, within=()):
+    for path in (p for p in _places(tables) if p[: len(within)] == within):
+        for wrong in WRONG:
+            yield from _refusal(_said(path, wrong), _edited(tables, path, wrong))
+
+
+@kept("refused/machine")
+def _():
+    yield from _every_mistake(tomllib.loads((PLACES[2] / "everything.toml").read_text()))
+
+
+@kept("refused/servo")
+def _():
+    servo = tomllib.loads(examples.path("servo").read_text())
+    real = {"sample_time": 1e-3, "delay": 5e-4, "noise": 1e-5, "seed": 1, "quantisation": 2.44e-4, "bandwidth": 200.0,
+            "supply_droop": 2e7, "adaptive": True, "adaptation": {}, "model": {"mass": 3.5}}  # fmt: skip
+    yield from _every_mistake({**servo, "drive": {**servo["drive"], **real}})
+
+
+@kept("refused/scenario")
+def _():
+    for drive in (
+        {"kind": "spring", "stiffness": 2.0},
+        {"kind": "pid", "K_p": 1.0, "K_i": 2.0, "K_d": 3.0},
+        {"kind": "velocity"},
+    ):
+        signal = {"kind": "sine", "amplitude": 0.5, "frequency": 1.0}
+        yield from _every_mistake({**RIG, "drive": {**drive, "signal": signal}}, ("drive",))
+    yield from _every_mistake({**RIG, "plant": {"mass": 1.0, "initial": {"y": 0.1, "v": 0.2, "z": 1e-6}}})
+    for name, law in laws():
+        yield f"== {name}"
+        yield from _every_mistake({**RIG, "law": law.to_dict()}, ("law",))
+
+
+@kept("refused/logs")
+def _():
+    for name in ("axis_1.csv", "axis_2.csv"):
+        logs.write(name, Path(name))
+    tables = tomllib.loads((PLACES[0] / "axis.logs.toml").read_text())
+    first, second = tables["log"]
+    shape = {"log": first | {"hold_out": True, "window": [0.1, 0.9]}, "unknown": tables["unknown"]}
+    for path in _places(shape):
+        for wrong in WRONG:
+            edited = _edited(shape, path, wrong)
+            if isinstance(edited.get("log"), dict):
+                edited["log"] = [edited["log"], second]
+            Path("l.toml").write_text(tomli_w.dumps(edited))
+            try:
+                read_logs("l.toml")
+                yield f"{_said(path, wrong)}: taken"
+            except InputError as error:
+                yield from (f"{_said(path, wrong)}: {x}" for x in error.problems)
+
+
+@kept("codegen/c")
+def _():
+    yield from _codes(lambda scenario: c_source(scenario))
+
+
+@kept("codegen/lanes")
+def _():
+    yield from _codes(lambda scenario: source(scenario.system, lanes=True))
+
+
+def _codes(code):
+    seen = set()  # the runtime is the same in all
+    for path in MACHINES:
+        yield f"== {path.stem}"
+        blocks = shown.digest(code(Scenario.load(path)))
+        yield from (block for block in blocks if block not in seen)
+        seen.update(blocks)
+
+
+@kept("codegen/wasm")
+def _():
+    for path in MACHINES:
+        made = wasm.system_module(Scenario.load(path).system)
+        yield f"{path.stem}: {len(made.module)} bytes, {made.shape}, {made.end}"
+
+
+SHOWN = {"x": "x", "y": "y", "k_v": "k_v"}
+X, Y, K = symbol("x"), symbol("y"), symbol("k_v")
+EXPRESSIONS = {
+    "polynomial": 3 * X**2 - X * Y / 7 + 0.5,
+    "powers": X**-2 + Y**1.5 - (X + 1) ** 3,
+    "reach": -(X - Y) / (K * X + 2),
+    "smooth sign": 2 / np.pi * ops.atan(K * X),
+    "exponential": ops.exp(-((X / 0.1) ** 2)) * ops.tanh(Y),
+    "waves": ops.sin(3 * X) * ops.cos(Y) - ops.log(2 + X * X),
+    "cases": ops.where(X < 0, -Y, Y * Y),
+    "both": ops.where(ops.both(X > 0, Y <= 1), ops.sqrt(1 + X * X), abs(X)),
+    "either": ops.where(ops.either(X >= Y, K < 1), X, -X),
+    "clip": ops.clip(X * Y, -0.5, 0.25) + ops.sign(X),
+    "larger": ops.larger(X, Y) - ops.smaller(X * X, 2 * Y),
+    "nested": ops.where(X < 0, ops.where(Y < 0, X, K), ops.where(Y < 1, K - X, X * K)),
+    "fraction": (X - Y) / (X * X + 0.1) / (1 + abs(Y)),
+}
+BOXES = [((-1, 2), (0.5, 1.5)), ((0.1, 0.2), (-0.3, 0.1)), ((-3, -1), (-2, 5)), ((0, 0), (1, 1)), ((-1, 1), (-1, 1))]
+
+
+@kept("expressions/written")
+def _():
+    names = {"x": "x", "y": "y", "k_v": "p->k_v"}
+    for name, e in EXPRESSIONS.items():
+        yield f"== {name}"
+        yield from emit.Writer(emit.C, names).write([("out", e)])
+        yield from emit.Writer(emit.PYTHON, {n: n for n in names}).write([("out", e)])
+        yield pretty.write(e, SHOWN, latex=True)
+        yield pretty.write(e, SHOWN, latex=False)
+        with contextlib.suppress(Exception):
+            yield coq.write(e)
+        for by in (X, Y, K):
+            yield f"by {by}: {pretty.write(derivative(e, by), SHOWN, latex=False)}"
+
+
+@kept("expressions/ranges")
+def _():
+    many = {n: interval(*np.array([b[i] for b in BOXES], float).T) for i, n in enumerate("xy")}
+    many["k_v"] = interval(np.full(len(BOXES), 2.0), np.full(len(BOXES), 3.0))
+    for name, e in EXPRESSIONS.items():
+        yield f"== {name}"
+        for what in (e, derivative(e, X), derivative(e, Y)):
+            (found,) = Evaluator([what])(many)
+            yield f"{numbers(found.low)} to {numbers(found.high)}"
+            for x, y in BOXES:
+                with contextlib.suppress(Exception):
+                    yield numbers(Box({"x": x, "y": y, "k_v": (2.0, 3.0)})(what))
+
+
+def _verdicts(cases):
+    for case in cases:
+        found = stribeck.check(case.law())
+        yield f"== {case.kind}.{case.name}"
+        for name in PROPERTIES:
+            verdict = found[name].to_dict()
+            yield f"{name}: {verdict['holds']}, {verdict['method']}"
+            yield from ("  " + line for line in shown.tree(verdict["evidence"], 9))
+
+
+NASTY = list(nasty_cases())
+
+
+@kept("check_nasty/some", 1e-6)
+def _():
+    yield from _verdicts(NASTY[::5])
+
+
+@kept("check_nasty/rest", 1e-6, thorough=True)
+def _():
+    yield from _verdicts(case for i, case in enumerate(NASTY) if i % 5)
+
+
+@kept("scenario/schema")
+def _():
+    yield from shown.tree(schema.json_schema(), 12)
+
+
+@kept("scenario/read")
+def _():
+    for path in MACHINES:
+        scenario = Scenario.load(path)
+        elements = scenario.elements
+        yield f"== {path.stem}: {scenario.name}, {scenario.label}, {scenario.subject}, rotary {scenario.rotary}"
+        yield f"{scenario.rows} rows to {scenario.end:g}, longest step {elements.longest_step:g}"
+        yield from (f"atol {n}: {float(x):.6g}" for n, x in scenario.atol().items())
+        yield from (f"{name}: {scales}" for name, scales in elements.scales.items())
+        yield f"natural {shown.rounded({n: float(x) for n, x in elements.natural.items()}, 9)}"
+        yield f"thresholds {[float(x) for x in elements.thresholds()]}"
+        yield from (
+            f"sampling {shown.rounded({n: float(x) for n, x in each.items()}, 9)}" for each in elements.sampling()
+        )
+        yield f"states {[s.name for s in scenario.system.states]}, parameters {scenario.system.parameters}"
+
+
+@kept("solution/api", 1e-5)
+def _():
+    solution = stribeck.simulate(examples.path("stick_slip"), t_end=2.0)
+    yield from [repr(solution), str(solution), *shown.page(solution._repr_html_(), 7)]
+    yield from shown.tree(solution.summary(), 7)
+    for column in solution.columns:
+        yield f"{column}"
+    several = stribeck.simulate(
+        examples.path("stick_slip"), vary={"law.k_v": [1e6, 1e7], "plant.mass": [1.0, 2.0]}, t_end=1.0
+    )
+    yield from [
+        repr(several),
+        *shown.page(several._repr_html_(), 7),
+        f"{several.status} {several.success} {several.message}",
+    ]
+    yield from (f"{c}: {shown.summed(np.ravel(several[c.name]), 7)}" for c in several.columns)
