@@ -54,6 +54,7 @@ class Case:
     make: Callable[[], list[str]]
     tolerance: float = EXACT
     thorough: bool = False
+    backend: str = ""
 
     @property
     def path(self):
@@ -65,7 +66,7 @@ class Case:
 
     def lines(self, folder):
         """What comes out now."""
-        with _as_kept(folder):
+        with _as_kept(folder, self.backend):
             text = "\n".join(self.make())
         text = text.replace(str(folder), "FOLDER").replace(str(PLACES[0].parents[2]), "ROOT")
         for pattern, word in VARYING:
@@ -121,11 +122,13 @@ def _place(number):
 
 
 @contextlib.contextmanager
-def _as_kept(folder):
+def _as_kept(folder, backend):
     """The folder, a terminal of 100 columns, no progress, figures as their lines."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.setenv("COLUMNS", "100")
+        if backend:
+            patch.setenv("STRIBECK_BACKEND", backend)
         patch.setattr("stribeck.cli.progress._EVERY", 1e6)
         patch.setattr(
             "stribeck.mouth.plots.svg", lambda made: BLANK.format("\n".join(shown.figure(made)).replace("--", "- -"))
@@ -134,9 +137,9 @@ def _as_kept(folder):
         yield
 
 
-def commands(name, words, tolerance=EXACT, thorough=False):
+def commands(name, words, tolerance=EXACT, backend="", thorough=False):
     """A case of commands, one after the other in one folder: what each prints, and then the files that they wrote."""
-    case = Case(name, lambda: _commands(words, case.digits), tolerance, thorough)
+    case = Case(name, lambda: _commands(words, case.digits), tolerance, thorough, backend)
     return case
 
 
