@@ -43,8 +43,8 @@ def shortened(
     """What autodoc shows in the place of a signature."""
     if inspect.isclass(thing) and issubclass(thing, FileTable):
         return of_table(thing), None
-    if inspect.isclass(thing) and thing.__name__ not in stribeck.__all__ and not issubclass(thing, Exception):
-        return "", None  # a result: a user makes none
+    if inspect.isclass(thing) and thing is not stribeck.Constant and "Args:" not in (thing.__doc__ or ""):
+        return "", None  # a result or a base: a user makes none
     texts = (text and ARRAY.sub("ndarray", ARRAY_LIKE.sub("ArrayLike", text)) for text in (signature, returned))
     return next(texts), next(texts)
 

@@ -487,7 +487,7 @@ class Law(metaclass=FromFile):
         return value[()]
 
     def steady_deflection(self, v: ArrayLike) -> Array:
-        """The deflection z in m at which dz/dt = 0 when v (m/s) is held; 0 at v = 0.
+        """The deflection z in m at which dz/dt = 0 at constant v (m/s); 0 at v = 0.
 
         It is the root that a bristle reaches from z = 0. Speeds below 1e-100 m/s are evaluated at that speed, as
         products of them would underflow.

@@ -155,7 +155,7 @@ class Sine(SignalTable):
 
 
 class Step(SignalTable):
-    """0 before ``time``, ``value`` from then on."""
+    """0 before ``time`` (s; ``at`` in Python), ``value`` from then on."""
 
     made_by = waveforms.StepSignal
     kind: Literal["step"] = "step"
@@ -214,7 +214,7 @@ class File(SignalTable):
 
 
 class PointToPoint(_Through):
-    """Moves from point to point that begin and end without speed, acceleration and jerk."""
+    """Moves from point to point, each with zero speed, acceleration and jerk at both ends."""
 
     made_by = waveforms.PointToPointSignal
     kind: Literal["point_to_point"] = "point_to_point"
@@ -239,7 +239,7 @@ class Square(SignalTable):
 
 
 class Staircase(SignalTable):
-    """Each of ``levels`` for ``hold`` s, from one to the next within ``ramp`` s (0: at once); the last one stays."""
+    """Each of ``levels`` is held for ``hold`` s. The way to the next one takes ``ramp`` s. The last one stays."""
 
     made_by, positional = waveforms.StaircaseSignal, ("levels", "hold", "ramp")
     kind: Literal["staircase"] = "staircase"

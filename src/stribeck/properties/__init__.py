@@ -51,7 +51,7 @@ def check(
         v_max: check passivity for \\|v\\| <= v_max, m/s; for every v unless given.
         level: of a law, (LOW, HIGH): F_c and F_s vary together in any way between LOW and HIGH times their values. A verdict
             holds for every such history.
-        forces: of a machine, bounds of forces by the name of a link, load or motor, N or N m. The caller vouches for them.
+        forces: of a machine, assumed bounds of forces by the name of a link, load or motor, N or N m.
         t_end: of a machine, end of the run over which signals are bounded, s; the scenario's unless given.
         **tolerated: of a law with k_v, tolerances: ``creep``, ``steady_error`` at a ``speed``, ``presliding_error`` at a
             ``force_rate``, ``position_error`` in a ``scenario``, ``sample_time``

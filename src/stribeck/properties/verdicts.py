@@ -29,13 +29,13 @@ class Verdict:
 
     Attributes:
         holds: True (proved), False (a counterexample is in the evidence) or None (undecided; the evidence says why).
-        method: of the decision.
-        evidence: its values, SI units.
+        method: how it was decided.
+        evidence: the values that support the decision, SI units.
         scenario: tables of a scenario that shows a counterexample, or None.
-        certificate: of a proof, plain data that ``stribeck check --verify`` and others can check, or None.
+        certificate: the proof as plain data, which ``stribeck check --verify`` and other programs check, or None.
         verified: whether the independent checker, or a second run of a counterexample, agreed; None if neither was
             requested or applies.
-        stated: final values of the scenario.
+        stated: final values of the scenario in ``scenario``.
     """
 
     holds: bool | None

@@ -249,7 +249,7 @@ class PointsSignal(Signal):
 
 
 class StaircaseSignal(PointsSignal):
-    """Each of ``levels`` for ``hold`` seconds, from one to the next within ``ramp`` seconds; the last one stays."""
+    """Each of ``levels`` is held for ``hold`` s. The way to the next one takes ``ramp`` s. The last one stays."""
 
     kind, meaning = "staircase", "each level for hold seconds, from one to the next within ramp; the last one stays"
     constants: ClassVar[dict[str, Constant]] = {

@@ -104,7 +104,7 @@ def _highest_coefficients(t: Array, value: Array) -> Array:
 
 
 class PointToPointSignal(Curve):
-    """Moves from point to point that begin and end without speed, acceleration and jerk."""
+    """Moves from point to point, each with zero speed, acceleration and jerk at both ends."""
 
     kind = "point_to_point"
     meaning = "moves from each point to the next, at rest at every point; polynomials of order seven"

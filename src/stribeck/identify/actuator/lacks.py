@@ -296,12 +296,12 @@ def _inputs(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm
     every = [x for run in problem.runs for x in run.inputs.values()]
     if any(not x.spline for x in every):
         held = not all(x.held for x in every if not x.spline)
-        words = "held from sample to sample (held = true)" if held else "straight from sample to sample (held = false)"
+        words = f"inputs {'held' if held else 'straight'} from sample to sample (held = {str(held).lower()})"
         off = instead(lambda x: replace(x, held=held and not x.spline))
-        yield MissingForm("inputs", off, 1.0, lambda x: f"inputs {words}, {x:.2g} of the way", "inputs")
+        yield MissingForm("inputs", off, 1.0, lambda x: f"{words}, {x:.2g} of the way", words)
     if any(x.smooth() is not x for x in every):
         bend, off = "inputs that bend between their samples", instead(RecordedInput.smooth)
-        yield MissingForm("inputs smooth", off, 1.0, lambda x: f"{bend}, {x:.2g} of the way", "inputs smooth")
+        yield MissingForm("inputs smooth", off, 1.0, lambda x: f"{bend}, {x:.2g} of the way", bend)
 
 
 def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]:
@@ -310,4 +310,4 @@ def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]
         return
     off = replace(problem, runs=problem.handed_on(u)).residuals(u[None])[0] - r
     words = "stretches that begin at the end of the previous one"
-    yield MissingForm("stretches", off, 1.0, lambda x: f"{words}, {x:.2g} of the way", "stretches")
+    yield MissingForm("stretches", off, 1.0, lambda x: f"{words}, {x:.2g} of the way", words)

@@ -29,6 +29,7 @@ class Estimate:
     """An estimate with both uncertainties at 95 %. ``range`` is wider than ``interval`` by possible model errors.
 
     Attributes:
+        value: the estimate.
         interval: the confidence interval for another stretch of this experiment (with several files, another run).
         range: the interval of the true value if the model may lack a form; None if it is not computed.
         state: "identified", "model-dependent", "not identifiable", "at least" or "at most".
