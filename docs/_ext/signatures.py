@@ -38,12 +38,13 @@ def of_table(table: type[FileTable]) -> str:
 
 
 def shortened(
-    _app: Sphinx, _what: str, _name: str, thing: Any, _options: Any, signature: str | None, returned: str | None
+    _app: Sphinx, what: str, _name: str, thing: Any, _options: Any, signature: str | None, returned: str | None
 ) -> tuple[str | None, str | None]:
     """What autodoc shows in the place of a signature."""
     if inspect.isclass(thing) and issubclass(thing, FileTable):
         return of_table(thing), None
-    if inspect.isclass(thing) and thing is not stribeck.Constant and "Args:" not in (thing.__doc__ or ""):
+    called = thing is stribeck.Constant or "Args:" in (thing.__doc__ or "")
+    if what == "class" and not called:
         return "", None  # a result or a base: a user makes none
     texts = (text and ARRAY.sub("ndarray", ARRAY_LIKE.sub("ArrayLike", text)) for text in (signature, returned))
     return next(texts), next(texts)
