@@ -127,7 +127,7 @@ def limits(node: Entry) -> str:
         kinds = {limits(x) for x in node.get("anyOf", node.get("oneOf", ())) if x.get("type") != "null"}
         return " or ".join(sorted(x for x in kinds if x)) if len(kinds) < 4 else "a table"
     kinds = {
-        "object": "a table", "array": "a list", "string": "text", "boolean": "true or false", "number": "any number",
+        "object": "a table", "array": "a list", "string": "text", "boolean": "true or false", "number": "a number",
     }  # fmt: skip
     return bounds or kinds.get(node.get("type", ""), "")
 

@@ -119,9 +119,13 @@ def test_panels_of_many_columns_stand_below_each_other(layout, tmp_path):
         "const boxes = [...e.querySelectorAll('g[id*=\"-axes_\"]')].map(g => g.querySelector('path').getBoundingClientRect());"
         "boxes.sort((a, b) => a.top - b.top);"
         "const beside = boxes.filter((b, i) => i && b.top < boxes[i - 1].bottom).length;"
-        "document.title = `${boxes.length} ${beside} ${e.clientWidth - e.closest('.scroll').clientWidth}`;",
+        "const words = [...e.querySelectorAll('g[id*=\"-axes_\"] text')].filter(t => t.textContent === 'time (s)');"
+        "const size = t => { const r = t.getBoundingClientRect(); return `${Math.round(r.width)} ${Math.round(r.height)}`; };"
+        "const over = e.clientWidth - e.closest('.scroll').clientWidth, sizes = new Set(words.map(size));"
+        "document.title = `${boxes.length} ${beside} ${over} ${words.length} ${sizes.size}`;",
     )
-    panels, beside, over = map(int, title.split())
-    assert panels == len(set(layout) - {" "})
+    panels, beside, over, labels, sizes = map(int, title.split())
+    assert panels == labels == len(set(layout) - {" "})
+    assert sizes == 1, "letters of one size, also of a panel that is squeezed"
     assert beside == 0
     assert over <= 0

@@ -5,9 +5,9 @@ if (copy) {
     try { await navigator.clipboard.writeText(copy.dataset.command); copy.textContent = "copied"; } catch { copy.textContent = copy.dataset.command; }
   };
 }
-// On a narrow screen the columns of a figure stand below each other: from the left one to the right one, and, made smaller,
-// the panels across several. The legend shrinks too.
-const moved = new Map(); // by picture: its panels from above, each with its factor, its way and where it ends
+// On a narrow screen the columns of a figure stand below each other, from the left one to the right one. Panels across several
+// are squeezed, but not their letters. The legend shrinks.
+const moved = new Map(); // by picture: its panels from above, each with its sideways factor, its way and where it ends
 const NS = "http://www.w3.org/2000/svg";
 function columnsOf(panels) { // panels whose plots overlap sideways, from the narrowest on; those across several are in none
   const columns = [];
@@ -18,6 +18,19 @@ function columnsOf(panels) { // panels whose plots overlap sideways, from the na
   }
   return columns.sort((a, b) => a[0].plot[0] - b[0].plot[0]);
 }
+function unsqueeze(group, share, axis) { // letters, marks and legends, about where each is anchored; left of the axis at their distance to it
+  const legends = [...group.querySelectorAll('g[id*="legend_"]')], free = (each) => !legends.some((legend) => legend.contains(each));
+  const anchors = [...group.querySelectorAll("text[x], use[x]")].filter(free).map((each) => [each, Number(each.getAttribute("x"))]);
+  const { x: first, width } = group.getBBox();
+  for (const legend of legends) {
+    const box = legend.getBBox(), right = box.x + box.width / 2 > first + width / 2;
+    anchors.push([legend, box.x + (right ? box.width : 0)]);
+  }
+  for (const [each, x] of anchors) {
+    const to = x < axis ? axis - (axis - x) / share : x;
+    each.setAttribute("transform", `translate(${to} 0) scale(${1 / share} 1) translate(${-x} 0) ${each.getAttribute("transform") ?? ""}`);
+  }
+}
 function fold(svg) {
   const [left, top, wide] = svg.getAttribute("viewBox").split(/[ ,]+/).map(Number), gap = 8;
   const frame = svg.getBoundingClientRect(), unit = wide / frame.width;
@@ -25,7 +38,7 @@ function fold(svg) {
     const parts = [group.querySelector("path"), ...group.querySelectorAll("text")].map((each) => each.getBoundingClientRect());
     const least = (side, edge, from) => from + (Math.min(...parts.map((each) => each[side])) - edge) * unit;
     const most = (side, edge, from) => from + (Math.max(...parts.map((each) => each[side])) - edge) * unit;
-    return { group, plot: [parts[0].left, parts[0].right], from: least("left", frame.left, left), to: most("right", frame.left, left),
+    return { group, plot: [parts[0].left, parts[0].right], axis: left + (parts[0].left - frame.left) * unit, from: least("left", frame.left, left), to: most("right", frame.left, left),
              above: least("top", frame.top, top), below: most("bottom", frame.top, top) };
   });
   const columns = columnsOf(panels).map((column) => column.sort((a, b) => a.above - b.above));
@@ -36,11 +49,13 @@ function fold(svg) {
   const across = panels.filter((each) => !columns.flat().includes(each));
   const order = [...across.filter(({ above }) => above < head + gap), ...columns.flat(), ...across.filter(({ above }) => above >= head + gap)];
   let place = Math.min(...panels.map(({ above }) => above));
-  moved.set(svg, order.map(({ group, from, to, above, below }, k) => {
-    const column = columns.find((some) => some.includes(order[k])), share = column ? 1 : Math.min(1, (width - gap) / (to - from));
-    const [dx, dy] = [left + gap / 2 - share * (column ? start(column) : from), place - share * above];
-    group.setAttribute("transform", `translate(${dx} ${dy}) scale(${share})`);
-    place += share * (below - above) + gap;
+  moved.set(svg, order.map(({ group, axis, from, to, above, below }, k) => {
+    const column = columns.find((some) => some.includes(order[k])), beside = axis - from; // what stands beside the axis keeps its width
+    const share = column ? 1 : Math.min(1, (width - gap - beside) / (to - axis));
+    const [dx, dy] = [left + gap / 2 + (column ? -start(column) : beside - share * axis), place - above];
+    group.setAttribute("transform", `translate(${dx} ${dy}) scale(${share} 1)`);
+    if (share < 1) unsqueeze(group, share, axis);
+    place += below - above + gap;
     return { group, share, dx, dy, until: place };
   }));
   for (const legend of [...svg.querySelectorAll('g[id*="-legend_"]')].filter((each) => !each.closest('g[id*="-axes_"]'))) {
@@ -191,7 +206,7 @@ function read(svg) {
     const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(svg.getScreenCTM().inverse());
     const { group, share, dx, dy } = moved.get(svg)?.find(({ until }) => p.y < until) ?? { group: svg, share: 1, dx: 0, dy: 0 };
     home = group;
-    at = [(p.x - dx) / share, (p.y - dy) / share];
+    at = [(p.x - dx) / share, p.y - dy];
     show(e.clientX, e.clientY);
   };
   svg.addEventListener("pointermove", over);
