@@ -1,10 +1,14 @@
-"""Renew the kept outputs: ``python -m tests.kept [WORD...]``, of cases whose names hold one of the words."""
+"""Renew the kept outputs: ``python -m tests.kept [WORD...]``, of cases whose names hold one of the words.
+
+``--whole`` prints the outputs instead, with the code of which digests are kept: compare what two checkouts print.
+"""
 
 import os
 import sys
 import tempfile
 from pathlib import Path
 
+from tests.kept import shown
 from tests.kept.cases import CASES
 from tests.kept.runner import COARSE, OUTPUTS, marked
 
@@ -12,6 +16,11 @@ words = [word for word in sys.argv[1:] if not word.startswith("-")]
 os.environ["STRIBECK_CACHE"] = tempfile.mkdtemp(prefix="stribeck-kept-")
 for case in CASES:
     if words and not any(word in case.name for word in words):
+        continue
+    if "--whole" in sys.argv:
+        shown.WHOLE = True
+        with tempfile.TemporaryDirectory() as folder:
+            print(f"==== {case.name}", *case.lines(Path(folder).resolve()), sep="\n")
         continue
     start = sum(os.times()[:4])
     with tempfile.TemporaryDirectory() as folder:
@@ -28,7 +37,7 @@ for case in CASES:
         print(f"{case.name}: {len(changed)} lines of difference", *changed[:40], sep="\n")
         case.path.parent.mkdir(parents=True, exist_ok=True)
         case.path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-for path in () if words else OUTPUTS.rglob("*.txt"):
+for path in () if sys.argv[1:] else OUTPUTS.rglob("*.txt"):
     if path not in {case.path for case in CASES}:
         print(f"{path.relative_to(OUTPUTS)}: no case any more")
         path.unlink()

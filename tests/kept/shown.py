@@ -14,6 +14,7 @@ import numpy as np
 
 CODE = (".c", ".h", ".py", ".js", ".v", ".cc", ".xml", ".inc", ".rst")
 DECIMAL = re.compile(r"(?<![\w.])\d+\.?\d*(e[-+]?\d+)?(?![\w.])")
+WHOLE = False  # whether code and long parts are shown whole
 LONGEST_TABLE, LONGEST_LIST, WIDE = 12, 12, 150  # rows, numbers, columns
 LONGEST_PART = 6000  # characters of a part of JSON: of longer ones, such as a certificate's proof, the digest is kept
 
@@ -48,6 +49,8 @@ def file(path, data, digits):
 
 def digest(text):
     """A line for each paragraph of code: its digest, how many lines, and the first; numbers to nine digits."""
+    if WHOLE:
+        return text.splitlines()
     rounded = DECIMAL.sub(lambda m: short(m[0], 9), text)
     blocks = [block for block in re.split(r"\n\s*\n", rounded) if block.strip()]
     sums = [hashlib.sha256(block.encode()).hexdigest()[:8] for block in blocks]
@@ -77,7 +80,7 @@ def tree(data, digits, depth=0):
             lines.append(name + summed(value, digits))
             continue
         flat = json.dumps(rounded(value, digits), ensure_ascii=False)
-        if len(flat) > LONGEST_PART and depth >= 2:
+        if len(flat) > LONGEST_PART and depth >= 2 and not WHOLE:
             lines.append(f"{name}{len(flat)} characters {hashlib.sha256(flat.encode()).hexdigest()[:8]}")
             continue
         if len(name + flat) <= WIDE or not isinstance(value, dict | list) or not value:
