@@ -30,9 +30,9 @@ def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
     """The changes of the residuals by each relevant source of errors, (draws, residuals); ``J``: the Jacobian."""
     r = problem.residuals(u[None])[0]
     draws: list[Array | None] = [*_fitted_again(problem, u, J)]
-    pilot = _by_noise(problem, u, r, _PILOT)
+    pilot = _by_noise(problem, u, _PILOT)
     if pilot is not None and np.mean(pilot**2) * problem.size > _LITTLE * float(r @ r):
-        draws.append(_by_noise(problem, u, r, _DRAWS))
+        draws.append(_by_noise(problem, u, _DRAWS))
     return [x for x in draws if x is not None and np.isfinite(x).all()]
 
 
@@ -40,7 +40,7 @@ def carried(problem: MachineProblem, u: Array) -> Array:
     """The rms effect of these errors on each residual at a point, without fitting again."""
     r = problem.residuals(u[None])[0]
     draws = [np.array([change_by(problem, u, r, runs) for runs in same]) for same in _alternatives(problem)]
-    every = [*draws, _by_noise(problem, u, r, _PILOT)]
+    every = [*draws, _by_noise(problem, u, _PILOT)]
     square = sum((np.mean(x**2, axis=0) for x in every if x is not None and np.isfinite(x).all()), np.zeros(len(r)))
     return np.asarray(np.sqrt(square))
 
@@ -94,7 +94,7 @@ def _newton(problem: MachineProblem, u: Array) -> Array:
     return left_step(problem, u, r[0], J[0])
 
 
-def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array | None:
+def _by_noise(problem: MachineProblem, u: Array, draws: int) -> Array | None:
     """Changes of the residuals by each recorded input's noise, given or estimated from sample to sample without steps."""
     sizes = []
     for run in problem.runs:
@@ -108,8 +108,9 @@ def _by_noise(problem: MachineProblem, u: Array, r: Array, draws: int) -> Array 
             for p, s in size.items():
                 drive = run.inputs[p]
                 noisy[p].append(replace(drive, x=drive.x + s * rng.standard_normal(len(drive.x))).signal())
-    points, off = np.repeat(u[None], draws, axis=0), np.zeros((draws, len(r)))
+    points, r = np.repeat(u[None], draws, axis=0), problem.plain(u[None])[0]
+    off = np.zeros((draws, len(r)))
     columns = [x for k, run in enumerate(problem.runs) for x in problem.predicted(run, k, points, signals=signals[k])]
     for (_, target, rows), x in zip(problem.pieces, columns, strict=True):
         off[:, rows] = (x - target.x) / problem.noise[target.column] - r[rows]
-    return off
+    return problem.whitened(off)

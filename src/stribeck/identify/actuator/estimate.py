@@ -8,17 +8,17 @@ starts with the accuracy to which the samples determine these.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.guided import GuidedSearch
+from stribeck.identify.actuator.guided import GuidedSearch, UnderGuide
 from stribeck.identify.actuator.inputs import later, value_at
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.residuals import AS_WELL, first_noise, floor_of, leftovers, noise_of
+from stribeck.identify.actuator.residuals import AS_WELL, first_noise, floor_of, leftovers, noise_of, weigh
 from stribeck.identify.actuator.solve import ROUGHLY, half_squares, moved_over, search, settled
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.core.judging import EXPLAINED
@@ -26,8 +26,9 @@ from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 
 _WEIGHTINGS = 8  # at most: each reduces the noise, and a poor start needs several
-_SETTLED = 0.05  # relative change of the noise below which it is settled: a tenth of its own error is not visible
-_GIVEN = 1.5  # times a given noise: the least residual that takes its place
+_SETTLED = (
+    0.05  # relative change of the prediction errors below which it is settled: a tenth of its own error is not visible
+)
 _OFF = 1e-6  # of a position's changes: an error of the initial state that no sensor shows
 _STRETCH, _SHORTEST = 6, 0.2  # stretches per recording; s
 _MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above which stretches are fitted
@@ -36,7 +37,10 @@ _TIED_ROUNDS, _STEPS = 3, 5  # weightings of tied stretches, and steps of the se
 
 @dataclass
 class BestPoint:
-    """The best point of a problem and its search; ``windowed``: in stretches."""
+    """The best point of a problem and its search; ``windowed``: in stretches.
+
+    ``under_guide``: if the residual is coloured, by name the coordinates of a second estimate and their deviations.
+    """
 
     problem: MachineProblem
     u: Array
@@ -44,6 +48,7 @@ class BestPoint:
     stopped: bool
     notes: list[str]
     windowed: bool
+    under_guide: UnderGuide = field(default_factory=dict)
 
     @property
     def window(self) -> float | None:
@@ -101,25 +106,33 @@ def estimate(
     noise, given = first_noise([r for _, r in recordings])
     asked = any(r.window for _, r in recordings)
     starts = starts if sought else 1  # the machine without friction may have no parameter to fit
-    near = GuidedSearch(scenario, recordings, sought, noise, work).reached(starts, seed, first or {}, rough)
+    guided = GuidedSearch(scenario, recordings, sought, noise, work)
+    near = guided.reached(starts, seed, first or {}, rough)
     problem = problem_of(scenario, recordings, sought, dict(noise), work=work, known_noise=given)
     whole = BestPoint(problem, problem.point(near.values), near.agreeing, near.stopped, [], asked)
     if rough:
         return whole
     if not whole.stopped:
-        _weigh(problem, whole.u)
-        solution = search(problem, whole.u, small=ROUGHLY)
+        weigh(problem, whole.u)
+        solution = search(problem, moved_over(problem, whole.u), small=ROUGHLY)
         whole.u, whole.stopped = solution.u, solution.stopped
-    if whole.stopped or remembers(scenario, recordings):
-        return _weighted(whole)
-    grows = not asked and any(x.free for x in scenario.system.bodies) and unstable(problem, whole.u)
-    if grows or (not asked and whole.missed()):
+    cut = not (whole.stopped or asked or remembers(scenario, recordings))
+    grows = cut and any(x.free for x in scenario.system.bodies) and unstable(problem, whole.u)
+    if grows or (cut and whole.missed()):
         window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
         noise = dict(problem.noise)
         parts = problem_of(scenario, recordings, sought, noise, window, work=work, known_noise=given)
         whole = _in_stretches(whole, parts, near.guided, grows, window)
-    whole = _weighted(whole)
-    return _joined(whole) if whole.windowed and not whole.stopped else whole
+    best = _weighted(whole)
+    if best.windowed and not (best.stopped or remembers(scenario, recordings)):
+        best = _joined(best)
+    if best.problem.coloured and not best.stopped:
+        try:
+            best.under_guide = guided.under_guide(near)
+        except (KeyboardInterrupt, Stopped):
+            work.stop()
+        best.stopped = work.stopped
+    return best
 
 
 def _in_stretches(
@@ -149,7 +162,7 @@ def _joined(parts: BestPoint) -> BestPoint:
         return parts
     tied = BestPoint(problem, parts.u, parts.agreeing, False, [*parts.notes], True)
     for _ in range(_TIED_ROUNDS):  # while the residual is large, the ties are loose
-        _weigh(problem, tied.u)
+        weigh(problem, tied.u)
         solution = search(problem, tied.u, steps=_STEPS)
         tied.u, tied.stopped = solution.u, solution.stopped
         if tied.stopped:
@@ -181,17 +194,8 @@ def _weighted(best: BestPoint) -> BestPoint:
             problem.work.stop()
             best.stopped = True
             break
-        old = dict(problem.noise)
-        _weigh(problem, best.u)
-        if all(abs(np.log(problem.noise[c] / old[c])) < _SETTLED for c in old):
+        old = problem.deviations()
+        weigh(problem, best.u)
+        if all(abs(np.log(new / old[c])) < _SETTLED for c, new in problem.deviations().items()):
             break
     return best
-
-
-def _weigh(problem: MachineProblem, u: Array) -> None:
-    """Set the noise of each column to its residual, unless the noise is given and not much smaller."""
-    share = problem.size / max(problem.size - len(problem.sought), 1)
-    for column, (left, _) in leftovers(problem, u).items():
-        noise = left * np.sqrt(min(share, 2.0))
-        if np.isfinite(noise) and not (column in problem.known_noise and noise < _GIVEN * problem.noise[column]):
-            problem.noise[column] = max(float(noise), floor_of(problem, column), 1e-12)

@@ -22,9 +22,18 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
-from stribeck.identify.actuator.residuals import beyond_noise, floor_of, leftovers, noise_of
+from stribeck.identify.actuator.residuals import beyond_noise, floor_of, leftovers, noise_of, weigh
 from stribeck.identify.actuator.runs import roughness
-from stribeck.identify.actuator.solve import ROUGH_STEPS, ROUGHLY, Found, agreeing, half_squares, moved_over, search
+from stribeck.identify.actuator.solve import (
+    ROUGH_STEPS,
+    ROUGHLY,
+    Found,
+    agreeing,
+    fine_slopes,
+    half_squares,
+    search,
+    spread,
+)
 from stribeck.identify.actuator.starts import prepared
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
@@ -147,6 +156,9 @@ def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
         yield _Motion(name, inertia, t, rate, smooth) if what == "y" else _Motion(name, inertia, t, smooth)
 
 
+UnderGuide = dict[str, tuple[float, float]]
+
+
 # -- the search ------------------------------------------------------------------------------------------------------------
 
 
@@ -154,7 +166,8 @@ def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
 class Reached:
     """The end of a search: its values by name, its cost, the number of agreeing ends, and whether it was stopped.
 
-    ``guided``: the values of the last guided fit, before the recordings were simulated freely.
+    ``guided``: the values of the last guided fit, before the recordings were simulated freely; ``first``: of the first one,
+    under the guide ``level``.
     """
 
     values: dict[str, float]
@@ -162,6 +175,8 @@ class Reached:
     cost: float = np.inf
     agreeing: int = 1
     stopped: bool = False
+    first: dict[str, float] = field(default_factory=dict)
+    level: int = 0
 
 
 @dataclass
@@ -206,12 +221,6 @@ class GuidedSearch:
                 agreed = max(compared.agreeing, agreeing(costs, costs.min()))
                 if rough or self.work.stopped or not beyond_noise(whole, whole.point(ends[-1].values), agreed):
                     break
-            if not (rough or self.work.stopped):  # from other places of the numbers that may lie at several
-                best = min(ends, key=lambda end: end.cost)
-                u = whole.point(best.values)
-                if (other := moved_over(whole, u)) is not u:
-                    better = search(whole, other, small=ROUGHLY)
-                    ends = [replace(best, values=best.values | whole.values(better.u), cost=better.cost)]
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
         best = min(ends, key=lambda end: end.cost)
@@ -231,6 +240,7 @@ class GuidedSearch:
     def _freed(self, level: int, u: Array) -> Reached:
         """The end of searches under looser and looser guides, the last one without."""
         values = guided = self._problem(level).values(u)
+        first: dict[str, float] = {}
         for looser in range(level, -1, -1):
             problem = self._limited(looser, values)
             u = problem.point(values)
@@ -241,8 +251,24 @@ class GuidedSearch:
             if not looser or all(left <= FOLLOWED * size for left, size in leftovers(problem, u).values()):
                 values = values | problem.values(u)
                 guided = values if looser else guided
+            first = first or problem.values(u)
         problem.noise = dict(self.noise)
-        return Reached(values, guided, float(half_squares(problem.residuals(u[None]))[0]))
+        cost = float(half_squares(problem.residuals(u[None]))[0])
+        return Reached(values, guided, cost, first=first, level=level)
+
+    def under_guide(self, near: Reached) -> UnderGuide:
+        """The coordinates that the prediction errors give under the first guide, and their deviations; {} without a guide."""
+        if not near.level:
+            return {}
+        problem = self._limited(near.level, near.first)
+        u = problem.point(near.first)
+        weigh(problem, u)
+        u = search(problem, u, small=ROUGHLY).u
+        weigh(problem, u)
+        width = spread(fine_slopes(problem, u), problem.high - problem.low)
+        return {
+            c.name: (x, s) for c, x, s in zip(problem.sought, u.tolist(), width.tolist(), strict=True) if not c.nuisance
+        }
 
     def _stiffest(self, values: dict[str, float]) -> int:
         """The stiffest guide under which the errors of first values stand out of the noise."""
@@ -256,13 +282,15 @@ class GuidedSearch:
     def _coarsest(self, level: int, values: dict[str, float]) -> int:
         """The largest power of two of samples for one that moves no output by much of its noise, with the first values."""
         exact, factor = self._problem(level), 1
-        known = [exact.predicted(run, k, exact.point(values)[None]) for k, run in enumerate(exact.runs)]
+        u = exact.point(values)
+        known = [exact.predicted(run, k, u[None]) for k, run in enumerate(exact.runs)]
+        allowed = {c: max(noise_of(exact, c), left / _VISIBLE) for c, (left, _) in leftovers(exact, u).items()}
         while (coarse := self._coarse_problem(level, 2 * factor)) is not None:
             for k, (run, fewer) in enumerate(zip(exact.runs, coarse.runs, strict=True)):
                 predicted = coarse.predicted(fewer, k, coarse.point(values)[None])
                 for now, then, x, y in zip(run.targets, fewer.targets, known[k], predicted, strict=True):
                     off = y[0] - np.interp(then.t, now.t, x[0])
-                    if not np.sqrt(np.mean(off**2)) <= _UNSEEN * noise_of(exact, now.column):
+                    if not np.sqrt(np.mean(off**2)) <= _UNSEEN * allowed[now.column]:
                         return factor
             factor *= 2
         return factor

@@ -55,7 +55,7 @@ def judged(
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     if not asked:
         return JudgedParameters({})
-    choice = regressed(problem, u, words)
+    choice = regressed(problem, u, words, best.under_guide)
     lib = choice.library
     estimates = by_core(choice, trusted=trusted, lower=lib.parameters(choice.model, lib.left))
     units = {c.name: unit(scenario, c) for c in lib.sought}
@@ -73,7 +73,9 @@ def judged(
         e = estimates[name]
         estimates[name] = replace(e, why=e.why or _why(e, name, names, relation), experiment=texts.get(i, e.experiment))
     levels = {n: estimates.pop(n) for n in lib.friction.speeds}
-    notes = [*_explained(choice), *dependences(estimates)]
+    # a missing effect repeats itself from sample to sample: prediction errors hardly contain it
+    plain = regressed(problem.without_whitening(), u, words) if problem.coloured else choice
+    notes = [*_explained(plain), *dependences(estimates)]
     return JudgedParameters(estimates, levels, lib.friction.speeds, _groups(names, relation), (names, relation), notes)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise
 
 import numpy as np
+from scipy.signal import lfilter
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate, Relations
@@ -19,6 +20,7 @@ from stribeck.waveforms import Signal
 
 STEP = 2e-4  # of a coordinate, for differences: far above the solver's error, far below the next minimum
 _SPEED = float(np.sqrt(12 / FIRST_SAMPLES**3))  # deviation of their slope, by their deviation and distance
+_WHITE = np.ones(1)  # the filter of residuals that are white
 _MEMORY = 4e6  # numbers that one batch of lanes, or the cache, may hold: some 30 MB
 
 
@@ -67,13 +69,15 @@ def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> It
 class MachineProblem:
     """Runs, coordinates to fit, and the noise of each column.
 
-    ``residuals(U)`` maps points (lanes, coordinates) to (lanes, residuals); nan where a simulation failed. First are
+    ``plain(U)`` maps points (lanes, coordinates) to (lanes, residuals); nan where a simulation failed. First are
     (simulated - measured)/noise of every target of every run, then priors. If stretches are ``tied``, the difference
     between each end and the next start follows, by the start's deviation from the samples. Unmeasured states of a start
-    (bristles, currents, unmeasured bodies) then continue the stretch before, at the same point.
+    (bristles, currents, unmeasured bodies) then continue the stretch before, at the same point. ``residuals(U)`` are the
+    prediction errors of these.
 
     Attributes:
         known_noise: columns whose noise is given.
+        whitening: by column, the filter of its prediction errors.
         pieces: the run, the target and the rows of the residuals of every compared column.
     """
 
@@ -85,6 +89,7 @@ class MachineProblem:
     step: float = STEP
     tied: bool = False
     known_noise: frozenset[str] = frozenset()
+    whitening: dict[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.low, self.high = (np.array([c.bounds[i] for c in self.sought]) for i in (0, 1))
@@ -108,6 +113,35 @@ class MachineProblem:
         return self._relations.repaired(np.clip(U, self.low, self.high))
 
     def residuals(self, U: Array) -> Array:
+        """The residuals at the points U: prediction errors by their deviation."""
+        return self.whitened(self.plain(U))
+
+    def whitened(self, r: Array) -> Array:
+        """Plain residuals as prediction errors. The first samples of a run, which have no past, stay as they are."""
+        r = r.copy()
+        for _, target, rows in self.pieces:
+            coefficients = self.whitening.get(target.column, _WHITE)
+            past = len(coefficients) - 1
+            if past:
+                r[..., rows.start + past : rows.stop] = lfilter(coefficients, [1.0], r[..., rows])[..., past:]
+        return r
+
+    @property
+    def coloured(self) -> bool:
+        """Whether past residuals predict some of the next."""
+        return any(len(x) > 1 for x in self.whitening.values())
+
+    def without_whitening(self) -> MachineProblem:
+        """The problem whose residuals are plain."""
+        plain = replace(self, whitening={})
+        plain._cache = self._cache
+        return plain
+
+    def deviations(self) -> dict[str, float]:
+        """The deviation of each column's prediction errors, in its unit."""
+        return {c: noise / float(self.whitening.get(c, _WHITE)[0]) for c, noise in self.noise.items()}
+
+    def plain(self, U: Array) -> Array:
         """The residuals at the points U, by the noise. The runs are simulated in parallel."""
         U = np.atleast_2d(U)
         r = np.full((len(U), self.size), np.nan)

@@ -12,6 +12,7 @@ from scipy.integrate import cumulative_trapezoid
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.drawn import input_errors
+from stribeck.identify.actuator.guided import UnderGuide
 from stribeck.identify.actuator.lacks import MissingForm, RunMotion, missing_forms
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.solve import fine_slopes, left_step
@@ -30,13 +31,14 @@ _ONE_LEVEL = "v_s is not identifiable: the friction level of slow motion may be 
 _NO_SLIDING = (
     "no stroke is much longer than the displacement to break-away: the friction level of slow motion may be F_s"
 )
+TWO_SIDED = 1.96  # deviations of a 95 % interval
 WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
 
 @dataclass(frozen=True)
 class Levels:
     """Friction at recorded ``speeds``, by name; ``slow``, ``strokes``: by contact, the slowest recorded speed, and the
-    longest way within a run in distances F_c/sigma_0.
+    longest way within a run in distances F_s/sigma_0.
 
     ``values`` have ``slopes`` by the coordinates, and ``of_forms`` by the column of a form.
     """
@@ -151,8 +153,13 @@ class MachineLibrary(ModelLibrary):
         return estimates
 
 
-def regressed(problem: MachineProblem, u: Array, words: Mapping[str, str] | None = None) -> Selection[MachineLibrary]:
-    """The law alone and its models with forms, linearized at a converged point; ``words`` as of :class:`Logs`."""
+def regressed(
+    problem: MachineProblem, u: Array, words: Mapping[str, str] | None = None, under_guide: UnderGuide | None = None
+) -> Selection[MachineLibrary]:
+    """The law alone and its models with forms, linearized at a converged point.
+
+    ``words`` as of :class:`Logs`; ``under_guide``: of a second estimate, the coordinates and their deviations.
+    """
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
     r, J = problem.residuals(u[None])[0], fine_slopes(problem, u)
@@ -161,6 +168,7 @@ def regressed(problem: MachineProblem, u: Array, words: Mapping[str, str] | None
     room = (problem.high - problem.low)[starts] * WIDE
     clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked], *(x.slopes for x in forms)]))
     drawn = [_without(J[:, starts] * room, x.T).T for x in input_errors(problem, u, J)]
+    drawn.append(_without(J[:, starts] * room, (J @ _apart(problem, u, under_guide or {}))[:, None]).T)
     first = 1 + len(asked)
     rms = np.maximum(np.sqrt(np.mean(clean**2, axis=0)), 1e-300)
     moves = np.append(np.ones(first, bool), rms[first:] > 0)
@@ -177,7 +185,7 @@ def regressed(problem: MachineProblem, u: Array, words: Mapping[str, str] | None
     measured = [(t.x - t.x.mean()) / problem.noise[t.column] for _, t, _ in problem.pieces]
     lib = MachineLibrary(
         columns=columns, gram=gram, groups=groups, targets=[0], starts=[1], natural=[1.0] * columns.shape[1],
-        sought=[problem.sought[i] for i in asked], u=u[asked], forms=forms, measured=np.concatenate(measured),
+        sought=[problem.sought[i] for i in asked], u=u[asked], forms=forms, measured=problem.whitened(np.concatenate(measured)),
         unit=unit, J=J, drawn=drawn,
         left=left_step(problem, u, r, J)[asked],
         friction=_levels(problem, u, asked, motion, dict(enumerate(forms, first)), unit),
@@ -187,6 +195,20 @@ def regressed(problem: MachineProblem, u: Array, words: Mapping[str, str] | None
     choice = Selection([lib], [solved], independent(lib, solved, sse), alone=True)
     choice.index = next(i for i, m in enumerate(lib.models) if not m[1])
     return choice
+
+
+def _apart(problem: MachineProblem, u: Array, other: UnderGuide) -> Array:
+    """The steps to another estimate of the same coordinates, less what its own deviations explain.
+
+    Under a guide, a slip does not displace what follows. Where the two estimates disagree, the free one may be at a local
+    minimum, or the model lacks something (Hausman, Econometrica 46, 1978).
+    """
+    steps = np.zeros(len(u))
+    for i, c in enumerate(problem.sought):
+        if c.name in other:
+            there, deviation = other[c.name]
+            steps[i] = np.sign(there - u[i]) * max(abs(there - u[i]) - TWO_SIDED * deviation, 0.0)
+    return steps
 
 
 def _without(starts: Array, columns: Array) -> Array:
@@ -225,9 +247,8 @@ def _levels(
         ways = (cumulative_trapezoid(run[f"{contact}.w"], run["t"]) for run in motion.runs)
         p = _law(problem, contact, fitted).p
         longest = max(float(np.ptp(way)) for way in ways)
-        strokes[contact] = (
-            longest * p.sigma_0 / max(p.F_c, 1e-300) if {"sigma_0", "F_c"} <= p.numbers.keys() else np.inf
-        )
+        level = max(p.F_c, p.numbers.get("F_s", 0.0), 1e-300) if "F_c" in p.numbers else 0.0
+        strokes[contact] = longest * p.sigma_0 / level if level and "sigma_0" in p.numbers else np.inf
         spans[contact] = slice(len(speeds), len(speeds) + len(LEVELS))
         speeds |= {f"{contact} {n}": v for n, v in zip(LEVELS, seen_speeds(sliding), strict=True)}
     v = np.array(list(speeds.values()))

@@ -11,9 +11,12 @@ from stribeck.identify.actuator.drawn import carried
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.runs import rms, roughness
+from stribeck.identify.actuator.whitening import prediction_filter
+from stribeck.identify.core.judging import EXPLAINED
 
 _FIRST = 0.05  # of a column's changes: initial value of the noise, between that of good and of poor models
 AS_WELL = 1.2  # ratio of rms residuals up to which two agree: white noise reaches 1 to some hundredths
+_GIVEN = 1.5  # times a given noise: the least residual that takes its place
 _AGREEING = 2  # starts that come to one minimum make a better one unlikely
 
 
@@ -47,7 +50,7 @@ def floor_of(problem: MachineProblem, column: str) -> float:
 
 
 def by_column(problem: MachineProblem, r: Array) -> dict[str, list[Array]]:
-    """Residuals in the columns' units, by column and run."""
+    """Plain residuals in the columns' units, by column and run."""
     columns: dict[str, list[Array]] = {}
     for _, target, rows in problem.pieces:
         columns.setdefault(target.column, []).append(r[rows] * problem.noise[target.column])
@@ -56,11 +59,27 @@ def by_column(problem: MachineProblem, r: Array) -> dict[str, list[Array]]:
 
 def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
     """By column: the rms residual, and the rms of the column's changes within a recording."""
-    left = by_column(problem, problem.residuals(u[None])[0])
+    left = by_column(problem, problem.plain(u[None])[0])
     size: dict[str, list[Array]] = {}
     for _, target, _ in problem.pieces:
         size.setdefault(target.column, []).append(target.x - target.x.mean())
     return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
+
+
+def weigh(problem: MachineProblem, u: Array) -> None:
+    """Set the noise of each column to its residual, unless the noise is given and not much smaller, and its whitening.
+
+    A residual that the model should describe is no noise, and is not whitened: prediction would hide it.
+    """
+    share = problem.size / max(problem.size - len(problem.sought), 1)
+    columns = by_column(problem, problem.plain(u[None])[0])
+    for column, (left, size) in leftovers(problem, u).items():
+        noise = left * np.sqrt(min(share, 2.0))
+        if not np.isfinite(noise) or (column in problem.known_noise and noise < _GIVEN * problem.noise[column]):
+            continue
+        problem.noise[column] = max(float(noise), floor_of(problem, column), 1e-12)
+        random = [x / problem.noise[column] for x in columns[column]] if left <= EXPLAINED * size else []
+        problem.whitening[column] = prediction_filter(random)
 
 
 def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
@@ -70,11 +89,12 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
     """
     if agreeing >= _AGREEING:
         return []
-    columns = by_column(problem, problem.residuals(u[None])[0])
+    columns = by_column(problem, problem.plain(u[None])[0])
     least = {n: max(floor_of(problem, n), roughness(parts)) for n, parts in columns.items()}  # without the motion
     more = {n: left for n, parts in columns.items() if least[n] > 0 and not (left := rms(parts)) <= AS_WELL * least[n]}
     if more and np.isfinite(list(more.values())).all():  # nan: the simulation fails there
-        least = {n: float(np.hypot(least[n], rms(x))) for n, x in by_column(problem, carried(problem, u)).items()}
+        of_inputs = by_column(problem, carried(problem.without_whitening(), u))
+        least = {n: float(np.hypot(least[n], rms(x))) for n, x in of_inputs.items()}
     return [
         f"{n}: residual {left:.2g}, {left / least[n]:.3g} times the measurement noise"
         for n, left in more.items() if not left <= AS_WELL * least[n]
