@@ -113,8 +113,8 @@ def estimate(
     if rough:
         return whole
     if not whole.stopped:
-        weigh(problem, whole.u)
-        solution = search(problem, moved_over(problem, whole.u), small=ROUGHLY)
+        weigh(problem, whole.u, white=False)
+        solution = search(problem, whole.u, small=ROUGHLY)
         whole.u, whole.stopped = solution.u, solution.stopped
     cut = not (whole.stopped or asked or remembers(scenario, recordings))
     grows = cut and any(x.free for x in scenario.system.bodies) and unstable(problem, whole.u)
@@ -162,7 +162,7 @@ def _joined(parts: BestPoint) -> BestPoint:
         return parts
     tied = BestPoint(problem, parts.u, parts.agreeing, False, [*parts.notes], True)
     for _ in range(_TIED_ROUNDS):  # while the residual is large, the ties are loose
-        weigh(problem, tied.u)
+        weigh(problem, tied.u, white=False)
         solution = search(problem, tied.u, steps=_STEPS)
         tied.u, tied.stopped = solution.u, solution.stopped
         if tied.stopped:
@@ -183,19 +183,20 @@ def _joined(parts: BestPoint) -> BestPoint:
 
 
 def _weighted(best: BestPoint) -> BestPoint:
-    """The fit at its optimum, with each column weighted by its estimated noise."""
+    """The fit at its optimum, with each column weighted by its estimated noise, and whitened where this is coloured."""
     problem = best.problem
-    for _ in range(_WEIGHTINGS):
-        if best.stopped or half_squares(problem.residuals(best.u[None]))[0] > 1e200:
-            break
-        try:
+    try:
+        for _ in range(_WEIGHTINGS):
+            if best.stopped or half_squares(problem.residuals(best.u[None]))[0] > 1e200:
+                break
             best.u = settled(problem, best.u)
-        except (KeyboardInterrupt, Stopped):
-            problem.work.stop()
-            best.stopped = True
-            break
-        old = problem.deviations()
-        weigh(problem, best.u)
-        if all(abs(np.log(new / old[c])) < _SETTLED for c, new in problem.deviations().items()):
-            break
+            old, plain = problem.deviations(), not problem.coloured
+            weigh(problem, best.u)
+            if plain and problem.coloured:  # drift has hidden other minima
+                best.u = moved_over(problem, best.u)
+            if all(abs(np.log(new / old[c])) < _SETTLED for c, new in problem.deviations().items()):
+                break
+    except (KeyboardInterrupt, Stopped):
+        problem.work.stop()
+        best.stopped = True
     return best

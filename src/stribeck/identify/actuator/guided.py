@@ -31,6 +31,7 @@ from stribeck.identify.actuator.solve import (
     agreeing,
     fine_slopes,
     half_squares,
+    moved_over,
     search,
     spread,
 )
@@ -221,6 +222,12 @@ class GuidedSearch:
                 agreed = max(compared.agreeing, agreeing(costs, costs.min()))
                 if rough or self.work.stopped or not beyond_noise(whole, whole.point(ends[-1].values), agreed):
                     break
+            if not (rough or self.work.stopped):  # from other places of the numbers that may lie at several
+                best = min(ends, key=lambda end: end.cost)
+                u = whole.point(best.values)
+                if (other := moved_over(whole, u)) is not u:
+                    better = search(whole, other, small=ROUGHLY)
+                    ends = [replace(best, values=best.values | whole.values(better.u), cost=better.cost)]
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
         best = min(ends, key=lambda end: end.cost)

@@ -66,10 +66,12 @@ def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float
     return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
 
 
-def weigh(problem: MachineProblem, u: Array) -> None:
-    """Set the noise of each column to its residual, unless the noise is given and not much smaller, and its whitening.
+def weigh(problem: MachineProblem, u: Array, white: bool = True) -> None:
+    """Set the noise of each column to its residual, unless the noise is given and not much smaller.
 
-    A residual that the model should describe is no noise, and is not whitened: prediction would hide it.
+    Args:
+        white: also whiten the residual. One that the model should describe, or that the search has not reduced yet, is no
+            noise: prediction would hide it.
     """
     share = problem.size / max(problem.size - len(problem.sought), 1)
     columns = by_column(problem, problem.plain(u[None])[0])
@@ -78,7 +80,7 @@ def weigh(problem: MachineProblem, u: Array) -> None:
         if not np.isfinite(noise) or (column in problem.known_noise and noise < _GIVEN * problem.noise[column]):
             continue
         problem.noise[column] = max(float(noise), floor_of(problem, column), 1e-12)
-        random = [x / problem.noise[column] for x in columns[column]] if left <= EXPLAINED * size else []
+        random = [x / problem.noise[column] for x in columns[column]] if white and left <= EXPLAINED * size else []
         problem.whitening[column] = prediction_filter(random)
 
 
