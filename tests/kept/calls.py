@@ -2,15 +2,23 @@
 
 import contextlib
 import copy
+import functools
+import hashlib
+import itertools
+import shlex
 import tomllib
 import warnings
 from pathlib import Path
 
 import numpy as np
+import pytest
 import tomli_w
+import typer.main
 
 import stribeck
+import stribeck.errors
 from stribeck import InputError, Scenario, examples
+from stribeck.cli.app import app
 from stribeck.codegen import source
 from stribeck.expressions import coq, emit, ops, pretty
 from stribeck.expressions.graph import derivative, symbol
@@ -21,7 +29,7 @@ from stribeck.scenario import schema
 from stribeck.simulation import c_source, wasm
 from stribeck.waveforms.pieces import pieces
 from tests.kept import logs, shown
-from tests.kept.runner import EXACT, PLACES, Case
+from tests.kept.runner import EXACT, PLACES, Case, call, inputs
 from tests.properties.nasty import PROPERTIES
 from tests.properties.nasty import cases as nasty_cases
 
@@ -380,3 +388,113 @@ def _():
         f"{several.status} {several.success} {several.message}",
     ]
     yield from (f"{c}: {shown.summed(np.ravel(several[c.name]), 7)}" for c in several.columns)
+
+
+# What a command passes on: the call that it ends in, for each of its options alone, with a wrong value, and with each other one.
+ENDS = {  # where each command ends, and how it begins
+    "run": ("simulation.simulate simulation.comparison.compare_laws", "stick_slip.toml"),
+    "check": ("properties.check properties.steepness.smallest_steepness", "lugre_majorant --set k_v=1e6"),
+    "design": ("loops.design", "axis_hunts.toml"),
+    "export": ("exports.export", "lugre_majorant --parameters canudas1995 --set k_v=1e6 --target c --out c"),
+    "fit": ("identify.api.fit", "log.csv --time t --velocity v --force F"),
+    "predict": ("identify.predict.predict", "other.csv --time t --velocity v --force F --fit fit"),
+    "sweep": ("sweeps.job.Sweep", "stick_slip.toml --vary law.k_v=1:2:2 --out grid"),
+    "explore": ("explore.explore", "stick_slip.toml"),
+    "library": ("laws.library.library", "lugre"),
+}
+GIVEN = {  # a value of each option that takes one
+    "set_": "k_v=2e6", "law": "dahl", "contact": "guide", "controller": "axis", "parameters": "canudas1995", "v_max": "0.5",
+    "level": "0.5:2", "force": "a=1", "certificate": "c.json", "out": "o", "keep_c": "k.c", "backend": "wasm", "_backend": "wasm",
+    "vary": "controllers.axis.K_p=1:2", "uncertainty": "u.toml", "part": "law", "scenario": "stick_slip.toml", "fmi": "2",
+    "platforms": "here", "target": "c", "step": "1e-3", "creep": "1e-6", "share": "0.9", "steady_error": "0.1", "speed": "0.1",
+    "presliding_error": "0.1", "force_rate": "1", "position_error": "1e-4", "sample_time": "1e-3", "mass": "2", "time": "t",
+    "position": "v", "velocity": "v", "acceleration": "v", "load": "F", "pressure": "F", "run": "F", "force_gain": "2",
+    "unit": "v=mm/s", "counts": "4096", "term": "stiffness", "method": "static", "free": "k_v", "filter_": "published",
+    "cutoff": "20", "starts": "3", "seed": "4", "output": "velocity", "unknown": "F_c=1:2", "require": "F_c=5%",
+    "plan": "stroke=1,speed=1,force=1", "logs": "axis.logs.toml", "fit": "fit", "machine": "body.toml", "command": "F",
+    "samples": "5", "cluster": "host:1", "threads": "2",
+}  # fmt: skip
+
+
+class _Called(BaseException):
+    """A command has come to its end, with these arguments."""
+
+
+def _call_of(function):
+    def called(*args, **kwargs):
+        told = [_told(x) for x in args] + [f"{k}={_told(x)}" for k, x in kwargs.items()]
+        raise _Called(function.rpartition(".")[2], *(x for x in told if "<function" not in x))
+
+    return called
+
+
+def _told(value):
+    if isinstance(value, Scenario):
+        return f"{value.name}: {hashlib.sha256(repr(value.data).encode()).hexdigest()[:8]}"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{k}: {_told(x)}' for k, x in value.items())}}}"
+    return "<function" if callable(value) and not isinstance(value, type) else repr(value)
+
+
+def _passed_on(name):
+    """The call without options; what each option changes in it, or is refused for; what two are refused for together."""
+    command = typer.main.get_command(app).commands[name]
+    ends, first = ENDS[name]
+    start = shlex.split(first)
+    options = {
+        p.name: p for p in command.params if p.param_type_name == "option" and p.opts[0] not in (*start, "--help")
+    }
+    given = {n: [p.opts[0], *([] if p.is_flag else [GIVEN[n]])] for n, p in options.items() if p.is_flag or n in GIVEN}
+    wrong = {f"{n} = {x!r}": [p.opts[0], x] for n, p in options.items() if not p.is_flag for x in ("?", "-1", "")}
+    inputs(f"{first} stick_slip.toml body.toml axis.logs.toml axis.toml")
+    with pytest.MonkeyPatch.context() as patch:
+        for end in ends.split():
+            patch.setattr(f"stribeck.{end}", _call_of(end))
+        usual = _came(name, start)
+        yield f"not tried: {sorted(set(options) - set(given))}"
+        yield from usual
+        alone = {
+            n: [x for x in _came(name, [*start, *words]) if x not in usual] for n, words in (given | wrong).items()
+        }
+        yield from (f"{n}: {line}" for n, lines in alone.items() for line in lines)
+        for a, b in itertools.combinations(given, 2):
+            known = [*usual, *alone[a], *alone[b]]
+            yield from (f"{a}, {b}: {x}" for x in _came(name, [*start, *given[a], *given[b]]) if x not in known)
+
+
+def _came(name, words):
+    """The arguments that a command ends with, or what it says."""
+    try:
+        status, out, err = call(name, *words)
+    except _Called as called:
+        return list(called.args)
+    return [f"{status}: {line}" for line in [*out.splitlines()[:3], *err.splitlines()]]
+
+
+for _name in ENDS:
+    kept(f"options/{_name}")(functools.partial(_passed_on, _name))
+
+
+def _values(lines):
+    names = {name: getattr(stribeck, name) for name in stribeck.__all__} | {"np": np}
+    inputs("\n".join(lines) + "axis.logs.toml")
+    for line in lines:
+        yield f">>> {line}"
+        with warnings.catch_warnings(record=True) as notes:
+            warnings.simplefilter("always", stribeck.errors.StribeckNote)
+            try:
+                yield from str(eval(line, names)).splitlines()
+            except InputError as error:
+                yield from (f"! {problem}" for problem in error.problems)
+            except Exception as error:
+                yield f"! {type(error).__name__}: {error}"
+        yield from (
+            f"note: {each.message}" for each in notes if issubclass(each.category, stribeck.errors.StribeckNote)
+        )
+
+
+_LINES = [x for x in Path(__file__).with_name("expressions.txt").read_text().splitlines() if x and x[0] != "#"]
+for _name, _part in itertools.groupby(
+    _LINES, lambda line: line.partition("(")[0].rpartition(".")[0] or line.partition("(")[0]
+):
+    kept(f"calls/{_name}", 1e-5, "wasm")(functools.partial(_values, list(_part)))

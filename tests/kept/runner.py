@@ -145,7 +145,7 @@ def commands(name, words, tolerance=EXACT, backend="", thorough=False):
 
 def _commands(words, digits):
     here = Path.cwd()
-    given = _inputs("\n".join(words))
+    given = inputs("\n".join(words))
     lines = []
     for command in words:
         status, out, err = call(*shlex.split(command))
@@ -163,7 +163,7 @@ def _commands(words, digits):
     return lines
 
 
-def _inputs(text):
+def inputs(text):
     """Copy the files that a text names, and those that a copied one names."""
     copied = set()
     names = set(re.findall(r"[\w./-]+\.(?:toml|csv|py|json|xml|npz|mat|txt)\b", text))
