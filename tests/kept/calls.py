@@ -20,11 +20,13 @@ import stribeck.errors
 from stribeck import InputError, Scenario, examples
 from stribeck.cli.app import app
 from stribeck.codegen import source
+from stribeck.exports.python import to_casadi, to_control, warp
 from stribeck.expressions import coq, emit, ops, pretty
 from stribeck.expressions.graph import derivative, symbol
 from stribeck.expressions.intervals import Box, Evaluator, interval
 from stribeck.identify.actuator import read_logs
 from stribeck.laws import builtin
+from stribeck.loops.boundary import Turned
 from stribeck.scenario import schema
 from stribeck.simulation import c_source, wasm
 from stribeck.waveforms.pieces import pieces
@@ -198,8 +200,8 @@ def _said(path, wrong):
     return f"{'.'.join(path)} = {'nothing' if wrong is GONE else repr(wrong)}"
 
 
-def _every_mistake(tables, within=()):
-    for path in (p for p in _places(tables) if p[: len(within)] == within):
+def _every_mistake(tables, within=(), besides=None):
+    for path in (p for p in _places(tables) if p[: len(within)] == within and p[1:2] != (besides,)):
         for wrong in WRONG:
             yield from _refusal(_said(path, wrong), _edited(tables, path, wrong))
 
@@ -229,7 +231,7 @@ def _():
     yield from _every_mistake({**RIG, "plant": {"mass": 1.0, "initial": {"y": 0.1, "v": 0.2, "z": 1e-6}}})
     for name, law in laws():
         yield f"== {name}"
-        yield from _every_mistake({**RIG, "law": law.to_dict()}, ("law",))
+        yield from _every_mistake({**RIG, "law": law.to_dict()}, ("law",), None if name == "lugre" else "parameters")
 
 
 @kept("refused/logs")
@@ -342,12 +344,12 @@ NASTY = list(nasty_cases())
 
 @kept("check_nasty/some", 1e-6, "wasm")
 def _():
-    yield from _verdicts(NASTY[::6])
+    yield from _verdicts(NASTY[::8])
 
 
 @kept("check_nasty/rest", 1e-6, "wasm", thorough=True)
 def _():
-    yield from _verdicts(case for i, case in enumerate(NASTY) if i % 6)
+    yield from _verdicts(case for i, case in enumerate(NASTY) if i % 8)
 
 
 @kept("scenario/schema")
@@ -445,7 +447,10 @@ def _passed_on(name):
         p.name: p for p in command.params if p.param_type_name == "option" and p.opts[0] not in (*start, "--help")
     }
     given = {n: [p.opts[0], *([] if p.is_flag else [GIVEN[n]])] for n, p in options.items() if p.is_flag or n in GIVEN}
-    wrong = {f"{n} = {x!r}": [p.opts[0], x] for n, p in options.items() if not p.is_flag for x in ("?", "-1", "")}
+    valued = {n: p.opts[0] for n, p in options.items() if not p.is_flag}
+    keys = {n: GIVEN[n].partition("=")[0] for n in valued if "=" in GIVEN.get(n, "")}  # of those that are KEY=VALUE
+    wrong = {f"{n} = {x!r}": [opt, x] for n, opt in valued.items() for x in ("?", "-1", "0", "")}
+    wrong |= {f"{n} = {key}={x}": [valued[n], f"{key}={x}"] for n, key in keys.items() for x in ("-1", "0", "x", "")}
     inputs(f"{first} stick_slip.toml body.toml axis.logs.toml axis.toml")
     with pytest.MonkeyPatch.context() as patch:
         for end in ends.split():
@@ -475,8 +480,47 @@ for _name in ENDS:
     kept(f"options/{_name}")(functools.partial(_passed_on, _name))
 
 
+@kept("python/warp")
+def _():
+    for name, law in laws():
+        yield f"== {name}"
+        with contextlib.suppress(InputError):
+            yield from shown.digest(warp.text(law, "float"))
+
+
+@kept("python/control")
+def _():
+    pytest.importorskip("control")
+    for name, law in laws():
+        yield f"== {name}"
+        try:
+            system = to_control(law, 2.0)
+        except InputError as error:
+            yield from error.problems
+            continue
+        yield f"{system.input_labels} {system.output_labels} {system.state_labels}"
+        for x in ([0.0, 1e-3, 1e-6], [0.1, -0.2, 5e-6]):
+            state = np.array(x[: system.nstates])
+            yield f"{numbers(system.dynamics(0.0, state, [0.5]))}; {numbers(system.output(0.0, state, [0.5]))}"
+
+
+@kept("python/casadi")
+def _():
+    pytest.importorskip("casadi")
+    for name, law in laws():
+        yield f"== {name}"
+        for free in ((), ("F_c",), ("nothing",)):
+            try:
+                function = to_casadi(law, free)
+            except InputError as error:
+                yield from error.problems
+                continue
+            given = [0.02, 5e-6, *[1.1] * len(free)][: function.n_in()]
+            yield f"{function.name_in()} {function.name_out()}: {numbers([float(x) for x in function.call(given)])}"
+
+
 def _values(lines):
-    names = {name: getattr(stribeck, name) for name in stribeck.__all__} | {"np": np}
+    names = {name: getattr(stribeck, name) for name in stribeck.__all__} | {"np": np, "Turned": Turned}
     inputs("\n".join(lines) + "axis.logs.toml")
     for line in lines:
         yield f">>> {line}"
