@@ -27,6 +27,7 @@ def test_floors_are_the_releases_that_were_tried():
     assert sorted(line for line in tried if not line.startswith("#")) == sorted(floors)
 
 
+@pytest.mark.thorough
 def test_the_sdist_holds_no_tests(tmp_path):
     """By default setuptools takes tests/test*.py alone, which do not run without the files beside them."""
     pytest.importorskip("setuptools", minversion="77", reason="pyproject.toml needs setuptools 77 to build")

@@ -57,6 +57,7 @@ def test_the_base_installation_does_the_main_things(tmp_path):
         assert (status, err) == (0, ""), words
 
 
+@pytest.mark.thorough
 def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
     words = ("run", examples.path("break_away"), "--out")
     ((status, _, err),) = commands(tmp_path, (*words, "out"))

@@ -132,6 +132,7 @@ def test_a_log_file_gets_lines_of_progress(monkeypatch):
     assert re.match(r"stribeck: axis: the verdict, 25 % after \d+ s\n", log.getvalue())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("words", "what"),
     [

@@ -67,6 +67,7 @@ def test_no_library_module_speaks_of_options():
 FORMS = ("law.name=lugre_majorant", "drive.observer.name=lugre_majorant", "drive.observer.smooth_abs=sqrt")
 
 
+@pytest.mark.thorough
 def test_design_tells_forms_of_a_law_apart(stribeck):
     changes = [word for change in FORMS for word in ("--set", change)]
     short = ("--set", "solve.t_end=0.2", "--v-max", "0.01")

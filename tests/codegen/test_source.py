@@ -211,6 +211,7 @@ def chain(count):
     return Scenario(machines.machine(bodies, energy=False, links=links, contacts=contacts)).system
 
 
+@pytest.mark.thorough
 def test_the_work_grows_little_faster_than_the_machine():
     """Calls of functions, so that no clock decides: as n^1.3, where a search of all rows for each pivot made n^1.6."""
     calls = []
@@ -223,6 +224,7 @@ def test_the_work_grows_little_faster_than_the_machine():
     assert calls[1] < 2.6 * calls[0]
 
 
+@pytest.mark.thorough
 @needs_compiler
 def test_long_functions_in_parts_give_the_same_numbers(monkeypatch, tmp_path):
     """With a search for a root among the statements: an elasto-plastic law's steady force in a compensation."""

@@ -53,6 +53,7 @@ def test_sharing():
     assert derivative(X * Y + ops.sin(X * Y), X) is derivative(X * Y + ops.sin(X * Y), X)
 
 
+@pytest.mark.thorough
 def test_nodes_that_nobody_holds_are_gone():
     gc.collect()
     before = len(graph._nodes)

@@ -74,6 +74,7 @@ def test_mass_spring_and_offset_are_told_apart():
     assert np.std(log.force - friction - beside) == pytest.approx(0.1, rel=0.1)
 
 
+@pytest.mark.thorough
 def test_a_log_that_slides_all_the_time_leaves_the_bristles_open():
     fit = fitted(rig.held_at(1.0, 1.0), mass=0.0, constants={"offset": 0.0})
     for name in ("sigma_0", "sigma_1"):
@@ -83,6 +84,7 @@ def test_a_log_that_slides_all_the_time_leaves_the_bristles_open():
         fit.law()
 
 
+@pytest.mark.thorough
 def test_a_law_constant_is_fitted_when_it_is_freed():
     log = rig.measured([*rig.LOOPS, *rig.STROKES], "elastoplastic_majorant", k_v=1e5, z_ba=5e-6)
     fit = fitted(log, "elastoplastic_majorant", mass=0.0, constants={"k_v": 1e5}, free=("z_ba",))
@@ -213,6 +215,7 @@ def test_ctrl_c_leaves_what_was_found(full):
     assert all(not e.identifiable and np.isfinite(e.value) for e in fit.estimates.values())
 
 
+@pytest.mark.thorough
 def test_loops_short_of_gross_sliding_leave_F_c_open():
     """The level of a slow motion is then F_s, and nothing shows where the curve ends."""
     found = fitted(rig.measured(rig.LOOPS)).estimates["F_c"]

@@ -71,6 +71,7 @@ def test_a_machine_is_judged_by_the_end_of_a_path(tmp_path):
     assert found.notes[0].startswith("bodies.a.mass is known within")
 
 
+@pytest.mark.thorough
 def test_the_command_ends_with_1_where_something_is_not_reached(columns, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     np.savetxt("log.csv", np.column_stack(list(columns.values())), delimiter=",", header="t,y,F", comments="")

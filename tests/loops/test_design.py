@@ -66,6 +66,7 @@ def test_beyond_the_stability_of_the_linear_loop_it_is_unstable():
     assert only(axis(K_i=1.3 * limit, limit=1e4)).verdict == "unstable"
 
 
+@pytest.mark.thorough
 def test_sampling_with_delay_makes_it_unstable_where_continuous_it_is_quiet():
     fast = {"period": 2e-2, "delay": 2e-2}
     gains = {"K_p": 2e3, "K_d": 60.0, "limit": 500.0}

@@ -33,6 +33,7 @@ def test_a_motion_that_grows_on_its_way_to_rest_is_quiet():
     assert judge(cascade(K_v=100.0, T_i=0.05, sampling=sampling))[0].verdict == "quiet"
 
 
+@pytest.mark.thorough
 def test_what_saturates_on_its_way_to_rest_is_quiet():
     sampling = {"period": 1e-3, "delay": 5e-4, "resolution": 2e-5}
     found = from_starts(cascade(K_v=60.0, T_i=0.1, limit=40.0, sampling=sampling), "axis")
@@ -48,6 +49,7 @@ def test_a_slow_integral_breaks_away_in_the_end():
     assert found.period == pytest.approx(373, rel=0.01)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("gains", "verdict"),
     [({"K_p": -1e308, "sampling": {"period": 1e-3}}, "failed"), ({"K_p": 3.0, "K_i": 1e308}, "unstable")],

@@ -180,6 +180,7 @@ def test_powers_of_ten_stand_at_an_axis_and_a_user_s_dollars_stay():
     assert all(words in drawn for words in (">$10^2$ of $x$<", ">$10^3$ (N)<"))
 
 
+@pytest.mark.thorough
 def test_a_large_machine_has_a_figure_of_bounded_size():
     """One of 200 bodies was drawn for ten minutes, and Ctrl-C lost its numbers."""
     bodies = {f"b{i}": {"mass": 1.0} for i in range(30)}

@@ -56,6 +56,7 @@ POWER = random.Random(5).sample([case for case in ALL if case.kind in ("aliases"
 DECIDED, REGIONS = 70, 753  # of 70 verdicts, when this was written; a stronger prover may change both
 
 
+@pytest.mark.thorough
 def test_the_prover_is_no_weaker_than_it_was():
     """Undecided is never wrong: without a number that is written down a prover that decides nothing would pass."""
     verdicts = [v for case in POWER for v in stribeck.check(case.law()).properties.values()]

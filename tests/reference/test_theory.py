@@ -85,6 +85,7 @@ def drift(law):
     return y[170] - y[10]
 
 
+@pytest.mark.thorough
 def test_drift_under_dither():
     assert drift("lugre") == pytest.approx(0.24e-3, abs=0.005e-3)
     assert drift(law_table("lugre_majorant", k_v=1e7)) == pytest.approx(drift("lugre"), rel=0.05)

@@ -100,6 +100,7 @@ def test_a_compiler_that_hangs(use, monkeypatch):
     assert "did not finish within 0.3 s" in said("wasm")[0]
 
 
+@pytest.mark.thorough
 def test_a_compiler_that_never_answers_is_soon_given_up(use, monkeypatch, tmp_path):
     """The time is that of an empty file, whatever the system takes."""
     use(f"#!/bin/sh\necho x >> {tmp_path}/calls\nexec sleep 60\n")
@@ -254,6 +255,7 @@ def test_another_compiler_or_other_options_make_another_key(use, tmp_path, monke
     assert len(set(keys)) == 5
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="needs the package ziglang")
 def test_zig(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", f"{sys.executable} -m ziglang cc")

@@ -72,6 +72,7 @@ def test_a_damped_oscillation_does_not_last_until_its_phase_is_lost():
     assert np.max(abs(found["a.v"][1:] - 1e-3)) <= 1e-9
 
 
+@pytest.mark.thorough
 def test_a_stiff_coupling_that_nothing_excites_is_not_reported():
     """Two masses of 1 kg on a coupling of 1e37 N/m move as one: the oscillation between them has 1e-37 of the motion."""
     bodies = {"a": {"mass": 1.0}, "b": {"mass": 1.0}}
@@ -100,6 +101,7 @@ def test_a_stiff_controller_without_damping(gain):
     assert reaches(solved(controllers={"axis": controller}), 2e-3)
 
 
+@pytest.mark.thorough
 def test_lanes_that_lose_their_phase_are_counted():
     """Each lane is judged by its own constants, as its single run is."""
     link = {"from": SLOW_END, "to": "a", "stiffness": 1.0, "damping": 0.0}

@@ -161,6 +161,7 @@ def test_a_law_of_ones_own_goes_along_as_text(cluster, tmp_path):
     assert bytes_of(tmp_path / "there") == bytes_of(tmp_path / "here")
 
 
+@pytest.mark.thorough
 def test_a_scheduler_that_is_killed_is_one_line_and_the_sweep_goes_on(here, tmp_path, capfd):
     with cluster_in(tmp_path / "cluster", workers=1) as made:
 
@@ -179,6 +180,7 @@ def test_a_scheduler_that_is_killed_is_one_line_and_the_sweep_goes_on(here, tmp_
     assert bytes_of(tmp_path / "there") == here
 
 
+@pytest.mark.thorough
 @by_c
 def test_no_worker_that_can(tmp_path):
     with cluster_in(tmp_path / "cluster") as made:

@@ -114,6 +114,7 @@ def test_a_manifest_that_cannot_be_read_now_is_not_called_damaged(expected, monk
         stribeck.sweep(SCENARIO, LANES, url, summary=True)
 
 
+@pytest.mark.thorough
 def test_a_store_that_accepts_and_never_answers_ends_by_the_library_s_own_time_limit(monkeypatch):
     pytest.importorskip("s3fs")
     with socket.create_server(("127.0.0.1", 0)) as silent:

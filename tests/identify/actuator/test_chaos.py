@@ -72,6 +72,7 @@ def test_a_chaotic_recording_has_intervals_that_hold_the_truth(motion):
         assert p.low < x < p.high
 
 
+@pytest.mark.thorough
 def test_stretches_that_begin_anywhere_are_seen_to(motion):
     """At the truth, with the arm, which nobody measures, at rest where each stretch begins; then as the one before left it."""
     t, y = (x[: round(2.0 / STEP) + 1] for x in motion)

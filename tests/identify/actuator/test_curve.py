@@ -59,6 +59,7 @@ def test_a_curve_that_nobody_has_seen_tells_no_F_s(noise):
         assert (F_s.high, v_s.low) == (None, 0.0)
 
 
+@pytest.mark.thorough
 def test_a_machine_that_never_slides_far_shows_one_level(tmp_path):
     """Which of F_c and F_s it is stays open, since v_s does; the reasons say so."""
     law = "contacts.guide.law.parameters."

@@ -91,6 +91,7 @@ def test_a_column_in_degrees_or_of_the_wrong_sign_is_noticed(recordings, tmp_pat
         assert not any(p.state == "identified" for p in found.estimates.values())
 
 
+@pytest.mark.thorough
 def test_one_load_cannot_tell_how_the_level_depends_on_it(tmp_path):
     gain = "contacts.guide.loads.0.F_c"
     truth = {"gain": 0.2, "pull": 2.0, "amplitude": 6.0}
@@ -102,6 +103,7 @@ def test_one_load_cannot_tell_how_the_level_depends_on_it(tmp_path):
     assert set(found.correlated[0]["names"]) == {F_C, gain}
 
 
+@pytest.mark.thorough
 def test_friction_alone_may_be_sought(recordings):
     """The machine without friction, which is compared, then has no number left."""
     data = body(F_c=0.8, F_s=1.3)
@@ -111,6 +113,7 @@ def test_friction_alone_may_be_sought(recordings):
     assert found.baselines["no friction"]["fitted"] > 5 * found.error(held_out=False)
 
 
+@pytest.mark.thorough
 def test_a_machine_without_the_recorded_force_is_no_comparison(tmp_path):
     """Without friction there is no guide.F: that was a row of the results, as a mistake in the user's file."""
     data, force = body(), solve(body())["guide.F"]

@@ -62,6 +62,7 @@ def test_a_speed_among_a_laws_constants_bends_its_curve(tmp_path):
     assert [c.name for c in found if c.bends] == [f"{LAW}v_s"]
 
 
+@pytest.mark.thorough
 def test_an_elasto_plastic_law_left_open_stays_below_break_away(tmp_path):
     """Its z_ba was guessed from the speed alone: with the machine's own sigma_0 it was refused, and never compared."""
     record(tmp_path / "run.csv", body(amplitude=5.0))

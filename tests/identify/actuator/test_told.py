@@ -37,6 +37,7 @@ def test_a_clock_that_drifts_is_told_and_can_be_sought(tmp_path):
     assert found.estimates[MASS].low < 1.0 < found.estimates[MASS].high
 
 
+@pytest.mark.thorough
 def test_a_recording_in_other_units_identifies_nothing(tmp_path):
     record(tmp_path / "good.csv", body(amplitude=3.0))
     record(tmp_path / "bad.csv", body(amplitude=5.0), change=lambda x: {**x, "u": 1e3 * x["u"]})

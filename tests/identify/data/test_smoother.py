@@ -79,6 +79,7 @@ def files(tmp_path_factory):
     return [stroke(folder / f"{i}.npz", speed, i) for i, speed in enumerate(SPEEDS)]
 
 
+@pytest.mark.thorough
 def test_constant_speeds_with_ramps_are_not_rounded_off(files):
     """The lowest cut-off, and a band of 2 Hz for the sake of the mass, made the mass 6 % too small, and it was called known."""
     fit = stribeck.fit(files, "stribeck_tanh", **NAMES, forms=False)

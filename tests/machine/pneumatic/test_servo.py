@@ -183,6 +183,7 @@ def test_a_pneumatic_plant_needs_its_controller():
         Scenario(new)
 
 
+@pytest.mark.thorough
 @pytest.mark.share(2)
 @pytest.mark.parametrize(("start", "cover"), [({"y": 0.99, "v": 3.5}, "y = 1 m"), ({"y": 0.01, "v": -3.5}, "y = 0 m")])
 def test_the_end_of_the_stroke(start, cover):
