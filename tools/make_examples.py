@@ -22,7 +22,7 @@ PERIOD, COUNT = 0.005, 2 * np.pi / 4096  # s, rad
 
 
 def measured() -> None:
-    """measured_velocity.csv: 10 s at 100 Hz, noise 20 um/s, quantised to 5 um/s as an encoder would."""
+    """measured_velocity.csv: 10 s at 100 Hz, noise 20 um/s, quantized to 5 um/s as an encoder would."""
     rng = np.random.default_rng(1)
     t = np.arange(1001) / 100
     v = 4e-3 * np.sin(2 * np.pi * 0.2 * t) * (1 - np.exp(-t)) * (1 + 0.5 * np.sin(2 * np.pi * 0.05 * t))

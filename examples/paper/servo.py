@@ -46,7 +46,7 @@ _VARIANTS: dict[str, tuple[Changes, Changes, Changes]] = {
     "lugre, sobczyk that knows all parameters 20 % too low": (_LUGRE, _observer("lugre_sobczyk"), {"wrong": 0.8}),
     "lugre, sobczyk sampled every 1 ms, 12 bit, noise 20 µm": (
         _LUGRE, _observer("lugre_sobczyk"),
-        {"drive.sample_time": 1e-3, "drive.quantisation": 1 / 4096, "drive.noise": 2e-5, "drive.bandwidth": 150.0}),
+        {"drive.sample_time": 1e-3, "drive.quantization": 1 / 4096, "drive.noise": 2e-5, "drive.bandwidth": 150.0}),
     _UNCOMPENSATED: (_LUGRE, {"name": "none"}, {}),
 }  # fmt: skip
 _DRAWN = (_MATCHED, *list(_VARIANTS)[1:2], *list(_VARIANTS)[5:7], *list(_VARIANTS)[8:])

@@ -116,7 +116,8 @@ def require_positive(name: str, value: object, unit: str = "") -> None:
 
 _ROTARY = {
     "m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "m/s^3": "rad/s^3", "m s": "rad s", "N": "N m", "N/s": "N m/s",
-    "N/m": "N m/rad", "N s/m": "N m s/rad", "N/(m s)": "N m/(rad s)", "s/m": "s/rad", "kg": "kg m^2", "1/m": "1/rad",
+    "N/m": "N m/rad", "N s/m": "N m s/rad", "N s^2/m^2": "N m s^2/rad^2",
+    "N/(m s)": "N m/(rad s)", "s/m": "s/rad", "kg": "kg m^2", "1/m": "1/rad",
 }  # fmt: skip
 
 

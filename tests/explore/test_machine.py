@@ -26,7 +26,7 @@ TURNED = {
 }  # fmt: skip
 CHANGES = {
     "belt": {"solve.t_end": 2.0},
-    "servo": {"drive.sample_time": 1e-3, "drive.delay": 5e-4, "drive.quantisation": 1e-6, "drive.bandwidth": 500.0},
+    "servo": {"drive.sample_time": 1e-3, "drive.delay": 5e-4, "drive.quantization": 1e-6, "drive.bandwidth": 500.0},
     "sine_force": {"drive.signal": {"kind": "spline", "t": [0.0, 0.1, 0.2, 0.4], "value": [0.0, 1.0, 3.0, 0.0]}},
 }
 

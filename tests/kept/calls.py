@@ -214,7 +214,7 @@ def _():
 @kept("refused/servo")
 def _():
     servo = tomllib.loads(examples.path("servo").read_text())
-    real = {"sample_time": 1e-3, "delay": 5e-4, "noise": 1e-5, "seed": 1, "quantisation": 2.44e-4, "bandwidth": 200.0,
+    real = {"sample_time": 1e-3, "delay": 5e-4, "noise": 1e-5, "seed": 1, "quantization": 2.44e-4, "bandwidth": 200.0,
             "supply_droop": 2e7, "adaptive": True, "adaptation": {}, "model": {"mass": 3.5}}  # fmt: skip
     yield from _every_mistake({**servo, "drive": {**servo["drive"], **real}})
 

@@ -56,7 +56,7 @@ MISTAKES = [
     ({'bodies.belt.velocity': {'signal': {'kind': 'points', 't': [0, 1, 0.5], 'value': [1.0, 2, 3]}}},
      'bodies.belt.velocity.signal.t[2]: 0.5: times must not decrease (the one before is 1.0)'),
     ({'links.hang.stiffness': GONE},
-     'links.hang.stiffness: missing: must be given (stiffness, on the side of `to`, N/m)'),
+     'links.hang.stiffness: missing: must be given (stiffness, N/m)'),
     ({'links.hang.stiffness': -5.0},
      'links.hang.stiffness: -5.0: must be a finite number >= 0'),
     ({'links.far.to': GONE},

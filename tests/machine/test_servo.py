@@ -13,7 +13,7 @@ SERVO = tomllib.loads(examples.path("servo").read_text())
 SERVO["solve"]["t_end"], SERVO["output"] = 1.0, {"step": 0.02}
 NAMES = {"y": "piston.y", "v": "piston.v", "p_1": "piston.p_1", "p_2": "piston.p_2", "z": "seal.z", "F": "seal.F",
          **{n: f"axis.{n}" for n in ("u", "e", "s", "p_err", "F_hat", "z_hat", "V")}}  # fmt: skip
-SAMPLED = {"drive.sample_time": 1e-3, "drive.delay": 5e-4, "drive.noise": 1e-6, "drive.quantisation": 1e-6,
+SAMPLED = {"drive.sample_time": 1e-3, "drive.delay": 5e-4, "drive.noise": 1e-6, "drive.quantization": 1e-6,
            "drive.bandwidth": 500.0, "drive.seed": 3}  # fmt: skip
 
 

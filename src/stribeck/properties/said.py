@@ -245,7 +245,7 @@ def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
             ("stiffness with the body", "1/s", lambda c: c.body_stiffness),
             ("valid for speeds up to", unit("m/s"), lambda c: c.v_max),
             ("|v| is smoothed below", unit("m/s"), lambda c: c.bend),
-            ("largest d²F/dv² there", f"{unit('N s/m')} per {unit('m/s')}", lambda c: c.force_bend),
+            ("largest d²F/dv² there", unit("N s^2/m^2"), lambda c: c.force_bend),
         ]
         price: list[list[Cell]] = [
             [words, *(Amount(quantity(cost), unit_of) for cost in costs.values())]

@@ -75,7 +75,7 @@ def test_a_sampled_controller_with_noise_counts_and_delay():
     period, step = 4e-3, 2e-3
     solution = solved(
         smooth("lugre_sobczyk"), smooth("lugre_majorant"), solve__t_end=0.4, output__step=step, drive__sample_time=period,
-        drive__delay=1.5e-3, drive__noise=1e-5, drive__quantisation=5e-6, drive__bandwidth=150.0, drive__seed=7,
+        drive__delay=1.5e-3, drive__noise=1e-5, drive__quantization=5e-6, drive__bandwidth=150.0, drive__seed=7,
     )  # fmt: skip
     path = independent.sine(0.5, 0.2, 0.2)
     law = ("lugre_sobczyk", "lugre_majorant")

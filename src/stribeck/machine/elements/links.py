@@ -53,12 +53,14 @@ class Link(BetweenBodies, family=True):
         alias="from", description="a body, or { signal = ... }, the position of a far end"
     )
     end: BodyOrGround = Field(GROUND, alias="to", description="a body, or 'ground'")
-    stiffness: float = quantity("N/m", "stiffness, on the side of `to`", at_least=0, rotary_unit="N m/rad")
+    stiffness: float = quantity("N/m", "stiffness", at_least=0, rotary_unit="N m/rad")
     damping: float | None = quantity(
         "N s/m", "damping; 0 unless given", at_least=0, off_at_zero=True, rotary_unit="N m s/rad"
     )
     gap: float | None = quantity("m", "total backlash; 0 unless given", at_least=0, off_at_zero=True, rotary_unit="rad")
-    ratio: float | None = ratio_constant()
+    ratio: float | None = ratio_constant(
+        "factor of the motion of `from`, d = ratio y_from - y_to: stiffness, damping and gap refer to `to`; 1 unless given"
+    )
 
     def __init__(self, name: str, start: object, end: str = GROUND, **keys: Any) -> None:
         super().__init__(name=name, start=start, end=end, **keys)

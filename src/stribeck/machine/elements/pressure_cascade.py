@@ -246,7 +246,7 @@ def _sampling(data: dict[str, Held]) -> Sampling | None:
     """When it computes, from the keys of its table; without a filter the motion is measured as it is."""
     if data["sample_time"] is None:
         return None
-    read = {"resolution": data["quantisation"], "noise": data["noise"]} if data["bandwidth"] is not None else {}
+    read = {"resolution": data["quantization"], "noise": data["noise"]} if data["bandwidth"] is not None else {}
     keys = {"bandwidth": data["bandwidth"], "seed": data["seed"], **{n: x for n, x in read.items() if x > 0}}
     return Sampling(period=data["sample_time"], delay=data["delay"], **keys)
 
@@ -255,7 +255,7 @@ _AT = {
     "sample_time": Constant("", "the controller computes every so many s; off: always", above=0, optional=True),
     "delay": Constant("", "time from measuring to acting, s", at_least=0, default=0.0),
     "noise": Constant("", "standard deviation of the measured position, m", at_least=0, default=0.0),
-    "quantisation": Constant("", "step of the measured position, m", at_least=0, default=0.0),
+    "quantization": Constant("", "step of the measured position, m", at_least=0, default=0.0),
     "bandwidth": Constant(
         "", "of the filter that estimates velocity and acceleration, rad/s", above=0, optional=True
     ),
@@ -278,7 +278,7 @@ class PressureCascade(AnyController):
     sample_time: float | None = given_as(_AT["sample_time"], in_code=False)
     delay: float = given_as(_AT["delay"], in_code=False)
     noise: float = given_as(_AT["noise"], in_code=False)
-    quantisation: float = given_as(_AT["quantisation"], in_code=False)
+    quantization: float = given_as(_AT["quantization"], in_code=False)
     bandwidth: float | None = given_as(_AT["bandwidth"], in_code=False)
     seed: Annotated[int, Aside(0)] = Field(
         0, ge=0, le=2**32 - 1, description="seed of the noise; the same seed gives the same noise"
@@ -534,13 +534,13 @@ class PressureCascade(AnyController):
         if before != self.name:
             text = f"must be another body: {table_path('controllers', before)} drives it already"
             problems.append((("on",), f"{show(self.on)}: {text}"))
-        keys = [key for key in ("delay", "noise", "quantisation", "bandwidth") if getattr(self, key)]
+        keys = [key for key in ("delay", "noise", "quantization", "bandwidth") if getattr(self, key)]
         if self.sample_time is None:
             sample_time = f"{m.reading.to_file(self.path)}.sample_time"
             text = f"needs {sample_time}: without it the controller is continuous and measures exactly"
             problems += [((key,), f"{show(getattr(self, key))}: {text}") for key in keys]
-        elif (self.noise or self.quantisation) and self.bandwidth is None:
-            text = "missing: must be given with noise or quantisation (rad/s; of the filter that estimates v and dv/dt)"
+        elif (self.noise or self.quantization) and self.bandwidth is None:
+            text = "missing: must be given with noise or quantization (rad/s; of the filter that estimates v and dv/dt)"
             problems.append((("bandwidth",), text))
         if self.adaptive and self.observer is not ... and (reason := _not_adaptable(self.observer_law)):
             problems.append((("adaptive",), f"true: {reason}"))
