@@ -39,6 +39,15 @@ def test_a_table_in_memory_is_fitted_as_a_file_is(tmp_path):
     assert of_file == pytest.approx(5.0, rel=1e-2)
 
 
+@pytest.mark.parametrize("law", [None, "coulomb_viscous"])
+def test_the_share_that_is_done_rises_while_a_static_fit_runs(law):
+    shares = []
+    stribeck.fit(table(), law, units={"v": "mm/s"}, progress=shares.append, **COLUMNS)
+    assert len(shares) >= 3
+    assert shares == sorted(set(shares))
+    assert 0.0 < shares[0] < 0.3 < shares[-1] < 1.0
+
+
 def test_a_column_that_a_table_has_not_is_named_with_its_argument():
     with pytest.raises(InputError, match=r"^velocity: 'w': the table has no such column \(it has t, v, F\)$"):
         stribeck.fit(pd.DataFrame(table()), "coulomb_viscous", **{**COLUMNS, "velocity": "w"})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -24,11 +24,11 @@ from stribeck.identify.methods.static import LAWS, check_motion, fit_static
 from stribeck.identify.options import FitOptions
 from stribeck.identify.required import with_requirements
 from stribeck.identify.result import Fit, LogFit, RecordReading
+from stribeck.identify.work import Progress, part
 from stribeck.recorded import is_table
 
 _READ = 0.05  # of the work: reading takes about a tenth of a static fit, and nothing beside a simulation
 Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
-Progress = Callable[[float], None]
 Law = str | Sequence[str] | Mapping[str, Sequence[str]] | None
 
 
@@ -169,20 +169,21 @@ def fit_log(log: Log, names: Sequence[str], options: FitOptions, progress: Progr
         raise InputError(f"{arg('law')}: {twice!r}: given twice; must differ from the others")
     if not names:
         options.check_without_law()
-        static_fit = fit_static(log, LAWS, options)
+        static_fit = fit_static(log, LAWS, options, part(progress, 0, 2))
         if options.method is not None or not asked_for(log, static_fit):
             return static_fit
-        return better(log, static_fit, [LAW], replace(options, starts=STARTS), progress)
+        return better(log, static_fit, [LAW], replace(options, starts=STARTS), part(progress, 1, 2))
     known = {constant for name in names for constant in laws.find(name).constants()}
     for name in names:
         options.of_law(name, known).check(name)
     static = [n for n in names if options.method_for(laws.find(n)) == "static"]
     simulated = [n for n in names if n not in static]
-    best = fit_static(log, static, options) if static else None
+    parts = 2 if static and simulated else 1
+    best = fit_static(log, static, options, part(progress, 0, parts)) if static else None
     if best is not None and not simulated:
         return best
     check_motion(log)
-    return better(log, best, simulated, options, progress)
+    return better(log, best, simulated, options, part(progress, parts - 1, parts))
 
 
 def preparation(names: Sequence[str], options: FitOptions, cutoff: float | None) -> Preparation:

@@ -6,7 +6,7 @@ measured force less the rig's other forces. If the output is the motion, the mea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -33,11 +33,11 @@ from stribeck.identify.models.static_problem import shortened
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import FrictionRows, LogFit, with_units
+from stribeck.identify.work import Progress
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
-Progress = Callable[[float], None]
 Values = Mapping[str, Any]  # numbers, and a law's choices in words
 OUTPUTS = {"force": "contact.F", "position": "body.y", "velocity": "body.v"}  # the machine's column that is fitted
 _ROOM = 3.0  # search range of a coefficient: in initial values, plus in friction levels in its unit

@@ -12,7 +12,13 @@ from stribeck.simulation.lanes import threads_of_this_machine
 
 T = TypeVar("T")
 S = TypeVar("S")
+Progress = Callable[[float], None]
 _TYPICAL = 300  # simulations of a fit with a handful of numbers: only the bar hangs on it
+
+
+def part(progress: Progress | None, number: int, count: int) -> Progress | None:
+    """The progress of one of several consecutive fits."""
+    return None if progress is None else lambda share: progress((number + share) / count)
 
 
 class Stopped(KeyboardInterrupt):
@@ -26,7 +32,7 @@ class Work:
         tell: called with the share, 0 to 1.
     """
 
-    def __init__(self, tell: Callable[[float], None] | None = None) -> None:
+    def __init__(self, tell: Progress | None = None) -> None:
         self._tell, self._lock = tell, threading.Lock()
         self._start = self._end = self.share = 0.0
         self._ticks = 0

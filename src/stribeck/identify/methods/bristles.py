@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +17,8 @@ from stribeck.identify.models.static_problem import shortened
 from stribeck.identify.onebody import Simulated, raw, simulated
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, LogFit
+from stribeck.identify.work import Progress, part
 
-Progress = Callable[[float], None]
 LAW = "lugre"
 STARTS = 4  # on logs of the plan's motions, all four reach the same minimum
 HALF = 0.5  # of the static law's error: largest error of a bristle law, which has two more constants
@@ -48,9 +48,7 @@ def better(
     left = np.inf if static is None else _error_everywhere(static, log)
     for i, name in enumerate(names):
         try:
-            fits.append(
-                (name, _simulated(log, name, options.of_law(name, known), left, _part(progress, i, len(names))))
-            )
+            fits.append((name, _simulated(log, name, options.of_law(name, known), left, part(progress, i, len(names)))))
         except StribeckError as error:  # cannot be simulated
             if len(names) == 1 and static is None:
                 raise
@@ -83,16 +81,11 @@ def better(
 def _simulated(log: Log, name: str, options: FitOptions, left: float, progress: Progress | None) -> Simulated:
     """A law's fit, or its rough fit if the error is too large to be chosen over ``left``."""
     if np.isfinite(left):
-        rough = simulated(log, name, options, _part(progress, 0, 2), rough=True)
+        rough = simulated(log, name, options, part(progress, 0, 2), rough=True)
         if rough.stopped or not rough.error < HALF * left:
             return rough
-        progress = _part(progress, 1, 2)
+        progress = part(progress, 1, 2)
     return simulated(log, name, options, progress)
-
-
-def _part(progress: Progress | None, number: int, count: int) -> Progress | None:
-    """The progress of one of several consecutive fits."""
-    return None if progress is None else lambda share: progress((number + share) / count)
 
 
 def _bic(fit: Simulated) -> float:

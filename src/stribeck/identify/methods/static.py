@@ -31,6 +31,7 @@ from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Candidate, FrictionRows, LogFit, with_units
+from stribeck.identify.work import Progress
 
 LAWS = ("coulomb_viscous", "stribeck", "stribeck_tanh")  # candidates if no law is given
 PLAIN = "coulomb_viscous"
@@ -39,26 +40,31 @@ FOUND = 0.05  # of a column's variance that motion does not explain: its coeffic
 WEIGHT = ("gravity_sin", "gravity_cos")
 _STEADY = 0.02  # relative spread of the speed: less is constant velocity
 _ROUNDING = 1e-13  # of a position: filtered rounding of a constant position
+_CHOSEN, _JUDGED = 0.4, 0.7  # of the time of a long record's fit
 _SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: steepness for an exact sign
 _LEAST = 1e-9  # of the largest force: the least level of a law for simulation
 
 
-def fit_static(log: Log, names: Sequence[str], options: FitOptions) -> LogFit:
+def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Progress | None = None) -> LogFit:
     """Fit static laws to a record and report the best one.
 
     Args:
         log: the log; ``names``: of the laws.
+        progress: called with the share done, 0 to 1.
 
     Raises:
         InputError: constants or terms are unknown or missing, or the log has too little motion or a force of wrong sign.
     """
     terms.check(tuple(options.terms), log)
     check_motion(log)
+    tell = progress or (lambda _: None)
     rows = rows_of(log)
     body, unused = _terms(log, options)
     with threadpool_limits(1):  # the matrices are too small for more threads
         choice = _chosen(rows, names, body, options)
+        tell(_CHOSEN)
         estimates = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, options))
+        tell(_JUDGED)
         wide = rows_of(log, to_choose=True)  # held-out data have all frequencies
         same = wide.q == rows.q or options.published
         predicting = predictor(choice if same else _chosen(wide, names, body, options), rows.source)
