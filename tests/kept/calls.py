@@ -5,9 +5,12 @@ import copy
 import functools
 import hashlib
 import itertools
+import operator
+import random
 import shlex
 import tomllib
 import warnings
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -20,13 +23,17 @@ import stribeck.errors
 from stribeck import InputError, Scenario, examples
 from stribeck.cli.app import app
 from stribeck.codegen import source
+from stribeck.exports import contact_law
 from stribeck.exports.python import to_casadi, to_control, warp
+from stribeck.exports.python.constants import with_load
 from stribeck.expressions import coq, emit, ops, pretty
-from stribeck.expressions.graph import derivative, symbol
+from stribeck.expressions.graph import constant, derivative, symbol, symbols
 from stribeck.expressions.intervals import Box, Evaluator, interval
 from stribeck.identify.actuator import read_logs
-from stribeck.laws import builtin
+from stribeck.laws import builtin, overflow, trouble
 from stribeck.loops.boundary import Turned
+from stribeck.properties.prover.ring import Ring
+from stribeck.properties.prover.search import Budget, Prover
 from stribeck.scenario import schema
 from stribeck.simulation import c_source, wasm
 from stribeck.waveforms.pieces import pieces
@@ -517,6 +524,97 @@ def _():
                 continue
             given = [0.02, 5e-6, *[1.1] * len(free)][: function.n_in()]
             yield f"{function.name_in()} {function.name_out()}: {numbers([float(x) for x in function.call(given)])}"
+
+
+U, W = symbol("u"), symbol("w")
+GROWN = (  # of one argument, and of two
+    (lambda x: 2 + ops.sin(x), lambda x: ops.exp(-x), lambda x: ops.atan(x) * (2 / ops.pi), lambda x: ops.sqrt(1 + x * x),
+     lambda x: ops.tanh(x) + x, lambda x: x**2, lambda x: ops.log(1 + x), abs, ops.sign, lambda x: x**1.5, lambda x: 1 / (1 + x)),
+    (operator.add, operator.mul, operator.sub, lambda x, y: x / (0.5 + y), lambda x, y: ops.where(x < y, x, y + 1),
+     lambda x, y: ops.clip(x - y, 0.0, 1.0), ops.smaller, lambda x, y: ops.where(ops.either(x < 1, y > 2), x * y, x + y)),
+)  # fmt: skip
+
+
+def _grown(rng, depth):
+    """A random expression of u and w."""
+    if depth == 0 or rng.random() < 0.2:
+        return rng.choice([U, W, U, W, constant(rng.choice([0.5, 1.0, 2.0, 3.0]))])
+    if rng.random() < 0.4:
+        return rng.choice(GROWN[0])(_grown(rng, depth - 1))
+    return rng.choice(GROWN[1])(_grown(rng, depth - 1), _grown(rng, depth - 1))
+
+
+@kept("prover/claims")
+def _():
+    """Random claims over whole regions: which are shown, and by what tree."""
+    rng = random.Random(1)
+    nothing, one, two = Fraction(0), Fraction(1), Fraction(2)
+    regions = [{"u": (nothing, None), "w": (nothing, None)}, {"u": (nothing, one), "w": (one, two)}, {"u": (one, None)}]
+    for _number in range(70):
+        expr = _grown(rng, 3)
+        yield f"== {pretty.write(expr, {'u': 'u', 'w': 'w'}, latex=False)}"
+        for ranges, closed in zip(regions, (False, True, False), strict=True):
+            if not symbols([expr]) <= set(ranges):
+                continue
+            for relation in (">=0", ">0", "!=0", "=0"):
+                try:
+                    tree = Prover(Ring({}), {}).show(expr, relation, ranges, Budget(12), closed)
+                except Exception as error:
+                    yield f"{relation} {type(error).__name__}: {error}"
+                    continue
+                text = "open" if tree is None else f"shown {len(str(tree))} {shown.digest(str(tree))[0][:8]}"
+                yield f"{relation} on {', '.join(f'{n} {a} to {b}' for n, (a, b) in ranges.items())}: {text}"
+
+
+@kept("laws/extreme")
+def _():
+    """Constants at the ends of what floats hold."""
+    for name, law in laws():
+        for constant_name in law.p.numbers:
+            for x in (1e-300, 1e300, 1e-30, 1e30):
+                said = []
+                with warnings.catch_warnings(), np.errstate(all="ignore"):
+                    warnings.simplefilter("ignore")
+                    try:
+                        other = law.replace(**{constant_name: x})
+                        said = [
+                            overflow(other),
+                            trouble(other),
+                            numbers(other.steady_force([1e-3, 1.0])),
+                        ]
+                    except InputError as error:
+                        said = error.problems
+                    except ArithmeticError as error:
+                        said = [type(error).__name__]
+                if said[:2] != [None, None]:
+                    yield f"{name} {constant_name}={x:g}: {said}"
+
+
+@kept("python/loads")
+def _():
+    for path, contact in (("loads_and_factors", "hub"), ("everything", "brush"), ("everything", "felt")):
+        law = contact_law(Scenario.load(PLACES[2] / f"{path}.toml"), contact)
+        yield f"== {path} {contact}: {law.inputs}"
+        for load in (None, np.ones(1), np.ones((3, 1)), np.ones((3, 2)), np.ones((2, 4)), np.ones((1, 5))):
+            for given in ({}, {"F_c": 2.0}, {"F_d": 2.0}):
+                shape = None if load is None else load.shape
+                try:
+                    yield f"{shape} {given}: { {n: np.shape(x) for n, x in with_load(law, given, load).items()} }"
+                except InputError as error:
+                    yield from (f"{shape} {given}: {x}" for x in error.problems)
+
+
+@kept("scenario/changed")
+def _():
+    """A machine with other values: what follows from them."""
+    for path in MACHINES[::3]:
+        elements = Scenario.load(path).elements
+        yield f"== {path.stem}"
+        for key in list(elements.values)[::4]:
+            moved = elements.with_values({key: 1.5 * elements.values[key] + 0.25})
+            others = {n: law.values for n, law in moved.laws.items() if not law.same_as(elements.laws[n])}
+            natural = {n: float(f"{x:.6g}") for n, x in moved.natural.items() if x != elements.natural[n]}
+            yield f"{'.'.join(key)}: {float(moved.values[key]):.9g} {others} {natural}"
 
 
 def _values(lines):
