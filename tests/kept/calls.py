@@ -530,7 +530,8 @@ U, W = symbol("u"), symbol("w")
 GROWN = (  # of one argument, and of two
     (lambda x: 2 + ops.sin(x), lambda x: ops.exp(-x), lambda x: ops.atan(x) * (2 / ops.pi), lambda x: ops.sqrt(1 + x * x),
      lambda x: ops.tanh(x) + x, lambda x: x**2, lambda x: ops.log(1 + x), abs, ops.sign, lambda x: x**1.5, lambda x: 1 / (1 + x)),
-    (operator.add, operator.mul, operator.sub, lambda x, y: x / (0.5 + y), lambda x, y: ops.where(x < y, x, y + 1),
+    (operator.add, operator.mul, operator.sub, lambda x, y: x / (0.5 + y), lambda x, y: x / (1 - y),
+     lambda x, y: ops.where(x < y, x, y + 1),
      lambda x, y: ops.clip(x - y, 0.0, 1.0), ops.smaller, lambda x, y: ops.where(ops.either(x < 1, y > 2), x * y, x + y)),
 )  # fmt: skip
 
@@ -550,8 +551,8 @@ def _():
     rng = random.Random(1)
     nothing, one, two = Fraction(0), Fraction(1), Fraction(2)
     regions = [{"u": (nothing, None), "w": (nothing, None)}, {"u": (nothing, one), "w": (one, two)}, {"u": (one, None)}]
-    for _number in range(70):
-        expr = _grown(rng, 3)
+    many = sum((ops.clip(k * U - W, 0.0, 1.0) for k in range(1, 30)), constant(1.0))
+    for expr in [many, U / W, (U - W) / (U - 1), *(_grown(rng, 3) for _ in range(70))]:
         yield f"== {pretty.write(expr, {'u': 'u', 'w': 'w'}, latex=False)}"
         for ranges, closed in zip(regions, (False, True, False), strict=True):
             if not symbols([expr]) <= set(ranges):
@@ -612,7 +613,7 @@ def _():
         yield f"== {path.stem}"
         for key in list(elements.values)[::4]:
             moved = elements.with_values({key: 1.5 * elements.values[key] + 0.25})
-            others = {n: law.values for n, law in moved.laws.items() if not law.same_as(elements.laws[n])}
+            others = {n: law.values for n, law in moved.laws.items() if law.values != elements.laws[n].values}
             natural = {n: float(f"{x:.6g}") for n, x in moved.natural.items() if x != elements.natural[n]}
             yield f"{'.'.join(key)}: {float(moved.values[key]):.9g} {others} {natural}"
 
