@@ -6,6 +6,7 @@ from scipy.signal import lfilter
 
 from stribeck.identify.actuator import regression, residuals
 from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.guided import GuidedSearch
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.actuator.whitening import prediction_filter
@@ -18,6 +19,7 @@ from tests.reference.apart import solve
 
 F_C = "contacts.guide.law.parameters.F_c"
 STEP = 2e-3
+KNOWN = {"k_v": 1e4, "sigma_0": 2e4, "sigma_1": 60.0, "v_s": 0.02, "F_s": 1.3, "sigma_2": 4.0}
 
 
 def correlation(x):
@@ -58,16 +60,26 @@ def pushed():
 
 def test_a_noisy_drive_costs_little_accuracy(pushed, monkeypatch):
     """The position integrates the noise of the force. Its prediction errors are as small as this noise."""
-    known = {"sigma_0": 2e4, "sigma_1": 60.0, "v_s": 0.02, "F_s": 1.3}
-    asked = FitOptions(method="dynamic", output="position", starts=1, constants={"k_v": 1e4, **known})
+    asked = FitOptions(method="dynamic", output="position", starts=1, constants=KNOWN)
     fit = simulated(pushed, "lugre_majorant", asked).judged()
     monkeypatch.setattr(residuals, "prediction_filter", lambda _: np.ones(1))
     plain = simulated(pushed, "lugre_majorant", asked).judged()
-    for name, truth in {"F_c": 1.0, "sigma_2": 4.0, "mass": 1.0}.items():
+    for name, truth in {"F_c": 1.0, "mass": 1.0}.items():
         low, high = fit.estimates[name].interval
         assert low <= truth <= high
         assert high - low < 0.05 * truth
         assert high - low < 0.5 * np.ptp(plain.estimates[name].interval)
+
+
+@pytest.mark.thorough
+def test_a_second_estimate_enters_the_interval_where_the_residual_is_coloured(pushed, monkeypatch):
+    asked = FitOptions(method="dynamic", output="position", starts=1, constants=KNOWN)
+    second = simulated(pushed, "lugre_majorant", asked).best.under_guide
+    assert second.keys() == {"F_c", "mass", "offset"}
+    assert np.exp(second["F_c"][0]) == pytest.approx(1.0, rel=0.03)
+    assert 0 < second["F_c"][1] < 0.03
+    monkeypatch.setattr(GuidedSearch, "under_guide", lambda *_: {"F_c": (np.log(1.5), 0.01)})
+    assert simulated(pushed, "lugre_majorant", asked).judged().estimates["F_c"].interval[1] > 1.4
 
 
 def at(F_c):
