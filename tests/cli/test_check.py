@@ -49,27 +49,6 @@ def test_a_counterexample_is_replayed_by_run(stribeck, tmp_path):
     assert drift["peaks"]["u"] < 1.5
 
 
-def test_evidence_has_words_and_units(stribeck):
-    lugre = ("check", "lugre", "--parameters", "canudas1995")
-    passive = json.loads(stribeck(*lugre, "--json").out)["properties"]["passive"]["evidence"]
-    printed = " ".join(stribeck(*lugre).out.split())
-    assert f"passive energy drawn {1e6 * passive['energy_drawn']:.3g} µJ duration " in printed
-    assert "not passive speed duration z at the end energy put in step 1 303 mm/s 104 µs" in printed
-    assert "sigma_0 = 100000 N/m" in printed
-    assert "_v_max" not in printed
-    assert "may be passive at low speeds: try a bound with --v-max" in printed
-
-
-def test_a_machine_s_answer_is_one_sentence(stribeck, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    stribeck("new", "gear")
-    printed = " ".join(stribeck("check", "gear.toml", "--force", "gear=40").out.split())
-    assert printed.startswith(
-        "gear: passivity not proved: energy can be drawn from bearing; other elements may not dissipate all of it "
-    )
-    assert " bound of |z| 2.5 mrad " in printed
-
-
 @pytest.mark.thorough
 def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
     name = f"{ROOT / 'tests' / 'properties' / 'broken_laws.py'}:NegativeDamping"
@@ -154,24 +133,6 @@ def test_a_file_of_certificates_without_one_is_not_written(stribeck, tmp_path):
     assert "is not written" in found.err
     assert not (tmp_path / "proof.json").exists()
     assert "files" not in json.loads(found.out)
-
-
-@pytest.mark.parametrize(
-    ("words", "text"),
-    [
-        (("check",), "Missing argument"),
-        (("check", "lugre", "--v-max", "-1"), "--v-max: -1.0: must be a finite number > 0"),
-        (("check", "lugrr", "--parameters", "canudas1995"), "did you mean 'lugre'"),
-        (("check", "lugre", "--parameters", "canudas1995", "--set", "v_s=0"), "v_s: 0: must be a finite number > 0"),
-        (("check", "lugre_majorant", "--parameters", "canudas1995"), "k_v: missing"),
-        (("check", "lugre", "--set", "kv=1"), "kv"),
-        (("check", "lugre", "--parameters", "nowhere.toml"), "cannot be read"),
-    ],
-)
-def test_bad_input_is_one_line_and_nothing_else(stribeck, words, text):
-    result = stribeck(*words)
-    assert (result.status, result.out) == (2, "")
-    assert text in result.err.splitlines()[-1]
 
 
 QUESTIONS = """\

@@ -9,9 +9,6 @@ import pytest
 
 from stribeck import Ensemble, Scenario, check, examples, simulation
 from stribeck.cli.app import app, with_command
-from stribeck.laws import builtin
-from stribeck.parameter_sets import parameters
-from stribeck.parameter_sets.library import machine_sets
 
 
 def test_compare_names_deviations_from_the_first(stribeck, scenario, tmp_path):
@@ -47,12 +44,6 @@ def test_options_that_do_not_go_together(stribeck, scenario, tmp_path):
         assert line in result.err
 
 
-def test_compare_prints_a_table(stribeck, scenario):
-    result = stribeck("run", scenario, "--law", "lugre", "--law", "dahl")
-    assert result.status == 0
-    assert re.search(r"dahl +y +\S+ mm +\S+ %", result.out)
-
-
 @pytest.mark.parametrize(
     ("law", "line"),
     [
@@ -78,19 +69,6 @@ def test_a_law_of_the_users_own(stribeck, scenario):
     assert json.loads(result.out)["law"]["name"] == "root_lugre"
     listing = stribeck("library", f"{scenario.parent}/mylaw.py:RootLuGre")
     assert "dz/dt = v - (sqrt(v² + 1/k_v²)/g(v)) z" in listing.out
-
-
-def test_library_lists_all_with_equations(stribeck):
-    data = json.loads(stribeck("library", "--json").out)
-    assert [law["name"] for law in data["laws"]] == list(builtin())
-    lugre = data["laws"][0]
-    assert lugre["equations"][0]["latex"] == r"\dot{z} = v - \frac{\left|v\right|}{g(v)} z"
-    assert lugre["parameters"]["sigma_0"]["unit"] == "N/m"
-    assert lugre["guarantees"]["bounded"] is True
-    assert lugre["guarantees"]["passive"]["if"]["text"] == "σ₁ (F_s - F_c) <= σ₂ F_c"
-    assert set(data["parameter_sets"]["canudas1995"]) == {"title", "source", "motion", "values", "undetermined"}
-    text = stribeck("library").out
-    assert all(f"  {name} " in text for part in (builtin(), parameters(), machine_sets()) for name in part)
 
 
 @pytest.mark.share(3)
