@@ -7,6 +7,8 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_ext"))
 
+from sphinx_gallery import backreferences  # noqa: E402
+
 import stribeck  # noqa: E402
 
 project = "Stribeck"
@@ -62,3 +64,5 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
     "capture_repr": (),
 }
+# sphinx-gallery leaves the text of a thumbnail empty: the example's title says what it shows
+backreferences.THUMBNAIL_TEMPLATE = backreferences.THUMBNAIL_TEMPLATE.replace(":alt:\n", ":alt: {title}\n")

@@ -127,6 +127,15 @@ def test_no_property_of_the_reference_begins_like_a_type():
                 assert ": " not in (inspect.getdoc(thing) or "").splitlines()[0], f"{path}.{member}"
 
 
+def test_a_thumbnail_of_the_gallery_has_the_text_of_its_title(monkeypatch):
+    backreferences = pytest.importorskip("sphinx_gallery.backreferences")
+    pytest.importorskip("sphinx-mathjax-offline")
+    monkeypatch.setattr(backreferences, "THUMBNAIL_TEMPLATE", backreferences.THUMBNAIL_TEMPLATE)
+    runpy.run_path(str(DOCS / "conf.py"))
+    words = {"tags": "", "intro": "", "thumbnail": "hunting.png", "doc_name": "hunting", "title": "Hunting: a loop"}
+    assert ":alt: Hunting: a loop\n" in backreferences.THUMBNAIL_TEMPLATE.format(**words)
+
+
 # -- links, blocks ---------------------------------------------------------------------------------------------------
 
 
