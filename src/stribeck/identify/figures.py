@@ -117,7 +117,7 @@ def traces(shown: Sequence[Trace], words: tuple[str, str]) -> Figure:
     for x in shown:
         time, label = _in_a_row(x.t)
         of_x = scale([Quantity(x.column, x.unit, "", values) for values in (x.measured, x.predicted)])
-        of_left = scale([Quantity("residual", x.unit, "", x.measured - x.predicted)])
+        of_left = scale([Quantity(f"residual of {x.column}", x.unit, "", x.measured - x.predicted)])
         for panel, rows in ((x.column, slice(None)), (f"{x.column} part", _worst(x))):
             for i, values, word in ((_MEASURED, x.measured, words[0]), (_FITTED, x.predicted, words[1])):
                 plots.line(axes[panel], i, *plots.in_time(time[rows], of_x.of(values[rows])), word, linewidth=0.9)
