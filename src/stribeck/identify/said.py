@@ -270,7 +270,7 @@ def of_prediction(prediction: Predicted) -> Document:
     """The force that a fit predicts of a record."""
     model = prediction.model
     rows: list[list[Cell]] = [[record, of, Share(x)] for record, of, x in _residuals(prediction)]
-    about = f"{len(prediction.force.t)} rows, {100 * prediction.rest:.0f} % at rest; fitted to {model.title}"
+    about = f"{len(prediction.force.t)} rows, {100 * prediction.rest:.0f} % of them at rest; fitted to {model.title}"
     in_fit = model.relative_force_error if model.predictor is None else model.cross_validated_error
     others = (
         [f"{percent(in_fit)} {'in' if model.predictor is None else 'held out in'} the fit"]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.constants import Column, Constant
+from stribeck.constants import Column, Constant, rotary_words
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.names import Names
@@ -141,14 +141,13 @@ class MachineSystem(Equations):
         return tuple((path, name) for path, (constants, _) in self.tables.items() for name in constants)
 
     def constant(self, owner: str, name: str) -> Constant:
-        """The declaration of a run-time constant, with the unit that it has there."""
+        """The declaration of a run-time constant, with the unit and the words that it has there."""
         constants, rotary = self.tables[owner]
         declaration = constants[name]
-        return (
-            replace(declaration, unit=declaration.rotary_unit)
-            if rotary and declaration.rotary_unit is not None
-            else declaration
-        )
+        if not rotary:
+            return declaration
+        unit = declaration.rotary_unit or declaration.unit
+        return replace(declaration, unit=unit, meaning=rotary_words(declaration.meaning))
 
     def field(self, owner: str, name: str) -> str:
         """``mesh_F_c`` for ``contacts.mesh.law`` and F_c; F_c where elements have no names."""
