@@ -42,6 +42,13 @@ def test_what_it_does_depends_on_the_start():
     assert len(distinct_judgements([s for s in found if s.judgement.quiet], own)) == 1
 
 
+@pytest.mark.parametrize(("amplitude", "different"), [(1.105e-6, 1), (1.12e-6, 2)])
+def test_cycles_within_a_tenth_of_the_larger_one_are_one(amplitude, different):
+    one, other = (Judgement("hunting", "a", x, 0.1) for x in (1e-6, amplitude))
+    for start, own in ((one, other), (other, one)):
+        assert len(distinct_judgements([Start("a", 1e-3, 0.0, start)], own)) == different
+
+
 def test_a_cycle_without_a_period_is_told_without_one():
     rest, uneven = Judgement("quiet", "a", 0.0, np.nan), Judgement("hunting", "a", 2e-6, np.nan)
     found = [Start("a", 1e-3, 0.0, rest), Start("a", 2e-3, 0.0, uneven)]

@@ -12,6 +12,7 @@ import pytest
 from stribeck import check, law
 from stribeck.errors import InputError
 from stribeck.expressions import coq, ops
+from stribeck.expressions.exact import pi
 from stribeck.expressions.graph import constant, substitute, symbol
 from stribeck.laws import builtin
 from stribeck.laws.form import USUAL
@@ -51,6 +52,21 @@ x, y, v, z = (symbol(n) for n in "xyvz")
 )
 def test_terms(expr, text):
     assert coq.write(expr) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.5, "(1 / 2)"),
+        (-3.0, "(- 3)"),
+        (pi, "PI"),
+        (2 / pi, "(2 / PI)"),
+        (-pi, "(- PI)"),
+        (0.5 * pi + 1, "(((1 / 2) * PI) + 1)"),
+    ],
+)
+def test_an_exact_number_is_written_as_its_definition(value, text):
+    assert coq.number(value) == text
 
 
 @pytest.mark.parametrize(

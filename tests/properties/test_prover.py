@@ -65,6 +65,11 @@ def test_signs_of_polynomials():
         (U * (2 / pi) * atan(3 * U) + 0.6 / (3 * pi) - U, False),
         (sqrt(U**2 + 0.25) - U, True),
         (1 - exp(-(U**2)) * 2, False),
+        (
+            1 - exp(-U / (1 + W)) * (1 + U / (1 + W) + U**2 / (2 * (1 + W) ** 2)),
+            True,
+        ),  # by exp(-x) <= 1/(1 + x + x^2/2)
+        (0.99 - exp(-U / (1 + W)), False),
         (where(W < 1e300, W, -1.0), False),
         (clip((W - 1) / (2 + U), 0.0, 1.0), True),
         ((W - 1) * sign(W - 1), True),

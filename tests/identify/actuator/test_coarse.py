@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.actuator.guided import coarser
+from stribeck import Scenario
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.guided import GuidedSearch, coarser
 from stribeck.identify.actuator.recordings import Channel, Recording
+from stribeck.identify.work import Work
+from tests.identify.actuator.recorded import body
+from tests.reference.apart import solve
+
+F_C = "contacts.guide.law.parameters.F_c"
 
 T = 1e-3 * np.arange(8001)
 FORCE = np.sin(2 * np.pi * 3.0 * T)
@@ -39,3 +46,17 @@ def test_uneven_and_short_recordings_stay_as_they_are():
     assert coarser(made(), 32) is None
     t = T**1.001
     assert coarser(Recording("run", t, {"a.y": Channel("y", t, t)}), 2) is None
+
+
+@pytest.mark.parametrize(("noise", "factor"), [(2e-3, 4), (0.0, 2)])
+def test_a_search_is_as_coarse_as_no_output_shows(noise, factor):
+    """The push has a fast part, which moves the body by less than the noise of its position, or by more."""
+    data = body(amplitude=5.0, t_end=4.0, step=2e-3)
+    t, push = 4.0 * np.arange(2001) / 2000, data["loads"]["push"]["signal"]
+    fast = np.array(push["value"]) + 3.0 * np.sin(2 * np.pi * 180 * t)
+    push["value"] = fast.tolist()
+    y = solve(data, rtol=1e-9)["a.y"] + noise * np.random.default_rng(0).standard_normal(len(t))
+    recording = Recording("run", t, {"a.y": Channel("y", t, y)}, {"loads.push.signal": Channel("f", t, fast)})
+    level = MachineCoordinate(F_C, 0.5, 1.3, 1.0, targets={F_C: 1.0})
+    search = GuidedSearch(Scenario(data), [(0, recording)], [level], {"a.y": 1e-3}, Work())
+    assert search._coarsest(0, {}) == factor
