@@ -99,14 +99,14 @@ def unbounded() -> Printed:
             axis.axhline(1.0, color=plots.GREY, linewidth=1.0, label="Z = F_s/sigma_0")
         plots.logarithmic(axes["limit"])
         plots.logarithmic(axes["way"], x=False)
-        axes["limit"].set(xlabel="v held (m/s)", ylabel="z/Z", title="limit, g pi/(2 arctan(k_v v))")
+        axes["limit"].set(xlabel="constant v (m/s)", ylabel="z/Z", title="limit, g pi/(2 arctan(k_v v))")
         axes["limit"].legend()
         axes["way"].set(xlabel="distance (mm)", ylabel="z/Z", ylim=(0.01, 200), title="on the way, k_v = 1e6 s/m")
-        axes["way"].legend(title="v held", loc="lower right")
+        axes["way"].legend(title="constant v", loc="lower right")
         return finish(
             made, "evidence_unbounded",
-            "The first smooth law unwinds its bristles by v S_0(v) <= |v|, which is too little: held at a slow speed, z goes to "
-            "any multiple of the bound that the other laws keep, within a fraction of a millimetre.",
+            "The first smooth law unwinds its bristles by v S_0(v) <= |v|, which is too little. At a constant slow speed, z "
+            "grows within a fraction of a millimetre to any multiple of the bound that the other laws keep.",
         )  # fmt: skip
 
 

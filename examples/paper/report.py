@@ -39,8 +39,8 @@ _SLOWEST_FIRST = ("guarantees", "servo", "evidence", "which_k_v", "beyond", "sti
 TITLE = "A continuous approximation of the LuGre friction model: every figure, computed"
 _INTRODUCTION = (
     "The figures of Sobczyk, Perondi and Cunha's paper for the original LuGre law (lugre) and its proposed continuous "
-    "approximation (lugre_sobczyk) at k_v = 1e6, 1e7 and 1e8 s/m, with the parameters of the paper's Table 1; then what "
-    "the paper states beside what was computed, and what other smooth laws do in the same places.",
+    "approximation (lugre_sobczyk) at k_v = 1e6, 1e7 and 1e8 s/m, with the parameters of the paper's Table 1. Then "
+    "the paper's statements are compared with computed values, and other smooth laws with these two.",
     "Every number in the text and the tables was computed when this page was made. Rates that the paper does not give are "
     "this project's choice and stand in the scenario files (stribeck new --list).",
 )

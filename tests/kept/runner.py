@@ -189,8 +189,7 @@ def call(*words):
     out, err = io.StringIO(), io.StringIO()
     with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
         patch.setattr(sys, "argv", ["stribeck", *words])
-        for name in ("STRIBECK_BACKEND",):
-            patch.setenv(name, os.environ.get(name, ""))
+        patch.setenv("STRIBECK_BACKEND", os.environ.get("STRIBECK_BACKEND", ""))
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             status = _status([str(word) for word in words])
     return status, out.getvalue(), err.getvalue()

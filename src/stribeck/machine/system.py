@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.constants import Column, Constant, rotary_words
+from stribeck.constants import Column, Constant
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, wrap
 from stribeck.expressions.names import Names
@@ -143,11 +143,7 @@ class MachineSystem(Equations):
     def constant(self, owner: str, name: str) -> Constant:
         """The declaration of a run-time constant, with the unit and the words that it has there."""
         constants, rotary = self.tables[owner]
-        declaration = constants[name]
-        if not rotary:
-            return declaration
-        unit = declaration.rotary_unit or declaration.unit
-        return replace(declaration, unit=unit, meaning=rotary_words(declaration.meaning))
+        return constants[name].of_motion(rotary)
 
     def field(self, owner: str, name: str) -> str:
         """``mesh_F_c`` for ``contacts.mesh.law`` and F_c; F_c where elements have no names."""

@@ -64,3 +64,13 @@ def test_gaps_near_each_other_are_known_to_be_crossed_worse(between):
         told = np.sqrt(np.mean((found.others[0] - found.x)[gap] ** 2))
         assert wrong < 3 * told
         assert told < 0.03  # of a signal of 1
+
+
+def test_samples_at_random_times_lack_none():
+    """Many of their intervals are long, but no even grid holds them."""
+    t = np.sort(np.random.default_rng(0).uniform(0.0, 2.0, 400))
+    x = np.sin(20 * t)
+    found = bridged(t, x)
+    np.testing.assert_array_equal(found.t, t)
+    np.testing.assert_array_equal(found.x, x)
+    assert not len(found.others)

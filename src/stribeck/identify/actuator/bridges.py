@@ -43,6 +43,8 @@ def bridged(t: Array, x: Array) -> Bridged:
     if not before or len(t) < 3 * _LEAST:
         return Bridged(t, x, x[None][:0])
     number = np.rint((t - t[0]) / step).astype(np.int64)
+    if not np.diff(number).all():  # without an even grid, a long interval lacks no sample
+        return Bridged(t, x, x[None][:0])
     even = np.full(int(number[-1]) + 1, np.nan)
     even[number] = x
     times, values, errors = zip(*(_across(t, x, i, step, number, even) for i in before), strict=True)

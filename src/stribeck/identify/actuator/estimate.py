@@ -26,9 +26,7 @@ from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 
 _WEIGHTINGS = 8  # at most: each reduces the noise, and a poor start needs several
-_SETTLED = (
-    0.05  # relative change of the prediction errors below which it is settled: a tenth of its own error is not visible
-)
+_SETTLED = 0.05  # relative change of the prediction errors at the end: a tenth of their own error is not visible
 _OFF = 1e-6  # of a position's changes: an error of the initial state that no sensor shows
 _STRETCH, _SHORTEST = 6, 0.2  # stretches per recording; s
 _MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above which stretches are fitted

@@ -5,8 +5,8 @@ and a damper that draw each measured body along its measured motion. Under a sti
 the error of the forces, filtered, and its cost has few minima. No derivative of a noisy position is needed: the speed in
 the friction is the simulated one.
 
-Far from the optimum, recordings are as coarse as the outputs' noise allows. The solver takes steps at every sample of a
-noisy input. Most of this noise moves no output by more than the output's own noise.
+Far from the optimum, recordings are as coarse as the outputs' noise and the residual allow. The solver takes steps at every
+sample of a noisy input. Most of this noise moves no output by more than the output's own noise.
 """
 
 from __future__ import annotations
@@ -157,10 +157,10 @@ def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
         yield _Motion(name, inertia, t, rate, smooth) if what == "y" else _Motion(name, inertia, t, smooth)
 
 
-UnderGuide = dict[str, tuple[float, float]]
-
-
 # -- the search ------------------------------------------------------------------------------------------------------------
+
+
+UnderGuide = dict[str, tuple[float, float]]  # by name: a coordinate under a guide, and its deviation
 
 
 @dataclass(frozen=True)
@@ -287,7 +287,10 @@ class GuidedSearch:
         return min(1, len(self.guides.bandwidths) - 1)
 
     def _coarsest(self, level: int, values: dict[str, float]) -> int:
-        """The largest power of two of samples for one that moves no output by much of its noise, with the first values."""
+        """The largest power of two of samples for one that moves no output by much.
+
+        That is, by much of its noise or of a tenth of its residual with the first values.
+        """
         exact, factor = self._problem(level), 1
         u = exact.point(values)
         known = [exact.predicted(run, k, u[None]) for k, run in enumerate(exact.runs)]

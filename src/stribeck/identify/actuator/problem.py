@@ -14,13 +14,13 @@ from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate, R
 from stribeck.identify.actuator.inputs import number_at
 from stribeck.identify.actuator.recordings import Channel
 from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun
+from stribeck.identify.actuator.whitening import WHITE
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
 from stribeck.waveforms import Signal
 
 STEP = 2e-4  # of a coordinate, for differences: far above the solver's error, far below the next minimum
 _SPEED = float(np.sqrt(12 / FIRST_SAMPLES**3))  # deviation of their slope, by their deviation and distance
-_WHITE = np.ones(1)  # the filter of residuals that are white
 _MEMORY = 4e6  # numbers that one batch of lanes, or the cache, may hold: some 30 MB
 
 
@@ -118,9 +118,11 @@ class MachineProblem:
 
     def whitened(self, r: Array) -> Array:
         """Plain residuals as prediction errors. The first samples of a run, which have no past, stay as they are."""
+        if not self.coloured:
+            return r
         r = r.copy()
         for _, target, rows in self.pieces:
-            coefficients = self.whitening.get(target.column, _WHITE)
+            coefficients = self.whitening.get(target.column, WHITE)
             past = len(coefficients) - 1
             if past:
                 r[..., rows.start + past : rows.stop] = lfilter(coefficients, [1.0], r[..., rows])[..., past:]
@@ -139,7 +141,7 @@ class MachineProblem:
 
     def deviations(self) -> dict[str, float]:
         """The deviation of each column's prediction errors, in its unit."""
-        return {c: noise / float(self.whitening.get(c, _WHITE)[0]) for c, noise in self.noise.items()}
+        return {c: noise / float(self.whitening.get(c, WHITE)[0]) for c, noise in self.noise.items()}
 
     def plain(self, U: Array) -> Array:
         """The residuals at the points U, by the noise. The runs are simulated in parallel."""

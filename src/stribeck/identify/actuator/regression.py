@@ -31,7 +31,7 @@ _ONE_LEVEL = "v_s is not identifiable: the friction level of slow motion may be 
 _NO_SLIDING = (
     "no stroke is much longer than the displacement to break-away: the friction level of slow motion may be F_s"
 )
-TWO_SIDED = 1.96  # deviations of a 95 % interval
+_TWO_SIDED = 1.96  # deviations of a 95 % interval
 WIDE = 1 / 3  # of an initial state's range: its prior standard deviation
 
 
@@ -158,7 +158,8 @@ def regressed(
 ) -> Selection[MachineLibrary]:
     """The law alone and its models with forms, linearized at a converged point.
 
-    ``words`` as of :class:`Logs`; ``under_guide``: of a second estimate, the coordinates and their deviations.
+    ``words`` as of :class:`Logs`; ``under_guide``: of a second estimate, the coordinates and their deviations. Without it,
+    known errors are left out: the models can be compared, and have no intervals.
     """
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     starts = [i for i, c in enumerate(problem.sought) if c.nuisance]
@@ -167,8 +168,8 @@ def regressed(
     forms = missing_forms(problem, u, motion, words or {})
     room = (problem.high - problem.low)[starts] * WIDE
     clean = _without(J[:, starts] * room, np.column_stack([-r, J[:, asked], *(x.slopes for x in forms)]))
-    drawn = [_without(J[:, starts] * room, x.T).T for x in input_errors(problem, u, J)]
-    drawn.append(_without(J[:, starts] * room, (J @ _apart(problem, u, under_guide or {}))[:, None]).T)
+    known = [] if under_guide is None else [*input_errors(problem, u, J), (J @ _apart(problem, u, under_guide))[None]]
+    drawn = [_without(J[:, starts] * room, x.T).T for x in known]
     first = 1 + len(asked)
     rms = np.maximum(np.sqrt(np.mean(clean**2, axis=0)), 1e-300)
     moves = np.append(np.ones(first, bool), rms[first:] > 0)
@@ -207,7 +208,7 @@ def _apart(problem: MachineProblem, u: Array, other: UnderGuide) -> Array:
     for i, c in enumerate(problem.sought):
         if c.name in other:
             there, deviation = other[c.name]
-            steps[i] = np.sign(there - u[i]) * max(abs(there - u[i]) - TWO_SIDED * deviation, 0.0)
+            steps[i] = np.sign(there - u[i]) * max(abs(there - u[i]) - _TWO_SIDED * deviation, 0.0)
     return steps
 
 

@@ -70,8 +70,8 @@ def weigh(problem: MachineProblem, u: Array, white: bool = True) -> None:
     """Set the noise of each column to its residual, unless the noise is given and not much smaller.
 
     Args:
-        white: also whiten the residual. One that the model should describe, or that the search has not reduced yet, is no
-            noise: prediction would hide it.
+        white: also whiten the residual. If the model should describe it, or the search has not reduced it yet, it is no
+            noise, and prediction would hide it.
     """
     share = problem.size / max(problem.size - len(problem.sought), 1)
     columns = by_column(problem, problem.plain(u[None])[0])
