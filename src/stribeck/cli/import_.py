@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_
 from pathlib import Path
 from typing import Annotated
 
@@ -17,13 +16,13 @@ from stribeck.errors import InputError
 @command("import", "stribeck import bam m4.json --out servo.toml")
 def import_(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="bam (m1 to m6, a JSON file) or mujoco (an XML model).")],
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read; a machine (.toml) is converted back.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read.")],
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE", parser=output_path, help="File to write; printed unless given."),
     ] = None,
 ) -> int:
-    """Convert a machine from another program's file, or back."""
+    """Convert a machine from another program's file."""
     import tomli_w
 
     from stribeck.errors import printable
@@ -35,13 +34,9 @@ def import_(
         raise InputError(f"KIND: {show(kind)}: must be bam or mujoco")
     if out is not None:
         check_file("--out", out, file)
-    if file.suffix.lower() == ".toml":
-        data = exchange.tables(Scenario.load(file))
-        text = json_.dumps(exchange.to_bam(data), indent=2) + "\n" if kind == "bam" else exchange.to_mujoco(data)
-    else:
-        tables = exchange.from_bam(file) if kind == "bam" else exchange.from_mujoco_file(file)
-        Scenario(tables)  # what is written is valid
-        text = f"# From {printable(file.name)}, by stribeck import {kind}\n" + tomli_w.dumps(tables)
+    tables = exchange.from_bam(file) if kind == "bam" else exchange.from_mujoco_file(file)
+    Scenario(tables)  # what is written is valid
+    text = f"# From {printable(file.name)}, by stribeck import {kind}\n" + tomli_w.dumps(tables)
     if out is None:
         print(text, end="")
     else:

@@ -159,15 +159,14 @@ class SlidingLoop:
         for motor in data.get("motors", {}).values():
             motor.pop("voltage", None)
         bare = Scenario(data, folder=scenario.folder, trust=True)
-        functions = RateFunctions.of(bare)
         pieces = bare.pieces()
-        functions.piece = pieces.rows[-1]
+        functions = RateFunctions(bare, pieces.rows[-1])
         x, t = _sliding(bare), 4.0 * math.ceil(float(pieces.start[-1]) / 4.0 + 1.0)
         names = [state.name for state in bare.system.states]
         keep = [i for i, name in enumerate(names) if name not in ("E_in", "E_dissipated")]
         self.states = [names[i] for i in keep]
         with np.errstate(all="ignore"):
-            self.jacobian = functions.slopes(t, x)[1][np.ix_(keep, keep)]
+            self.jacobian = functions.jacobian(t, x)[np.ix_(keep, keep)]
         if not np.isfinite(self.jacobian).all():
             raise InputError("the machine's numbers are so large that its rates have no finite derivatives")
         self.by_output = np.zeros(len(keep))

@@ -21,7 +21,6 @@ from stribeck.machine.equations import Equations
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
-from stribeck.simulation.modes import lanes_beyond_floats
 from stribeck.simulation.native import SolverInput, Solving, finest_scale, step_share
 from stribeck.simulation.promise import MOST_PASSES, MeasuredMotion, Pass, Promise, Tolerances, given, measures
 from stribeck.simulation.result import held_back
@@ -215,8 +214,6 @@ def solve(once: LaneSolver, lanes: Variations, progress: Progress | None = None,
         result.put(lane_numbers[done], again, done)
         result.inaccurate[lane_numbers[done]] = promise.beyond(missed, fine.measured)[done]
         coarse = fine
-    states = result.states[:, :, : len(scenario.system.states)]
-    result.inaccurate[:] |= (result.counts["status"] == 0) & lanes_beyond_floats(lanes, states)
     return result
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from stribeck.errors import note
 from stribeck.scenario import Scenario
-from stribeck.simulation import backend, counts, modes, native
+from stribeck.simulation import backend, counts, native
 from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
 
@@ -59,8 +59,6 @@ def simulate_once(
         return built.solve(what, progress)
 
     result = counts.settled(scenario, once) if counts.reads_counts(scenario) else once(scenario)
-    if result.reason is None and not result.remarks:
-        result.remarks.extend(modes.beyond_floats(scenario, result.states[:, : len(scenario.system.states)]))
     for text in result.remarks:
         note(text)
     reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step

@@ -1,31 +1,16 @@
-"""Conversion of other programs' files into machines, and back."""
+"""Conversion of other programs' files into machines."""
 
 from __future__ import annotations
 
-from copy import deepcopy
 from pathlib import Path
 
 from stribeck.constants import path_of, show
 from stribeck.errors import InputError
-from stribeck.exports.exchange.bam import from_bam, to_bam
-from stribeck.exports.exchange.mjcf import Tables, from_mujoco_file, to_mujoco
+from stribeck.exports.exchange.bam import from_bam
+from stribeck.exports.exchange.mjcf import from_mujoco_file
 from stribeck.scenario import Scenario
 
-__all__ = ["from_bam", "from_mujoco_file", "import_", "tables", "to_bam", "to_mujoco"]
-
-
-def tables(scenario: Scenario) -> Tables:
-    """The tables of a machine with its laws' parameters written out, for :func:`to_bam` and :func:`to_mujoco`.
-
-    Raises:
-        InputError: if the scenario is no machine.
-    """
-    if "bodies" not in scenario.data:
-        raise InputError(f"schema: {scenario.data['schema']}: must be 2, a machine")
-    machine = deepcopy(scenario.data)
-    for contact in scenario.system.contacts:
-        machine["contacts"][contact.name]["law"]["parameters"] = dict(scenario.elements.laws[contact.law_path].machine)
-    return machine
+__all__ = ["from_bam", "from_mujoco_file", "import_"]
 
 
 def import_(kind: str, file: str | Path) -> Scenario:

@@ -1,4 +1,4 @@
-"""Servo actuators in the JSON files of BAM (Rhoban; models m1 to m6) as machines, and back.
+"""Servo actuators in the JSON files of BAM (Rhoban; models m1 to m6) as machines.
 
 In BAM, friction = base + viscous |v| + load terms + exp(-|v/v_s|^alpha) (stribeck + load terms). The loads are the motor's
 torque and the external torque. Source: Duclusaud, Passault, Padois, Daniel, Rouxel, "Extended friction models for the
@@ -118,57 +118,3 @@ def _levels(n: Mapping[str, float]) -> list[dict[str, object]]:
         if name in n:
             levels.append({"force": force, "against": against, "F_s": n[name]})
     return levels
-
-
-def to_bam(machine: Mapping[str, Any]) -> dict[str, object]:
-    """BAM's table of a machine in the form of :func:`from_bam` (m1 to m6).
-
-    Raises:
-        InputError: if the machine has another form.
-    """
-    try:
-        contact = machine["contacts"]["friction"]
-        law = contact["law"]
-        p, levels = law["parameters"], contact.get("loads", [])
-        table: dict[str, object] = {"armature": machine["bodies"]["joint"]["inertia"]}
-        if "motors" in machine:
-            table |= {"kt": machine["motors"]["drive"]["K"], "R": machine["motors"]["drive"]["R"]}
-        elif "gain" in machine.get("loads", {}).get("drive", {}):
-            table["kt"] = machine["loads"]["drive"]["gain"]
-        if phase := machine.get("loads", {}).get("gravity", {}).get("phase", 0.0):
-            table["q_offset"] = phase
-        table |= {"friction_base": p["F_c"], "friction_viscous": p["sigma_2"]}
-        if law["name"] not in ("coulomb_viscous", "stribeck"):
-            raise InputError(
-                f"contacts.friction.law.name: {show(law['name'])}: BAM has coulomb_viscous and stribeck only"
-            )
-        stribeck = law["name"] == "stribeck" and p["F_s"] > p["F_c"]
-        if stribeck:
-            table |= {
-                "friction_stribeck": p["F_s"] - p["F_c"],
-                "dtheta_stribeck": p["v_s"],
-                "alpha": law.get("delta", 2.0),
-            }
-        for level in levels:
-            if "against" in level:
-                name = next(
-                    n for n, force, against in _SQUARES if (level["force"], level["against"]) == (force, against)
-                )
-                table[name] = level["F_s"]
-                continue
-            g, d = level["force"]["gravity"], level["force"]["drive"]
-            if (g, d) == (1.0, -1.0):
-                table["load_friction_base"] = level["F_c"]
-                table |= {"load_friction_stribeck": level["F_s"] - level["F_c"]} if level["F_s"] != level["F_c"] else {}
-            else:
-                suffix = "" if "F_c" in level else "_stribeck"
-                table |= {f"load_friction_external{suffix}": g, f"load_friction_motor{suffix}": -d}
-    except (KeyError, TypeError, StopIteration) as error:
-        missing = error.args[0] if error.args else "contacts.friction.loads"
-        raise InputError(f"{missing}: missing: BAM's models have a body 'joint' with a contact 'friction'") from None
-    each = any("load_friction_motor" in name for name in table)
-    load = each or "load_friction_base" in table
-    model = {(False, False): "m1", (True, False): "m2", (False, True): "m3", (True, True): "m4"}[stribeck, load]
-    squares = any(name.endswith("_quad") for name in table)
-    model = "m6" if squares else "m5" if each else model
-    return {**table, "model": model, "actuator": str(machine.get("name", "servo"))}

@@ -1,4 +1,4 @@
-"""The friction of a MuJoCo model's joints as machines of one body each, and back as a model of such joints."""
+"""The friction of a MuJoCo model's joints as machines of one body each."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from stribeck.exports.exchange.bam import STEEPNESS
 from stribeck.files import open_file
 
 Tables = dict[str, Any]
-Read = Mapping[str, Any]
 Model = Any  # MuJoCo has no types
 
 _SINGLE = ("slide", "hinge")
@@ -189,127 +187,3 @@ def _add_dcmotor(machine: Tables, model: Model, a: int, joint: str) -> None:
         machine["contacts"][_unused_name(machine, f"{name}_lugre")] = {"from": joint, "law": law} | (
             {"ratio": gear} if gear != 1 else {}
         )
-
-
-def to_mujoco(machine: Read) -> str:
-    """A MuJoCo model of a machine.
-
-    Each body has its inertia on its own joint with ``frictionloss`` and ``damping``. Bodies tied to it become ``armature``,
-    motors and LuGre friction ``dcmotor`` with ``lugre``. A note reports the parts that such a model cannot represent.
-
-    Raises:
-        InputError: if a contact has a law that the model cannot represent.
-    """
-    motors, used = dict(machine.get("motors", {})), set[str]()
-    problems = [
-f"bodies.{n}: neither inertia nor mass: a joint of MuJoCo moves a body with one of them"
-        for n, b in machine["bodies"].items() if not {"inertia", "mass", "tied_to"} & set(b)
-    ]  # fmt: skip
-    text = "a joint of MuJoCo has one mass for all times"
-    problems += [f"bodies.{n}.added: {text}" for n, b in machine["bodies"].items() if "added" in b]
-    joints: dict[str, dict[str, float]] = {n: {} for n, b in machine["bodies"].items() if "tied_to" not in b}
-    actuators = []
-    for name, contact in machine.get("contacts", {}).items():
-        law = contact["law"]
-        leader, ratio = _leader(machine, contact["from"])
-        gear = ratio * contact.get("ratio", 1.0)
-        plain = not contact.get("loads") and not contact.get("factors") and contact.get("to", "ground") == "ground"
-        if plain and law["name"] == "lugre":
-            driving = next((n for n, m in motors.items() if _leader(machine, m["on"])[0] == leader), None)
-            motor = motors.pop(driving) if driving is not None else None
-            actuators.append(_actuator(machine, driving or name, leader, gear, law, motor, used))
-        elif plain and law["name"] == "coulomb_viscous":
-            p, words = law["parameters"], joints[leader]
-            words["frictionloss"] = words.get("frictionloss", 0.0) + p["F_c"] * abs(gear)
-            words["damping"] = words.get("damping", 0.0) + p["sigma_2"] * gear**2
-        else:
-            text = "a joint holds coulomb_viscous and a dcmotor lugre, without loads ('stribeck export --target mujoco' has laws)"
-            problems.append(f"contacts.{name}.law.name: {show(law['name'])}: {text}")
-    if problems:
-        raise InputError(problems)
-    springs = _ground_springs(machine, joints)
-    actuators += [_actuator(machine, n, *_leader(machine, m["on"]), None, m, used) for n, m in motors.items()]
-    omitted = [f"loads.{n}" for n in machine.get("loads", {}) if n not in used]
-    omitted += [
-        f"{kind}.{n}" for kind in ("links", "controllers", "sensors") for n in machine.get(kind, {}) if n not in springs
-    ]
-    if omitted:
-        note(f"{', '.join(omitted)}: left out: MuJoCo's model has its bodies, friction and motors")
-    return _model_text(str(machine.get("name", "machine")), machine["bodies"], joints, actuators)
-
-
-def _ground_springs(machine: Read, joints: Mapping[str, dict[str, float]]) -> list[str]:
-    """Add springs between a body and the ground to its joint; the names of these links."""
-    grounded = []
-    for name, link in machine.get("links", {}).items():
-        if link.get("to") == "ground" and isinstance(link["from"], str) and link.get("kind", "link") == "link":
-            if link.get("gap"):
-                continue
-            leader, ratio = _leader(machine, link["from"])
-            words, side = joints[leader], (ratio * link.get("ratio", 1.0)) ** 2
-            for word, x in (("stiffness", link["stiffness"]), ("damping", link.get("damping") or 0.0)):
-                if x:
-                    words[word] = words.get(word, 0.0) + x * side
-            grounded.append(name)
-    return grounded
-
-
-def _leader(machine: Read, body: str) -> tuple[str, float]:
-    """The body to which a body is tied, and the motion of the latter per unit of the former's."""
-    ratio, table = 1.0, machine["bodies"][body]
-    while "tied_to" in table:
-        ratio, body = ratio * table.get("ratio", 1.0), table["tied_to"]
-        table = machine["bodies"][body]
-    return body, ratio
-
-
-def _model_text(name: str, bodies: Read, joints: Mapping[str, dict[str, float]], actuators: list[str]) -> str:
-    """The text of the MuJoCo model."""
-    lines = [
-        f"<mujoco model={quoteattr(name)}>",
-        '  <compiler angle="radian"/>',
-        '  <option gravity="0 0 0"/>',
-        "  <worldbody>",
-    ]
-    for body, words in joints.items():
-        tied = [(bodies[n], _leader({"bodies": bodies}, n)) for n in bodies if n != body]
-        armature = sum(b.get("inertia", b.get("mass", 0.0)) * ratio**2 for b, (leader, ratio) in tied if leader == body)
-        attributes = ({"armature": armature} if armature else {}) | words
-        text = "".join(f' {n}="{x:.9g}"' for n, x in attributes.items())
-        table = bodies[body]
-        moment = table.get("inertia", table.get("mass"))
-        mass = table.get("mass", 1.0)  # without effect on a hinge
-        lines += [
-            f'    <body name="{body}">',
-            f'      <inertial pos="0 0 0" mass="{mass:.9g}" diaginertia="{moment:.9g} {moment:.9g} {moment:.9g}"/>',
-            f'      <joint name="{body}" type="{"hinge" if "inertia" in table else "slide"}" axis="0 0 1"{text}/>',
-            "    </body>",
-        ]
-    lines.append("  </worldbody>")
-    if actuators:
-        lines += ["  <actuator>", *(f"    {each}" for each in actuators), "  </actuator>"]
-    return "\n".join([*lines, "</mujoco>"]) + "\n"
-
-
-def _actuator(
-    machine: Read, name: str, joint: str, gear: float, law: Read | None, motor: Read | None, used: set[str]
-) -> str:
-    """The element of a dcmotor, in the coordinate of the motor's side; a ripple that it contains is added to ``used``."""
-    words = [f'<dcmotor name="{name}" joint="{joint}"'] + ([f'gear="{gear:.9g}"'] if gear != 1 else [])
-    if motor is None:
-        words.append('input="none" motorconst="0" resistance="1"')
-    else:
-        K = motor["K"] * _leader(machine, motor["on"])[1] / gear
-        words.append(f'motorconst="{K:.9g}" resistance="{motor["R"]:.9g}"')
-        words += [f'inductance="{motor["L"]:.9g}"'] if motor.get("L") else []
-    for n, x in machine.get("loads", {}).items():
-        if n not in used and x["kind"] == "ripple" and len(x["waves"]) == 1 and _leader(machine, x["on"])[0] == joint:
-            side, phase = _leader(machine, x["on"])[1] / gear, x.get("phase") or [0.0]
-            words.append(f'cogging="{x["amplitude"][0] * side:.9g} {x["waves"][0] * side:.9g} {phase[0]:.9g}"')
-            used.add(n)
-            break
-    if law is not None:
-        p = law["parameters"]
-        five = " ".join(f"{p[n]:.9g}" for n in ("sigma_0", "sigma_1", "F_c", "F_s", "v_s"))
-        words.append(f'lugre="{five}"' + (f' damping="{p["sigma_2"]:.9g}"' if p["sigma_2"] else ""))
-    return " ".join(words) + "/>"
