@@ -10,7 +10,7 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.codegen import parts, source
-from stribeck.laws import BristleLaw, builtin, law
+from stribeck.laws import BristleLaw, law
 from stribeck.laws.form import USUAL
 from stribeck.laws.render import equations
 from stribeck.simulation import cache, compiler, simulate
@@ -68,18 +68,6 @@ def test_depends_on_the_system_alone(law, form):
     for thread in threads:
         thread.join()
     assert len(alive) == len(others)
-
-
-def test_says_what_it_is_and_names_what_it_holds():
-    text = source(systems(builtin()["lugre_sobczyk"], USUAL)[0])
-    assert "Law: lugre_sobczyk" in text
-    assert "/* N/m, bristle stiffness (contacts.law.sigma_0) */" in text
-    for name in ("g", "S_0", "dz_dt", "F"):
-        assert re.search(rf"const real {name} = ", text), name
-    assert max(map(len, text.splitlines())) < 250
-    assert "[0]" not in re.sub(
-        r"(x|dx|k|right|df_dt|w|dw|e|force|force_error|force_terms)\[\d\]", "", text.split("/* ---- The method")[0]
-    )
 
 
 AWKWARD = '''

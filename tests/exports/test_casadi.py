@@ -62,23 +62,6 @@ def test_free_constants_are_inputs():
     assert float(slope) == pytest.approx(3e-3, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["lugre", "elastoplastic", "dahl"])
-def test_laws_with_kinks_are_refused_with_the_reason(name):
-    with pytest.raises(stribeck.InputError, match=r"is not smooth: its derivatives jump .* lugre_majorant"):
-        to_casadi(make(builtin()[name]))
-
-
-def test_a_static_law_with_a_jump_is_refused():
-    with pytest.raises(stribeck.InputError, match="is not smooth"):
-        to_casadi(stribeck.law("stribeck", "canudas1995"))
-
-
-def test_unknown_constants_are_refused():
-    law = stribeck.law("lugre_majorant", "canudas1995", k_v=1e6)
-    with pytest.raises(stribeck.InputError, match=r"free: 'Fs': .*did you mean 'F_s'"):
-        to_casadi(law, free=("Fs",))
-
-
 def test_equations_of_the_package_run_on_casadi_symbols():
     law = stribeck.law("lugre_majorant", "canudas1995", k_v=1e6)
     v = ca.SX.sym("v")

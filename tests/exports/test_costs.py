@@ -11,7 +11,7 @@ import pytest
 
 import stribeck
 from stribeck.exports.c.c99 import costs
-from tests.exports.harness import LAWS, law
+from tests.exports.harness import law
 
 BENCHMARKS = Path(__file__).parent.parent.parent / "benchmarks"
 PACKAGED = json.loads((Path(stribeck.__file__).parent / "exports" / "templates" / "costs.json").read_text())
@@ -22,15 +22,6 @@ def test_what_is_packaged_is_what_was_counted():
     counted = {(r["law"], r["target"]): [r["mean"], r["most"]] for r in results["rows"]}
     assert {(n, t): x for n, row in PACKAGED["laws"].items() for t, x in row.items()} == counted
     assert PACKAGED["gcc"] in results["gcc"]
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_headers_state_it(name, tmp_path):
-    stribeck.export(law(name), "c", tmp_path)
-    text = (tmp_path / f"{name}.h").read_text()
-    assert f" * Instructions of one {name}_step" in text
-    for target, (mean, most) in PACKAGED["laws"][name].items():
-        assert f"{target} {mean} (most {most})" in text
 
 
 def test_what_was_not_counted_is_not_stated():

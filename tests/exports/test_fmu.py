@@ -12,7 +12,6 @@ import pytest
 import stribeck
 from stribeck.errors import StribeckNote
 from stribeck.exports.fmu import binaries
-from stribeck.exports.fmu.description import dimensions
 from tests.exports.harness import law, need
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
@@ -62,15 +61,6 @@ def test_valid(name, part, fmi, folder):
     with zipfile.ZipFile(path) as archive:
         assert "documentation/index.html" in archive.namelist()
         assert {entry.external_attr >> 16 for entry in archive.infolist()} == {0o644}
-    description = fmpy.read_model_description(path)
-    assert description.fmiVersion == f"{fmi}.0"
-    parameters = {v.name: v for v in description.modelVariables if v.causality == "parameter"}
-    expected = {n: x for n, x in law(name).values.items() if x is not None} | ({"mass": 1.0} if part == "body" else {})
-    assert {n: float(v.start) for n, v in parameters.items()} == expected
-    assert all(v.variability == "tunable" for v in parameters.values())
-    assert {float(parameters[n].min) for n in ("F_c", "sigma_2") if n in parameters} <= {0.0}
-    constants = law(name).constants()
-    assert all(v.unit == constants[n].unit for n, v in parameters.items() if n != "mass" and constants[n].unit)
 
 
 def held(drive, h, t_end=1.0):
@@ -230,37 +220,6 @@ def test_steps_without_end_are_given_up(slave):
     assert (body.get("y"), body.get("v"), body.get("z")) == (0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize(("name", "fmi"), [("makkar", 2), ("makkar", 3), ("lugre_majorant", 3)])
-def test_an_input_that_is_no_number_in_model_exchange(name, fmi, folder):
-    from fmpy.fmi1 import FMICallException
-    from fmpy.fmi2 import FMU2Model
-    from fmpy.fmi3 import FMU3Model
-
-    path = fmu(name, "law", fmi, folder)
-    description = fmpy.read_model_description(path)
-    reference = {v.name: v.valueReference for v in description.modelVariables}
-    model = (FMU2Model if fmi == 2 else FMU3Model)(
-        guid=description.guid, unzipDirectory=fmpy.extract(path),
-        modelIdentifier=description.modelExchange.modelIdentifier,
-    )  # fmt: skip
-    model.instantiate()
-    if fmi == 2:
-        model.setupExperiment()
-    model.enterInitializationMode()
-    model.exitInitializationMode()
-    put, get = (model.setReal, model.getReal) if fmi == 2 else (model.setFloat64, model.getFloat64)
-    put([reference["v"]], [1e-3])
-    assert np.isfinite(get([reference["F"]])).all()
-    for wrong in (np.nan, np.inf):
-        put([reference["v"]], [wrong])
-        with pytest.raises(FMICallException):
-            get([reference["F"]])
-        with pytest.raises(FMICallException):
-            model.newDiscreteStates() if fmi == 2 else model.updateDiscreteStates()
-    put([reference["v"]], [1e-3])
-    assert np.isfinite(get([reference["F"]])).all()
-
-
 class Exchanged:
     """An instance for model exchange: what each state of an FMU computes, told whether it is refused."""
 
@@ -336,8 +295,12 @@ def test_nothing_is_computed_with_constants_that_are_not_allowed(name, part, fmi
             assert all(model.refused().values()), (v.name, value)
         model.put([v.valueReference], [float(v.start)])
         assert not any(model.refused().values())
-    model.put(model.known[:1], [np.nan])
-    assert all(model.refused().values())
+    for wrong in (np.nan, np.inf):
+        model.put(model.known[:1], [wrong])
+        assert all(model.refused().values())
+    if state == "end":
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            model.fmu.newDiscreteStates() if fmi == 2 else model.fmu.updateDiscreteStates()
 
 
 @pytest.mark.parametrize(("name", "part", "fmi"), [("dahl", "law", 2), ("makkar", "body", 3)])
@@ -561,26 +524,3 @@ def test_without_a_compiler_the_sources_are_there(tmp_path, monkeypatch):
         (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu")
     with zipfile.ZipFile(path) as archive:
         assert "sources/fmu.c" in archive.namelist()
-
-
-def test_a_body_needs_a_mass(tmp_path):
-    with pytest.raises(stribeck.InputError, match=r"plant\.mass"):
-        stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu", part="body")
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("unit", "powers"),
-    [
-        ("N s/m", {"kg": 1, "s": -1}),
-        ("N m/A", {"kg": 1, "m": 2, "s": -2, "A": -1}),
-        ("ohm", {"kg": 1, "m": 2, "s": -3, "A": -2}),
-        ("H", {"kg": 1, "m": 2, "s": -2, "A": -2}),
-        ("W", {"kg": 1, "m": 2, "s": -3}),
-        ("N m/(rad s)", {"kg": 1, "m": 2, "s": -3, "rad": -1}),
-        ("furlong", None),
-    ],
-)
-def test_units_in_powers_of_the_si(unit, powers):
-    found = dimensions(unit)
-    assert (found and {n: k for n, k in found.items() if k}) == powers

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.errors import MissingExtra
 from stribeck.exports import export
 from stribeck.exports.python import to_jax, to_torch, to_warp
 from tests.exports.stepped import Stepped, law, problems
@@ -194,10 +193,3 @@ def test_every_law_is_written(target, tmp_path):
         judge = [sys.executable, "-m", "ruff", "check", "--isolated", "--select", "F", str(file)]
         judged = subprocess.run(judge, capture_output=True, text=True)  # every name that it uses is defined in it
         assert judged.returncode == 0, judged.stdout + judged.stderr
-
-
-@pytest.mark.parametrize(("convert", "package", "name"), [(to_torch, "torch", "torch"), (to_warp, "warp", "warp-lang")])
-def test_a_missing_package_is_named(convert, package, name, monkeypatch):
-    monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(MissingExtra, match=f"needs {package}: pip install {name}"):
-        convert(law("lugre"))

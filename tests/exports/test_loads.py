@@ -74,14 +74,6 @@ def test_the_law_of_the_contact_is_the_machines_own(run):
     assert contact_law(PRESSED).inputs == ("load_press",)
 
 
-def test_a_header_prints_the_loaded_level_once(tmp_path):
-    stribeck.export(PRESSED, "c", tmp_path, part="law")
-    header = next(tmp_path.glob("*.h")).read_text().partition("*/")[0]
-    for equation in ("dz/dt = v - (m(v)/g(v)) z", "F_c(load_press) = F_c + gain_0_F_c |load_press|"):
-        assert f" *   {equation}\n" in header
-    assert max(map(len, header.splitlines()[:30])) <= 120
-
-
 def test_c(run, tmp_path):
     """Compiled without a warning; its force is the machine's, and its own test passes in both precisions."""
     stribeck.export(RIG, "c", tmp_path, part="law", self_test=True)
@@ -251,13 +243,6 @@ def by_warp(chosen, load):
     return (z.numpy(), F.numpy()), load.grad.numpy()
 
 
-def test_the_use_in_isaaclab_imports_the_file_by_its_name(tmp_path):
-    (file,) = stribeck.export(PRESSED, "isaaclab", tmp_path / "pressed.py", part="law")
-    assert "from pressed import FrictionActuatorCfg" in file.read_text(encoding="utf-8")
-    (file,) = stribeck.export(PRESSED, "isaaclab", tmp_path / "a joint.py", part="law")
-    assert "from FILE import FrictionActuatorCfg" in file.read_text(encoding="utf-8")
-
-
 def test_isaaclab_holds_what_the_machine_holds(tmp_path):
     torch = pytest.importorskip("torch", reason="torch is not installed")
     (file,) = stribeck.export(PRESSED, "isaaclab", tmp_path / "pressed.py", part="law")
@@ -348,31 +333,6 @@ int main(void)
     energy = 0.25 * v**2 + 1e4 * z**2
     assert energy[0] > 0.02
     assert (np.diff(energy) <= 1e-12 * energy[0]).all()
-
-
-def test_a_target_without_inputs_refuses_them_by_name(tmp_path, capsys):
-    """Nearly all friction of this servo grows with the load: F_c alone is 1e-5 N m."""
-    file = tmp_path / "mx106.toml"
-    assert _status(["library", "mx106", "--out", str(file), "--json"]) == 0
-    assert _status(["library", "mx106", "--out", str(file)]) == 2  # a file that may have been edited is kept
-    capsys.readouterr()
-    words = ["export", str(file), "--contact", "friction", "--out", str(tmp_path / "out")]
-    assert _status([*words, "--target", "table"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("contacts.friction.loads: must be left out: target 'table' has no input for them")
-    assert _status([*words[:1], "lugre_majorant", "--scenario", *words[1:], "--target", "c"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line == "contacts.friction.loads: need the contact's own law 'stribeck', not 'lugre_majorant'"
-    with pytest.raises(InputError, match=r"contacts\.friction\.loads: must be left out"):
-        stribeck.export(Scenario.load(file), "table", tmp_path / "out", part="law")
-    assert not (tmp_path / "out").exists()
-    for target in ("mujoco", "isaaclab", "newton", "mjwarp"):
-        assert _status([*words, "--target", target]) == 0
-        capsys.readouterr()
-        out = tmp_path / "out"
-        text = "".join(p.read_text() for p in out.iterdir()) if out.is_dir() else out.read_text()
-        assert "load_gravity" in text
-        out.rename(tmp_path / target)
 
 
 OWN = """from stribeck.constants import Constant

@@ -1,14 +1,12 @@
 """Whole machines in C and as FMUs against the simulation; laws of their contacts."""
 
-import json
 import subprocess
 
 import numpy as np
 import pytest
 
 import stribeck
-from stribeck import Scenario, examples, simulate
-from stribeck.cli import _status
+from stribeck import Scenario, simulate
 from stribeck.errors import StribeckNote
 from stribeck.exports.fmu import binaries
 from stribeck.simulation.native import sampled_share
@@ -237,38 +235,3 @@ def test_fmu_of_a_pressure_cascade(servo, tmp_path):
     exchange = {"fmi_type": "ModelExchange", "solver": "CVode", "relative_tolerance": 1e-11, "record_events": False}
     found = fmpy.simulate_fmu(str(path), **times, **exchange)
     close({n: found[n] for n in names}, exact)
-
-
-def test_of_a_contact(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    arm = str(examples.path("arm"))
-    assert _status(["export", arm, "--target", "c", "--contact", "bearing", "--out", "bearing", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert (found["part"], found["parameters"]["F_s"]) == ("law", 0.012)
-    assert "N m s/rad" in (tmp_path / "bearing/lugre_majorant.h").read_text()
-    assert _status(["export", arm, "--target", "table", "--part", "law", "--out", "x.csv"]) == 2
-    assert "--contact: missing: must be given (one of bearing, seal)" in capsys.readouterr().err
-    assert not (tmp_path / "x.csv").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "text"),
-    [
-        (["{arm}", "--target", "table"], "--part: 'machine': target 'table' has none"),
-        (["{arm}", "--target", "c", "--step", "0.1"], "--step: 0.1: must be left out"),
-        (["{arm}", "--target", "c", "--self-test"], "--self-test: true: must be left out"),
-        (["{arm}", "--target", "c", "--part", "machine", "--contact", "seal"], "--contact: 'seal': must be left out"),
-        (["{rig}", "--target", "c", "--part", "machine"], "part 'machine' needs a machine"),
-        (["--target", "c", "--part", "machine"], "part 'machine' needs a machine"),
-        (["{arm}", "--target", "c", "--set", "links.gear.ratio=0"], "links.gear.ratio: 0: must be"),
-        (["{arm}", "--target", "c", "--scenario", "{arm}"], "must be left out, or a law"),
-    ],
-)
-def test_mistakes(words, text, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    places = {"arm": examples.path("arm"), "rig": examples.path("stick_slip")}
-    assert _status(["export", *(w.format(**places) for w in words), "--out", "out"]) == 2
-    err = capsys.readouterr().err
-    assert text in err
-    assert len(err.splitlines()) == 1, err
-    assert not (tmp_path / "out").exists()

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.errors import StribeckNote
 from stribeck.exports import export
 from stribeck.laws import builtin, find
 from tests.laws.test_sanity import CANUDAS, make
@@ -214,27 +213,6 @@ def test_wrong_integrators_and_models_are_refused(tmp_path):
         load(MAJORANT, tmp_path, change=lambda text: text.replace("implicitfast", "RK4"))
     with pytest.raises(ValueError, match="no actuator called"):
         load(MAJORANT, tmp_path, change=lambda text: text.replace('name="lugre_majorant"', 'name="other"'))
-
-
-def test_the_body_is_the_scenarios(tmp_path):
-    scenario = stribeck.Scenario(
-        law={"name": "lugre", "parameters": "canudas1995"},
-        plant={"mass": 2.5},
-        drive={"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}},
-        solve={"t_end": 1.0},
-        output={"step": 0.1},
-    )
-    export(LUGRE, "mujoco", tmp_path, part="body", scenario=scenario)
-    for name in ("lugre", "lugre_dcmotor"):
-        assert mujoco.MjModel.from_xml_path(str(tmp_path / f"{name}.xml")).body("body").mass[0] == 2.5
-    with pytest.raises(stribeck.InputError, match=r"^scenario: "):
-        export(LUGRE, "mujoco", tmp_path / "none", part="body")
-    assert not (tmp_path / "none").exists()
-
-
-def test_steps_that_mujocos_own_lugre_does_not_bear_are_said(tmp_path):
-    with pytest.warns(StribeckNote, match=r"a step of 0\.004 s above sqrt\(mass/sigma_0\) = 0\.00316 s"):
-        export(LUGRE, "mujoco", tmp_path, step=4e-3)
 
 
 def test_laws_with_more_constants_than_an_actuator_carries_are_refused(tmp_path):

@@ -1,7 +1,6 @@
 """A machine that turns: every unit of an export is in rad and N m, and nothing else changes."""
 
 import re
-import zipfile
 
 import pytest
 
@@ -48,19 +47,3 @@ def test_header_comments_and_labels_follow(target, tmp_path):
         assert LINEAR.findall(comments) == []
         other = (tmp_path / "pushed" / "lugre_majorant.h").read_text()
         assert len(LINEAR.findall(other)) > 10
-
-
-def test_an_fmu_has_the_units(tmp_path):
-    export(TURNING, "fmu", tmp_path / "a.fmu")
-    with zipfile.ZipFile(tmp_path / "a.fmu") as archive:
-        text = archive.read("modelDescription.xml").decode()
-    units = dict(re.findall(r'name="(\w+)"[^>]*? unit="([^"]+)"', text))
-    assert (units["F"], units["v"], units["z"], units["sigma_0"]) == ("N m", "rad/s", "rad", "N m/rad")
-    assert "angular angular" not in text
-    assert 'BaseUnit kg="1" m="2" s="-2"' in re.search(r'<Unit name="N m">.*?</Unit>', text, flags=re.S)[0]
-
-
-def test_a_set_of_a_turning_machine_says_so_to_a_law():
-    assert TURNING.rotary
-    assert not PUSHED.rotary
-    assert stribeck.law("lugre", parameters="direct_drive2016").rotary

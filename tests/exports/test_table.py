@@ -6,17 +6,10 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.errors import StribeckNote
 from stribeck.exports.targets import table
 from stribeck.expressions.ops import sign
 from stribeck.laws import BristleLaw
 from tests.exports.harness import law
-
-
-def test_no_table_of_what_has_no_limit(tmp_path):
-    with pytest.raises(stribeck.InputError, match="grows without limit"):
-        stribeck.export(law("lugre_arctan"), "table", tmp_path / "law.csv")
-    assert not list(tmp_path.iterdir())
 
 
 class Uphill(BristleLaw):
@@ -60,8 +53,3 @@ def test_table(name, tmp_path):
     grid = table._grid(chosen)  # no other table has a smaller one
     assert error < 1e-9 * np.max(F) or len(table._polygon(grid, chosen.steady_force(grid), 0.99 * error)[0]) > 20
     assert any(f"{key} = {value!r}" in line for line in head for key, value in chosen.values.items() if value)
-
-
-def test_a_table_says_what_it_loses(tmp_path):
-    with pytest.warns(StribeckNote, match="none of the law's dynamics"):
-        stribeck.export(law("lugre"), "table", tmp_path / "law.csv", step=1e-3)

@@ -5,6 +5,7 @@ import copy
 import functools
 import hashlib
 import itertools
+import json
 import operator
 import random
 import shlex
@@ -24,6 +25,7 @@ from stribeck import InputError, Scenario, examples
 from stribeck.cli.app import app
 from stribeck.codegen import source
 from stribeck.exports import contact_law
+from stribeck.exports.exchange import from_bam
 from stribeck.exports.python import to_casadi, to_control, warp
 from stribeck.exports.python.constants import with_load
 from stribeck.expressions import coq, emit, ops, pretty
@@ -259,6 +261,28 @@ def _():
                 yield f"{_said(path, wrong)}: taken"
             except InputError as error:
                 yield from (f"{_said(path, wrong)}: {x}" for x in error.problems)
+
+
+@kept("refused/bam")
+def _():
+    tables = json.loads((PLACES[0] / "m6.json").read_text())
+    for more in ({}, {"unknown": 1.0}, {"command_delay": 0.01}, {"load_friction_stribeck": 0.1}, {"kt": 10**400}):
+        yield from _refused_file(f"with {list(more)}", {**tables, **more})
+    for path in _places(tables):
+        for wrong in WRONG:
+            yield from _refused_file(_said(path, wrong), _edited(tables, path, wrong))
+
+
+def _refused_file(what, tables):
+    """The lines of a refusal of BAM's numbers, and notes; a line with what is taken."""
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        try:
+            from_bam(tables)
+            yield f"{what}: taken"
+        except InputError as error:
+            yield from (f"{what}: {problem}" for problem in error.problems)
+    yield from (f"{what}: note: {each.message}" for each in notes)
 
 
 @kept("codegen/c")
@@ -620,6 +644,8 @@ def _():
 
 def _values(lines):
     names = {name: getattr(stribeck, name) for name in stribeck.__all__} | {"np": np, "Turned": Turned}
+    names |= {"ops": ops, "coq": coq, "pretty": pretty, "constant": constant, "symbol": symbol, "x": X, "y": Y}
+    names["written"] = lambda expr: "\n".join(pretty.write(expr, SHOWN, latex=latex) for latex in (False, True))
     inputs("\n".join(lines) + "axis.logs.toml")
     for line in lines:
         yield f">>> {line}"

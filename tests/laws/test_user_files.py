@@ -128,14 +128,6 @@ def test_relations_of_constants_that_are_off_or_have_a_default(values, line):
     assert found == ([] if line is None else [line])
 
 
-@pytest.mark.parametrize("given", [3, [1.0]])
-def test_parameters_that_are_no_table(given):
-    with pytest.raises(
-        InputError, match=r"^parameters: .*: must be a table of numbers by name, or a set's name or file"
-    ):
-        law("lugre", given)
-
-
 def test_the_file_of_a_set_as_a_path(tmp_path):
     file = tmp_path / "set.toml"
     file.write_text("[parameters]\nF_c = 1.0\nsigma_2 = 0.5\n")

@@ -10,10 +10,8 @@ from types import SimpleNamespace
 import pytest
 
 from stribeck import check, law
-from stribeck.errors import InputError
-from stribeck.expressions import coq, ops
-from stribeck.expressions.exact import pi
-from stribeck.expressions.graph import constant, substitute, symbol
+from stribeck.expressions import coq
+from stribeck.expressions.graph import substitute, symbol
 from stribeck.laws import builtin
 from stribeck.laws.form import USUAL
 from stribeck.properties.coq_goals import goals, main
@@ -21,70 +19,6 @@ from tests.proofs.coq import compiles, needs_coq
 
 TENTH, FIFTH = (f"({Fraction(a).numerator} / {Fraction(a).denominator})" for a in (0.1, 0.2))
 x, y, v, z = (symbol(n) for n in "xyvz")
-
-
-@pytest.mark.parametrize(
-    ("expr", "text"),
-    [
-        (x - (y - x), "x - (y - x)"),
-        (x / (y * x), "x / (y * x)"),
-        (x / y / x, "x / y / x"),
-        (-(x * y), "- (x * y)"),
-        (x * (1 - y), "x * (1 - y)"),
-        (-x + (-y), "- x - y"),
-        (ops.exp(-(x * x)), "exp (- (x * x))"),
-        (abs(x) / y, "Rabs x / y"),
-        (ops.atan(abs(x)), "atan (Rabs x)"),
-        (0.1 * x, f"{TENTH} * x"),
-        (x - 2.0, "x - 2"),
-        (constant((-ops.pi) ** 2.0), "((- PI) ^ 2)"),  # Rpower is of numbers above 0
-        (constant((-ops.pi) ** -3.0), "(/ ((- PI) ^ 3))"),
-        (constant(ops.pi**0.5), "(Rpower PI (1 / 2))"),
-        (x * constant(-0.5), "x * ((- 1) / 2)"),
-        (ops.where(x < y, x, 1.0), "if Rlt_dec x y then x\n  else 1"),
-        (ops.where(x <= y + 1, x, 1.0) * 2, "(if Rle_dec x (y + 1) then x\n  else 1) * 2"),
-        (ops.pi * x, "PI * x"),
-        (2 / ops.pi * x, "(2 / PI) * x"),
-        (constant(0.1) + constant(0.2) + x, f"({TENTH} + {FIFTH}) + x"),
-        (ops.exp(constant(1.0)) * x, "(exp 1) * x"),
-        (ops.floor(x / y) * x, "IZR (Int_part (x / y)) * x"),
-    ],
-)
-def test_terms(expr, text):
-    assert coq.write(expr) == text
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.5, "(1 / 2)"),
-        (-3.0, "(- 3)"),
-        (pi, "PI"),
-        (2 / pi, "(2 / PI)"),
-        (-pi, "(- PI)"),
-        (0.5 * pi + 1, "(((1 / 2) * PI) + 1)"),
-    ],
-)
-def test_an_exact_number_is_written_as_its_definition(value, text):
-    assert coq.number(value) == text
-
-
-@pytest.mark.parametrize(
-    ("expr", "box", "words"),
-    [
-        (x + y, {"x": (0, 1)}, "y: has no range"),
-        (x, {"x": (1, 0)}, "rising order"),
-        (x, {"x": (0, float("inf"))}, "finite"),
-        (ops.where(x < y, x, y), {"x": (0, 1), "y": (0, 1)}, "its own box"),
-        (x + constant(float("inf")), {"x": (0, 1)}, "not a real number"),
-        (x**y, {"x": (1, 2), "y": (1, 2)}, "'pow'"),
-        (ops.floor(x), {"x": (1, 2)}, "'floor'"),
-        (symbol("a.b"), {"a.b": (0, 1)}, "not a name in Coq"),
-    ],
-)
-def test_what_is_no_goal_is_refused(expr, box, words):
-    with pytest.raises(InputError, match=words):
-        coq.coq_goal(expr, box)
 
 
 def dissipation(name, form=USUAL):

@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import stribeck
-from stribeck.errors import InputError
 from stribeck.properties import check, replay
 from stribeck.properties.checked import CheckedAlways, check_varied, largest_v_d
 from stribeck.properties.damped import suffices
@@ -201,16 +200,6 @@ def test_a_law_of_a_users_own_is_never_proved_but_may_be_refuted():
     assert found["passive"].holds is None
     assert found["unique"].holds is None
     assert passive_only(Mine(at("lugre", 0.3).values), 1.0, 2.0).holds is False
-
-
-def test_what_is_no_level():
-    for level in ((2.0, 1.0), (0.0, 1.0), (1.0, math.inf), (math.nan, 1.0)):
-        with pytest.raises(InputError, match="0 < LOW <= HIGH"):
-            check(at("lugre", 1.0), level=level)
-    with pytest.raises(InputError, match="z_ba"):
-        check(at("elastoplastic", 1.0), level=(0.2, 1.0))
-    with pytest.raises(InputError, match="no F_c"):
-        check(stribeck.law("makkar", g1=0.25, g2=100.0, g3=10.0, g4=0.1, g5=100.0, g6=0.01), level=(1.0, 2.0))
 
 
 MESH = {"sigma_0": 2.5e3, "sigma_1": 30.0, "sigma_2": 0.5, "F_c": 0.6, "F_s": 0.75, "v_s": 0.02}

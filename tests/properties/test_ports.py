@@ -173,13 +173,6 @@ def test_a_single_body():
     assert better.passive
 
 
-def test_what_is_refused():
-    with pytest.raises(InputError, match=r"gera.*gear"):
-        stribeck.check(machine(), forces={"gera": 1.0})
-    with pytest.raises(InputError, match=r"forces\.gear"):
-        stribeck.check(machine(), forces={"gear": -1.0})
-
-
 def varying(law, **factors):
     points = {n: {"signal": {"kind": "points", "t": [0, 2], "value": list(x)}} for n, x in factors.items()}
     return machine(law, factors=points)

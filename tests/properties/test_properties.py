@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 
 import stribeck
 from stribeck import Scenario
-from stribeck.errors import InputError
 from stribeck.laws.base import PARAMETERS
 from stribeck.properties import NAMES, WORK, check
 from stribeck.properties.checked import Checked
@@ -271,40 +270,10 @@ def test_a_law_that_no_file_holds_is_judged_all_the_same():
 # -- the rest -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_law_without_z_gets_null_with_the_reason():
-    found = check(stribeck.law("makkar", {"g1": 0.25, "g2": 100.0, "g3": 10.0, "g4": 0.1, "g5": 100.0, "g6": 0.01}))
-    assert all(v.holds is None and "no internal state" in v.evidence["reason"] for v in found.properties.values())
-
-
 def test_no_work_is_null_and_not_wrong():
     found = check(law_with("lugre_majorant", sigma_2=200.0), work=0.0)
     assert all(found[n].holds in (KNOWN["lugre_majorant"][i] == "y", None) for i, n in enumerate(NAMES) if i != 3)
     assert found["passive"].holds in (True, None)
-
-
-def test_the_json_is_that_of_the_contract():
-    data = check(law_with("lugre")).to_dict()
-    assert data["law"] == "lugre"
-    assert list(data["properties"]) == list(NAMES)
-    assert all(set(p) == {"holds", "method", "evidence"} for p in data["properties"].values())
-
-
-def test_verdicts_are_printed_as_a_table():
-    found = check(law_with("lugre"))
-    lines = repr(found).splitlines()
-    assert lines[0].startswith("lugre with sigma_0 = 100000 N/m, ")
-    assert [line.split()[:2] for line in lines if line[2] != " " and line[:2] == "  "] == [
-        [name, {True: "yes", False: "no"}[found[name].holds]] for name in NAMES
-    ]
-    assert len(repr(found)) < 1500
-    assert repr(found["bounded"]).startswith("yes: ")
-
-
-@pytest.mark.parametrize("v_max", [-1.0, 0.0, float("nan"), float("inf")])
-@pytest.mark.parametrize("level", [None, (1.0, 2.0)])
-def test_a_speed_that_makes_no_sense_is_refused(v_max, level):
-    with pytest.raises(InputError, match=rf"^v_max: {v_max}: must be a finite number > 0"):
-        check(stribeck.law("dahl", sigma_0=1e5, F_c=1.0), v_max, level=level)
 
 
 @pytest.mark.parametrize(

@@ -117,16 +117,6 @@ def test_a_full_disk_when_moving(home, monkeypatch):
     assert list(home.iterdir()) == []
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-def test_a_disk_that_is_really_full(home, monkeypatch):
-    def file(**options):
-        return Path("/dev/full").open("wb")
-
-    monkeypatch.setattr(tempfile, "NamedTemporaryFile", file)
-    monkeypatch.setattr(Path, "unlink", lambda self: None)
-    run(built=True, notes=["cannot be written (No space left on device)"])
-
-
 @pytest.mark.parametrize("content", [b"", b"\x7fELF", b"garbage" * 1000, 100, 4096, 20000, -1])
 def test_a_damaged_file(content, home, monkeypatch):
     """Garbage, or the file cut after so many bytes."""

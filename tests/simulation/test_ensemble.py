@@ -8,8 +8,6 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from stribeck import InputError, Scenario, examples, simulate
 from stribeck.simulation import ensemble as module
@@ -65,18 +63,6 @@ def test_everything_that_can_vary(data, values):
     assert found.t[-1] == pytest.approx(Scenario(data).solve.t_end)
 
 
-@settings(max_examples=8, deadline=None)
-@given(st.lists(st.floats(6.0, 8.0), min_size=1, max_size=20), st.integers(1, 3), st.data())
-def test_a_lane_is_the_same_whatever_runs_beside_it(exponents, threads, data):
-    """To the last bit: with other threads, and alone."""
-    values, scenario = {"law.k_v": 10.0 ** np.array(exponents)}, Scenario(PULLED)
-    found = simulate(scenario, values, threads=threads)
-    lane = data.draw(st.integers(0, len(exponents) - 1))
-    alone = simulate(scenario, {"law.k_v": values["law.k_v"][lane]}, threads=1)
-    assert np.array_equal(found["v"][lane], alone["v"][0])
-    assert found.accepted[lane] == alone.accepted[0]
-
-
 def test_lanes_that_fail_leave_the_others_alone(tmp_path):
     values = {"drive.K_d": np.array([6.0, -1e4, 6.0, 5.0]), "law.parameters.F_c": np.array([1.0, 1.0, 3.0, 1.0])}
     found = simulate(Scenario(STEPPED), values)
@@ -92,13 +78,6 @@ def test_lanes_that_fail_leave_the_others_alone(tmp_path):
     assert np.array_equal(found["y"][[0, 3]], good["y"])
 
 
-def test_steps_that_run_out():
-    few = {**PULLED, "solve": {**PULLED["solve"], "max_steps": 50}}
-    found = simulate(Scenario(few), {"law.k_v": [1e6, 1e7]})
-    assert all("solve.max_steps = 50" in reason for reason in found.reason)
-    assert np.isfinite(found["y"][:, 0]).all()
-
-
 def test_lanes_that_end_early_count_the_events_up_to_there():
     few = Scenario({**RUBBED, "solve": {**RUBBED["solve"], "max_steps": 150}})
     amplitudes = [2e-3, 3e-3]
@@ -108,64 +87,12 @@ def test_lanes_that_end_early_count_the_events_up_to_there():
     assert found.slips.tolist() == [len(events["slip"]) for events in alone] == [1, 1]
 
 
-def test_every_lane_impossible():
-    found = simulate(Scenario(PULLED), {"plant.mass": [0.0, -1.0, float("nan")]})
-    assert found.reason[0] == "plant.mass: 0.0: must be a finite number > 0"
-    assert found.status == ["failed"] * 3
-    assert np.isnan(found["F"]).all()
-
-
-def test_reasons_are_those_of_the_validation():
-    values = {"law.parameters.F_s": [0.5], "plant.mass": [1.0]}
-    (reason,) = simulate(Scenario(PULLED), values).reason
-    with pytest.raises(InputError) as error:
-        Scenario(PULLED).with_changes({path: x[0] for path, x in values.items()})
-    assert error.value.problems == [reason]
-
-
-def test_without_a_compiler(monkeypatch):
-    monkeypatch.setenv("STRIBECK_CC", "none")
-    short = {**SHAKEN, "solve": {"t_end": 0.3}, "output": {"step": 0.01}}
-    values = {"law.k_v": [1e6, -1.0, 1e7]}
-    found = simulate(Scenario(short), values)
-    alone = simulate(Scenario(short).with_changes({"law.k_v": 1e7}))
-    assert found.status == ["done", "failed", "done"]
-    assert np.array_equal(found["v"][2], alone["v"])
-
-
 def test_optional_constants_are_switched_on():
     data = rig("stribeck", "velocity", {"kind": "ramp", "rate": 1e-3}, 1.0)
     del data["law"]["k_v"]
     found = simulate(Scenario(data), {"law.k_v": [1e3, 1e4]})
     alone = simulate(Scenario(data).with_changes({"law.k_v": 1e4}))
     np.testing.assert_allclose(found["F"][1], alone["F"], rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("values", "text"),
-    [
-        ({}, "nothing is varied"),
-        ({"law.kv": [1.0]}, "law.kv: cannot be varied (did you mean 'law.k_v'?)"),
-        ({"solve.t_end": [1.0]}, "solve.t_end: cannot be varied"),
-        ({"law.k_v": "1e6"}, "law.k_v: must be a list of numbers with one for each lane, not text"),
-        ({"law.k_v": []}, "law.k_v: must be a list of numbers"),
-        ({"law.k_v": [[1.0, 2.0]]}, "law.k_v: must be a list of numbers"),
-        ({"law.k_v": [True]}, "law.k_v: must be a list of numbers"),
-        ({"law.k_v": [1e6, 1e7], "plant.mass": [1, 2, 3]}, "law.k_v: 2 values: must be as many as the others have (3)"),
-        ({"plant.initial.u": [1.0]}, "plant.initial.u: cannot be varied"),
-    ],
-)
-def test_values_that_cannot_be(values, text):
-    with pytest.raises(InputError) as error:
-        simulate(Scenario(PULLED), values)
-    assert text in error.value.problems[0]
-    assert len(error.value.problems) == 1
-
-
-@pytest.mark.parametrize("threads", [0, 1.5, True])
-def test_threads_are_a_whole_number(threads):
-    with pytest.raises(InputError, match="threads: "):
-        simulate(Scenario(PULLED), {"plant.mass": [1.0]}, threads=threads)
 
 
 def test_more_than_memory_holds(monkeypatch):
@@ -211,12 +138,6 @@ def test_ctrl_c_ends_lanes_at_once_and_in_one_piece(later):
     assert time.monotonic() - started < 10  # 5000 lanes take minutes
 
 
-def test_a_column_that_is_not_there():
-    found = simulate(Scenario(PULLED), {"plant.mass": [-1.0]})
-    with pytest.raises(KeyError, match="no such column"):
-        found["speed"]
-
-
 def test_scales_written_for_numbers_serve_lanes(tmp_path):
     for law in ("dahl", "stribeck", "makkar"):
         data = rig(law, "force", {"kind": "ramp", "rate": 3.0}, 0.5)
@@ -241,15 +162,6 @@ def test_servos_and_moves_along_paths_are_lanes_too():
     lanes = simulate(Scenario(moved), {"plant.mass": [1.0, 2.0]})
     assert lanes.status == ["done", "done"]
     assert lanes["y"].shape == (2, 201)
-
-
-@pytest.mark.parametrize("path", ["output.step", "solve.t_end"])
-def test_lanes_share_their_times(path):
-    """A lane with steps of its own would be shown at the times of another."""
-    arm = Scenario.load(examples.path("arm"))
-    for scenario in (arm, Scenario(PULLED)):
-        with pytest.raises(InputError, match=f"{path}: cannot be varied"):
-            simulate(scenario, {path: [0.1, 0.2]})
 
 
 def test_whole_numbers_of_the_solver_and_masked_values_are_lanes():

@@ -1,13 +1,8 @@
 """Trajectories in the lanes of vectors: the functions written for them, and every width of the vectors."""
 
 import ctypes
-import os
-import signal
-import subprocess
-import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -155,32 +150,6 @@ def test_nothing_is_written_outside_the_rows():
     assert (guarded[: out.size] == 1.25).all()
     assert (guarded[2 * out.size :] == 1.25).all()
     assert np.isfinite(inside).all()
-
-
-@needs_compiler
-@pytest.mark.skipif(os.name != "posix", reason="sends a signal")
-@pytest.mark.share(2)
-@pytest.mark.parametrize("wait", [0.0, 0.4])
-def test_ctrl_c_ends_a_large_ensemble(wait):
-    """At once, as KeyboardInterrupt, and no thread writes where nothing is any more."""
-    program = (
-        "import numpy as np\n"
-        "from stribeck import Scenario, simulate\n"
-        "from tests.simulation.rig import rig, spring\n"
-        "s = Scenario(rig('lugre_sobczyk', spring('canudas1995'), {'kind': 'ramp', 'rate': 0.3}, 300.0, rows=20))\n"
-        "print('ready', flush=True)\n"
-        "simulate(s, {'law.parameters.F_s': np.linspace(1.5, 1.9, 200_000)}, threads=2)\n"
-    )
-    root = Path(__file__).parent.parent.parent
-    run = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=root)
-    run.stdout.readline()
-    time.sleep(1.0 + wait)
-    begun = time.monotonic()
-    run.send_signal(signal.SIGINT)
-    _, errors = run.communicate(timeout=60)
-    assert time.monotonic() - begun < 30
-    assert run.returncode != -signal.SIGSEGV
-    assert b"KeyboardInterrupt" in errors
 
 
 def test_a_lane_is_the_same_beside_any_others():

@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from stribeck import Body, Load, Machine, Scenario, load, simulate
+from stribeck import Scenario, simulate
 from stribeck.simulation import native
 from stribeck.simulation.ensemble import simulate_ensemble
 from tests.simulation.rig import law_table, pid, rig, solved, spring
@@ -29,15 +29,6 @@ def test_rows_do_not_steer_the_steps():
     assert few.final == many.final
 
 
-def test_columns_of_each_drive():
-    extra = {"force": ["u"], "spring": ["x", "u"], "pid": ["r", "u", "I"], "velocity": []}
-    for kind, drive in (("force", "force"), ("spring", spring("canudas1995")), ("pid", pid("canudas1995")),
-                        ("velocity", "velocity")):  # fmt: skip
-        solution = solved(rig("lugre", drive, PULL, 0.1))
-        assert [column.name for column in solution.columns] == ["y", "v", "z", "F", *extra[kind]]
-        assert set(solution.peaks) == {column.name for column in solution.columns}
-
-
 def test_columns_follow_from_the_states():
     data = rig("lugre_sobczyk", pid("canudas1995"), {"kind": "step", "value": 1.0, "time": 0.5}, 3.0)
     s, p = solved(data), data["drive"]
@@ -48,11 +39,6 @@ def test_columns_follow_from_the_states():
     np.testing.assert_array_equal(static["z"], 0.0)
 
 
-def test_a_column_that_is_not_there():
-    with pytest.raises(KeyError, match="no such column"):
-        solved(rig("lugre", "force", PULL, 0.1))["q"]
-
-
 def test_data_frame():
     pandas = pytest.importorskip("pandas")
     solution = solved(rig("lugre", "force", PULL, 0.1))
@@ -60,18 +46,6 @@ def test_data_frame():
     assert list(frame.columns) == ["t", "y", "v", "z", "F", "u"]
     pandas.testing.assert_series_equal(frame["F"], pandas.Series(solution["F"], name="F"))
     assert solution.final == frame.iloc[-1].to_dict()
-
-
-def test_statistics():
-    solution = solved(rig("lugre", spring("canudas1995"), PULL, 6.0))
-    stats = solution.stats
-    assert stats["accepted"] == stats["jacobians"] > 100
-    assert stats["rates"] >= 7 * (stats["accepted"] + stats["rejected"])
-    assert 0 < stats["smallest_step"] < stats["largest_step"] <= 6.0
-    assert stats["seconds"] > 0
-    assert solution.status == "done"
-    assert solution.reason is None
-    assert solution.summary()["steps"] is stats
 
 
 def test_progress_rises_to_one():
@@ -175,13 +149,6 @@ def test_a_result_shows_itself():
     assert "2 of 2 lanes done" in many._repr_html_()
 
 
-def test_a_failed_run_says_why():
-    data = rig("lugre", spring("canudas1995"), {"kind": "ramp", "rate": 0.01}, 1.0, max_steps=5)
-    solution = simulate(Scenario(data))
-    assert not solution.success
-    assert solution.message == solution.reason
-
-
 def test_no_line_joins_rows_that_lie_far_apart():
     """It would be a path in the plane of velocity and force that the motion did not take."""
     data = rig("lugre", spring("canudas1995"), {"kind": "ramp", "rate": 0.1}, 40.0, rows=400)
@@ -192,34 +159,3 @@ def test_no_line_joins_rows_that_lie_far_apart():
     steps = np.hypot(*np.diff(shown, axis=0).T)
     assert np.isnan(steps).any()
     assert np.nanmax(steps) < 0.08
-
-
-def test_a_machine_shows_its_tracking_error_and_what_its_encoder_reads():
-    from stribeck import examples
-    from stribeck.simulation.drawing import panels, quantities
-
-    machine = load(examples.path("axis_hunts"))
-    encoder = {"kind": "encoder", "on": "slide", "resolution": 1e-5}
-    found = simulate(machine.with_changes({"sensors": {"scale": encoder}, "solve.t_end": 0.5}))
-    np.testing.assert_array_equal(quantities(found)["axis.e"].values, found["slide.y"] - found["axis.r"])
-    shown = {panel.title: panel for panel in panels(found)}
-    assert shown["axis: tracking error"].y == "axis.e"
-    assert shown["slide: position"].beside == ("axis.r", "scale.reading")
-
-
-def test_a_force_by_position_is_drawn_as_its_curve():
-    """Cogging passed many waves between two rows, and was a block against time."""
-    machine = Machine(
-        Body("rotor", inertia=1e-4),
-        Load.ripple("force", "rotor", [2e-3, 1e-3], [14.0, 42.0], [0.0, 0.0]),
-        Load.by_position("stop", "rotor", [0.0, 1.0, 2.0], [0.0, 1e-3, 0.0]),
-        Load.follow("motor", "rotor", {"kind": "step", "time": 0.0, "value": 0.05}),
-    )
-    figure = simulate(machine, t_end=2.0, step=0.01).plot()
-    axes = {x.get_title("left"): x for x in figure.axes}
-    x, y = axes["force: torque against angle"].get_lines()[0].get_data()  # its name is the user's
-    angle = np.linspace(0, 2 * np.pi / 14, len(x))
-    np.testing.assert_allclose(x, 1e3 * angle, rtol=1e-9)
-    np.testing.assert_allclose(y, 2 * np.sin(14 * angle) + np.sin(42 * angle), atol=1e-9)
-    assert axes["stop: torque against angle"].get_lines()[0].get_ydata().max() == pytest.approx(1.0, rel=0.01)
-    assert axes["motor: torque"].get_xlabel().startswith("t")

@@ -192,12 +192,6 @@ def test_a_backend_that_cannot_be_had_is_refused(asked, words, monkeypatch):
         backend.chosen()
 
 
-def test_without_a_compiler_nothing_is_said(monkeypatch):
-    monkeypatch.setenv("STRIBECK_CC", "none")
-    solution = simulate(examples.path("break_away"))
-    assert solution.status == "done"
-
-
 def test_a_damaged_file_of_the_cache_is_made_anew(tmp_path, monkeypatch):
     monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path))
     system = wasm.system_module(Scenario.load(examples.path("break_away")).system)

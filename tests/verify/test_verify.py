@@ -7,7 +7,6 @@ import json
 import os
 import random
 import re
-import runpy
 import subprocess
 import sys
 from itertools import cycle, islice, product
@@ -512,15 +511,6 @@ def test_a_file_can_be_checked_by_others(tmp_path, capsys):
     assert main([str(file)]) == 1
     assert "passive: the claims do not cover" in capsys.readouterr().out
     assert main([]) == 2
-
-
-@pytest.mark.filterwarnings("ignore:'stribeck_verify.__main__' found in sys.modules")
-def test_it_is_a_module_that_runs(monkeypatch, capsys):
-    monkeypatch.setattr("sys.argv", ["stribeck_verify", "--help"])
-    with pytest.raises(SystemExit) as ended:
-        runpy.run_module("stribeck_verify", run_name="__main__")
-    assert ended.value.code == 0
-    assert "check the certificates" in capsys.readouterr().out
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes end otherwise there")

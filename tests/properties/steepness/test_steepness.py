@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from stribeck import InputError, Scenario, check, law, simulate
+from stribeck import InputError, Scenario, law, simulate
 from stribeck.errors import StribeckError
 from stribeck.laws import builtin
 from stribeck.parameter_sets import parameters
@@ -207,26 +207,6 @@ def test_search(power):
     assert steps == pytest.approx(root, rel=2e-9)
 
 
-@pytest.mark.parametrize(
-    ("name", "given", "line"),
-    [
-        ("coulomb_viscous", {"creep": 1e-6}, "'coulomb_viscous': must be a law with bristles and k_v"),
-        ("lugre_sobczyk", {}, "missing: a tolerance: at least one of creep, steady_error"),
-        ("lugre_sobczyk", {"creeps": 1e-6}, "creeps: no such tolerance (did you mean 'creep'?)"),
-        ("lugre_sobczyk", {"creep": 0.0}, "creep: 0.0: must be a finite number > 0"),
-        ("lugre_sobczyk", {"creep": 1e-6, "share": 1.0}, "share: 1.0: must be between 0 and 1, without them"),
-        ("lugre_sobczyk", {"steady_error": 1e-2}, "speed: missing: must be given with steady_error"),
-        ("lugre_sobczyk", {"presliding_error": 1e-2}, "force_rate: missing: must be given with presliding_error"),
-        ("lugre_sobczyk", {"position_error": 1e-2}, "scenario: missing: must be given with position_error"),
-    ],
-)
-def test_what_is_refused(name, given, line):
-    with pytest.raises(InputError) as error:
-        advise(name, "canudas1995", **given)
-    (found,) = error.value.problems
-    assert found.startswith(line)
-
-
 def test_a_driven_velocity_tells_nothing():
     scenario = Scenario(
         law={"name": "lugre", "parameters": "canudas1995"},
@@ -252,28 +232,3 @@ def test_every_law_and_machine(name, set_name):
         model = law(found, set_name, k_v=each.k_v, **own)
         assert each.cost.stiffness >= 0.999 * abs(model.jacobian(100 * p["v_s"], p["F_s"] / p["sigma_0"])[1])
     json.dumps([each.to_dict() for each in advices.values()], allow_nan=False)
-
-
-def test_a_machine_that_turns_has_its_units():
-    found = advise("lugre_majorant", "olsson1998", creep=1e-4, steady_error=0.01, speed=0.1)["lugre_majorant"]
-    assert found.rotary
-    creep, steady = found.requirements
-    assert (creep.unit, steady.name) == ("rad/s", "error of steady friction at 0.1 rad/s")
-
-
-@pytest.mark.parametrize("level", [(1,), (1, 2, 3), ("a", 2), (2, 1), (0, 1), (1, inf), "12"])
-def test_a_level_is_two_numbers(level):
-    with pytest.raises(InputError, match=r"level: .*: must be two finite numbers, 0 < LOW <= HIGH$"):
-        check(law("lugre", "canudas1995"), level=level)
-
-
-def test_check_holds_the_answer_beside_the_verdicts():
-    verdicts = check(law("lugre_majorant", "canudas1995", k_v=1e6), creep=1e-6)
-    assert verdicts["bounded"].holds
-    assert verdicts.steepness["lugre_majorant"].k_v == pytest.approx(1.472e6, rel=1e-3)
-    assert verdicts.to_dict()["steepness"]["lugre_majorant"]["requirements"][0]["tolerance"] == 1e-6
-    assert check(law("lugre_majorant", "canudas1995", k_v=1e6)).steepness == {}
-    with pytest.raises(InputError, match="'lugre': must be a law with bristles and k_v: lugre_arctan, lugre_sobczyk"):
-        check(law("lugre", "canudas1995"), creep=1e-6)
-    with pytest.raises(InputError, match="creep: must be left out for a machine"):
-        check({"schema": 2}, creep=1e-6)
