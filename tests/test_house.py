@@ -152,9 +152,3 @@ def test_tests_mirror_the_rooms():
     assert not (strange := {f for f in folders if f not in rooms} - set(BESIDE_THE_ROOMS)), strange
     untested = {r for r in rooms if "/" not in r} - folders - set(TESTED_ELSEWHERE)
     assert not untested, f"rooms without tests: {untested}"
-
-
-def test_the_architecture_shows_every_room():
-    shown = (SOURCE.parent.parent / "docs" / "explanation" / "architecture.md").read_text(encoding="utf-8")
-    rooms = {f"{p.name}/" for p in SOURCE.iterdir() if (p / "__init__.py").is_file()}
-    assert not (missing := {room for room in rooms if f"`{room}`" not in shown}), missing

@@ -89,9 +89,3 @@ def test_a_guide_is_short_and_has_a_figure(page):
 @pytest.mark.parametrize("page", sorted((DOCS / "tutorials").glob("*.md")), ids=lambda p: p.stem)
 def test_a_tutorial_begins_with_a_picture(page):
     assert "![" in page.read_text(encoding="utf-8").split("##")[0]
-
-
-@pytest.mark.parametrize("page", [ROOT / "README.md", *PAGES], ids=lambda p: p.stem)
-def test_every_picture_is_there(page):
-    for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
-        assert (page.parent / target).is_file(), target

@@ -1,6 +1,5 @@
 """The Python side: public names with documentation, laws and scenarios as objects, what notebooks show."""
 
-import inspect
 import subprocess
 import sys
 
@@ -18,16 +17,6 @@ SMALL = {"law": {"name": "lugre_majorant", "parameters": "canudas1995", "k_v": 1
 @pytest.fixture
 def law():
     return st.law("lugre_majorant", parameters="canudas1995", k_v=1e6)
-
-
-@pytest.mark.parametrize("name", st.__all__)
-def test_every_name_is_documented(name):
-    value = getattr(st, name)
-    assert inspect.getdoc(value), name
-    if inspect.isfunction(value):
-        text = inspect.getdoc(value)
-        for argument in inspect.signature(value).parameters.values():
-            assert argument.name in text, f"{name}: {argument.name}"
 
 
 def test_import_costs_nothing():
@@ -51,12 +40,6 @@ def test_a_law_is_an_object(law):
     assert turning.replace(F_s=2.0).replace(F_s=1.5) == turning == eval(repr(turning), {"law": st.law})
     assert len({law, turning}) == 2
     assert st.law("lugre", parameters="olsson1998").rotary
-    with pytest.raises(st.InputError, match="rotary: 1: must be True or False"):
-        st.law("lugre_majorant", parameters="canudas1995", k_v=1e6, rotary=1)
-    with pytest.raises(st.InputError, match=r"F_s: 0\.5: must be at least F_c"):
-        law.replace(F_s=0.5)
-    with pytest.raises(st.InputError, match="no such constant"):
-        law.replace(F_z=0.5)
 
 
 def test_a_law_as_a_table(law):
@@ -93,8 +76,6 @@ def test_simulate_gives_a_solution_or_an_ensemble(law):
     machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law))
     assert len(st.simulate(machine.vary({"bodies.a.mass": [0.5, 1.0, 2.0]}), t_end=0.01)) == 3
     assert len(st.simulate(machine, {"bodies.a.mass": [0.5, 1.0]}, t_end=0.01, rtol=1e-9)) == 2
-    with pytest.raises(st.InputError, match="threads: 2: goes with vary, which is not given"):
-        st.simulate(SMALL, threads=2)
 
 
 def test_signals_are_named_by_their_kind():
@@ -104,11 +85,6 @@ def test_signals_are_named_by_their_kind():
         st.signals.Sinus  # noqa: B018
 
 
-def test_predict_takes_a_fit_or_a_machine():
-    with pytest.raises(st.InputError, match="fit, machine: one must be given"):
-        st.predict("record.csv")
-
-
 def test_load_and_import(tmp_path):
     found = st.load(examples.path("servo"), {"solve.t_end": 0.2})
     assert found == st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2})
@@ -116,8 +92,6 @@ def test_load_and_import(tmp_path):
         '{"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}'
     )
     assert "bodies" in st.import_("bam", tmp_path / "servo.json").data
-    with pytest.raises(st.InputError, match="kind: 'urdf': must be bam or mujoco"):
-        st.import_("urdf", tmp_path / "servo.json")
 
 
 def test_sweep(tmp_path, law):
@@ -129,19 +103,6 @@ def test_sweep(tmp_path, law):
     )
     varied = machine.vary({"bodies.a.mass": [0.5, 1.0, 2.0]})
     assert len(st.sweep(varied, out=tmp_path / "two", t_end=0.1, step=0.01).lanes) == 3
-
-
-def test_the_design_of_a_servo():
-    found = st.design(st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2}), v_max=0.2)
-    assert found.gains.v_max == 0.2
-    assert found.proof.proven is True
-    assert found.to_dict()["simulation"]["status"] == "done"
-    with pytest.raises(st.InputError, match="v_max: -1: must be a finite number > 0"):
-        st.design(examples.path("servo"), v_max=-1)
-    with pytest.raises(st.InputError, match="vary: must be left out: a servo"):
-        st.design(examples.path("servo"), vary=["drive.K_D=1:2"])
-    with pytest.raises(st.InputError, match="v_max: must be left out"):
-        st.design(examples.path("arm"), v_max=1.0)
 
 
 def test_what_a_notebook_shows(law):

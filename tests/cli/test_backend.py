@@ -24,12 +24,3 @@ def test_a_sweep_by_webassembly_needs_no_compiler(stribeck, scenario, tmp_path, 
     asked, without = (pyarrow.read_table(tmp_path / name) for name in ("asked", "without"))
     assert asked.num_rows
     assert asked.equals(without)
-
-
-@pytest.mark.parametrize("command", [("run",), ("sweep", "--vary", "plant.mass=1:2:2", "--out", "never")])
-def test_a_backend_that_there_is_not(stribeck, scenario, command, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    found = stribeck(command[0], scenario, *command[1:], "--backend", "zig")
-    assert (found.status, found.out) == (2, "")
-    assert found.err == "--backend: 'zig': must be auto, c or wasm\n"
-    assert not (tmp_path / "never").exists()

@@ -1,19 +1,14 @@
-"""stribeck check, and the listing of parameter sets."""
+"""stribeck check: what it finds holds when it is replayed; claims are answered."""
 
 import json
-import re
 from pathlib import Path
 
 import pytest
-from tomli_w import dumps
 
 from stribeck.properties import NAMES
-from stribeck_verify import verify
-from tests.properties.test_ports import machine
 
 ROOT = Path(__file__).parents[2]
 
-MY_SET = {"sigma_0": 2e4, "sigma_1": 30.0, "sigma_2": 12.0, "F_c": 2.0, "F_s": 2.7, "v_s": 4e-3}
 MY_LAW = """
 from stribeck.expressions.ops import sqrt
 from stribeck.laws import BristleLaw
@@ -76,25 +71,6 @@ def test_equations_that_make_no_sense_and_claims_that_are_refuted_are_named(stri
         assert bool(words) == bool(found.err)
 
 
-def test_without_parameters_the_usual_set_is_taken_and_named(stribeck):
-    result = stribeck("check", "dahl", "--json")
-    assert json.loads(result.out)["constants"] == {"sigma_0": 1e5, "F_c": 1.0}
-    assert "canudas1995" in result.err
-
-
-def test_a_law_without_z_is_null_with_the_reason(stribeck):
-    law = ("check", "coulomb_viscous", "--set", "F_c=1", "--set", "sigma_2=0.1")
-    data = json.loads(stribeck(*law, "--json").out)
-    assert {v["holds"] for v in data["properties"].values()} == {None}
-    assert all("no internal state" in v["evidence"]["reason"] for v in data["properties"].values())
-    printed = " ".join(stribeck(*law).out.split())
-    assert printed.startswith(
-        "coulomb_viscous: the law has no internal state z, to which the five properties refer "
-        "coulomb_viscous with F_c = 1 N, sigma_2 = 0.1 N s/m, k_v = 1e+06 s/m"
-    )
-    assert "passive - yes F v >= 0" in printed
-
-
 def static_law(folder, claims, force):
     (folder / "mine.py").write_text(
         "from stribeck.laws import Claims, StaticLaw\n\n\nclass Mine(StaticLaw):\n    name = 'mine'\n"
@@ -124,50 +100,3 @@ def test_a_claim_of_a_law_without_z_is_proved(stribeck, tmp_path):
     found = stribeck(*static_law(tmp_path, "passive=True", "p.sigma_2 * v + p.F_c * v**3"), "--json")
     assert json.loads(found.out)["claims"]["passive"]["holds"] is True
     assert "refuted" not in found.err
-
-
-def test_a_file_of_certificates_without_one_is_not_written(stribeck, tmp_path):
-    law = ("check", "coulomb_viscous", "--set", "F_c=1", "--set", "sigma_2=0.1")
-    found = stribeck(*law, "--certificate", tmp_path / "proof.json", "--json")
-    assert found.status == 0
-    assert "is not written" in found.err
-    assert not (tmp_path / "proof.json").exists()
-    assert "files" not in json.loads(found.out)
-
-
-QUESTIONS = """\
-check lugre_sobczyk --parameters canudas1995 --set k_v=1e7 --out found
-run found/passive.toml
-check lugre --parameters canudas1995 --v-max 0.03
-check lugre --parameters canudas1995 --set sigma_2=200
-check lugre_majorant --parameters my_set.toml --set k_v=1e6 --verify
-check lugre --parameters canudas1995 --certificate proofs.json
-check mylaw.py:MyLaw --parameters canudas1995
-check lugre --parameters canudas1995 --level 1:2 --out swung
-check robot_joint.toml --force gear=40 --out joint
-"""
-
-
-@pytest.mark.thorough
-def test_the_questions_that_it_answers(stribeck, tmp_path, monkeypatch):
-    """Each way to ask, and what it shows."""
-    monkeypatch.chdir(tmp_path)
-    Path("mylaw.py").write_text(MY_LAW)
-    Path("my_set.toml").write_text("[parameters]\n" + "\n".join(f"{n} = {x}" for n, x in MY_SET.items()))
-    Path("robot_joint.toml").write_text(dumps(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.1}])))
-    results = [stribeck(*line.split()) for line in QUESTIONS.splitlines()]
-    assert [r.status for r in results] == [0] * 9
-    found, run, slow, damped, proved, written, own, swung, joint = (r.out for r in results)
-    assert re.search(r"passive +no +a cycle", found)
-    assert "E_in" in run
-    assert re.search(r"passive +yes .*fitted", " ".join(slow.split()))
-    assert re.search(r"passive +yes +the dissipated power", damped)
-    assert "wrote proofs.json" in written
-    certificates = json.loads(Path("proofs.json").read_text())["certificates"]
-    assert {n: verify(c) for n, c in certificates.items()} == {"unique": [], "bounded": []}
-    assert re.search(r"smooth +no +one-sided derivatives", damped)
-    assert " ".join(proved.split()).count(", verified") == 5
-    assert re.search(r"smooth +yes", own)
-    assert "for every history of F_c from 1 to 2 N, F_s from 1.5 to 3 N" in swung
-    assert re.search(r"passive +no +a cycle of constant speeds and levels", swung)
-    assert "passive at its ports (proved)" in joint

@@ -50,26 +50,6 @@ def test_a_machine_with_its_files(stribeck, tmp_path):
     assert "passive at its ports (proved)" in " ".join(stribeck("check", file).out.split())
 
 
-@pytest.mark.parametrize(("options", "says"), [
-    (["lugre", "--level", "2:1"], "--level: '2:1': must be LOW:HIGH"),
-    (["lugre", "--level", "1"], "--level: '1': must be LOW:HIGH"),
-    (["lugre", "--level", "a:b"], "--level: 'a:b': must be LOW:HIGH"),
-    (["lugre", "--force", "gear=1"], "--force: 'gear=1': needs a machine's FILE.toml"),
-    (["FILE", "--level", "1:2"], "--level: must be left out"),
-    (["FILE", "--parameters", "canudas1995"], "--parameters: must be left out"),
-    (["nowhere.toml"], "nowhere.toml: cannot be read"),
-    (["FILE", "--force", "gear=x"], "--force: 'gear=x': must be NAME=MAX"),
-    (["FILE", "--force", "gaer=1"], "'gaer': two has no such link, load or motor"),
-])  # fmt: skip
-def test_mistakes_are_one_line(stribeck, tmp_path, options, says):
-    file = tmp_path / "two.toml"
-    file.write_text(tomli_w.dumps(machine()))
-    result = stribeck("check", *(file if x == "FILE" else x for x in options))
-    assert result.status == 2
-    assert says in result.err
-    assert len(result.err.strip().splitlines()) == 1
-
-
 def test_passive_constants_are_passive(stribeck):
     """The set of the tests is passive at a level that is held, and as far as sigma_2 reaches."""
     values = [f"--set={n}={x}" for n, x in PASSIVE.items()]

@@ -7,10 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-import stribeck
 from stribeck.files import trouble, write_text
 from tests.shared import needs_links
 
@@ -24,24 +22,6 @@ def refused(outcome, *parts):
     assert all(line.isprintable() and len(line) <= 300 for line in lines)
     assert any(all(part in line for part in parts) for line in lines), outcome.err
     return lines
-
-
-def test_fifty_thousand_nan(stribeck, scenario):
-    """Only the first of a list is said; to collect them all took a minute."""
-    nan = f"[{','.join(['nan'] * 50_000)}]"
-    text = scenario.read_text().replace('kind = "ramp"\nrate = 0.1', f'kind = "points"\nt = {nan}\nvalue = {nan}')
-    scenario.write_text(text)
-    lines = refused(stribeck("run", scenario), "drive.signal.t[0]: nan: must be a finite number")
-    assert len(lines) == 2
-
-
-@pytest.mark.parametrize("wrong", ["true", "'1'", "inf", "[1.0]", "1" + "0" * 400])
-def test_the_first_wrong_number_of_a_list(stribeck, scenario, wrong):
-    text = scenario.read_text().replace(
-        'kind = "ramp"\nrate = 0.1', f'kind = "points"\nt = [0.0, 1, {wrong}, nan]\nvalue = [1, 2.0, 3, 4]'
-    )
-    scenario.write_text(text)
-    assert len(refused(stribeck("run", scenario), "drive.signal.t[2]: ")) == 1
 
 
 def test_numbers_of_thousands_of_digits(stribeck, scenario):
@@ -129,18 +109,6 @@ def test_names_that_are_not_text(scenario, tmp_path):
     assert subprocess.run([*words, b"c\xe9.toml"], capture_output=True, check=False).returncode == 2
 
 
-def test_names_cannot_command_a_terminal(stribeck, scenario):
-    evil = "\x1b]0;owned\x07\x1b[2Jrig\n\u202e"
-    scenario.write_text(scenario.read_text().replace('name = "rig"', f"name = {json.dumps(evil)}"))
-    for words in (("run",), ("run", "--law", "lugre", "--law", "dahl")):
-        outcome = stribeck(words[0], scenario, *words[1:], "--set", "solve.t_end=0.1")
-        assert r"\x1b]0;owned\x07\x1b[2Jrig\n" in outcome.out
-        assert all(c.isprintable() or c == "\n" for c in outcome.out + outcome.err)
-    outcome = stribeck("run", scenario, "--set", "solve.max_steps=1")
-    assert all(c.isprintable() or c == "\n" for c in outcome.err)
-    assert r"\x1b]0;" in outcome.err
-
-
 @pytest.mark.share(2)
 @pytest.mark.pictures
 @pytest.mark.parametrize("name", [r"$\foo$ [/red] <b>&", "_" + "x" * 3000])
@@ -223,12 +191,6 @@ def test_no_memory_is_one_line(stribeck, scenario, monkeypatch):
     assert outcome.err.endswith("stribeck: not enough memory: Unable to allocate 8. TiB\n")
 
 
-def test_names_of_a_solution_stay(scenario):
-    loaded = stribeck.Scenario.load(scenario)
-    assert loaded.name == "rig"
-    assert np.isfinite(loaded.end)
-
-
 @pytest.mark.parametrize("word", ["\x1b[2J", "x" * 500])
 def test_usage_is_one_line_too(stribeck, scenario, word):
     refused(stribeck("run", scenario, word), "unexpected extra argument")
@@ -281,12 +243,6 @@ def test_a_law_in_a_file_that_cannot_be_shown(stribeck, tmp_path, equation):
     outcome = stribeck("library", tmp_path / "good.py:Mine")
     assert outcome.status == 0
     assert all(c.isprintable() or c == "\n" for c in outcome.out + outcome.err)
-
-
-def test_a_store_without_a_name(stribeck, scenario):
-    """It was a traceback."""
-    pytest.importorskip("pyarrow")
-    refused(stribeck("sweep", scenario, "--vary", "plant.mass=1:2:2", "--out", "s3://"), "--out: ")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs a shell that closes streams")

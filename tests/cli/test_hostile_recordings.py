@@ -75,14 +75,6 @@ def test_what_no_recording_can_be(place, stribeck, change, text):
     assert not (place / "out").exists()
 
 
-def test_options_of_a_log_are_refused_beside_recordings(place, stribeck):
-    """They were taken without a word, and did nothing."""
-    logs(place, ["run.csv"], WANTED)
-    done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--position", "y", "--mass", "3", "--no-forms")
-    assert done.status == 2
-    assert {line.partition(":")[0] for line in done.err.splitlines()} == {"--position", "--mass", "--no-forms"}
-
-
 @pytest.mark.parametrize(("rest", "size"), [(0.0, 1e15), (1.0, 1e9), (1.0, -1e15)])
 @pytest.mark.parametrize("role", ["inputs.loads.push.signal", "outputs.a.y"])
 def test_a_single_wild_sample(place, stribeck, role, rest, size):

@@ -7,21 +7,25 @@ import subprocess
 import sys
 import threading
 
-import numpy as np
 import pytest
 import tomli_w
 
 import stribeck
 from stribeck import examples
-from stribeck.cli import _status
 from stribeck.files import together, write_text
 from stribeck.identify import written
 from stribeck.identify.actuator import MachineFit
 from stribeck.identify.result import LogFit
 from stribeck.mouth import page as pages
 from tests.identify.actuator.recorded import body, logs, record
+from tests.kept import logs as kept_logs
 
+COLUMNS = ("--time", "t", "--velocity", "v", "--force", "F")
 needs_signals = pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
+
+
+def _stopped(*_, **__):
+    raise KeyboardInterrupt
 
 
 def content(folder):
@@ -29,24 +33,20 @@ def content(folder):
 
 
 @pytest.mark.parametrize("command", [("run",), ("run", "--law", "lugre", "--law", "dahl")], ids=["run", "compare"])
-def test_an_older_result_stays_whole(command, scenario, tmp_path, capsys, monkeypatch):
+def test_an_older_result_stays_whole(command, stribeck, scenario, tmp_path, monkeypatch):
     out = tmp_path / "out"
-    words = [command[0], str(scenario), *command[1:], "--out", str(out)]
-    assert _status(words) == 0
+    words = [command[0], scenario, *command[1:], "--out", out]
+    assert stribeck(*words).status == 0
     before = content(out)
-
-    def stopped(*args, **kwargs):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(pages, "write", stopped)
-    assert _status([*words, "--set", "drive.stiffness=3.0"]) == 130
+    monkeypatch.setattr(pages, "write", _stopped)
+    assert stribeck(*words, "--set", "drive.stiffness=3.0").status == 130
     assert content(out) == before
 
 
-def test_a_new_result_never_stands_beside_an_old_summary(scenario, tmp_path, monkeypatch):
+def test_a_new_result_never_stands_beside_an_old_summary(stribeck, scenario, tmp_path, monkeypatch):
     """Wherever the process dies, a summary that says 'done' is that of the files beside it."""
     out = tmp_path / "out"
-    assert _status(["run", str(scenario), "--out", str(out)]) == 0
+    assert stribeck("run", scenario, "--out", out).status == 0
     old = content(out)
     moves, real = [], type(out).replace
 
@@ -61,7 +61,7 @@ def test_a_new_result_never_stands_beside_an_old_summary(scenario, tmp_path, mon
             assert content(out).keys() - {str(p.relative_to(out)) for p in out.glob(".*/*")} == old.keys()
 
     monkeypatch.setattr(type(out), "replace", replace)
-    assert _status(["run", str(scenario), "--out", str(out), "--set", "solve.t_end=5.0"]) == 0
+    assert stribeck("run", scenario, "--out", out, "--set", "solve.t_end=5.0").status == 0
     moved = [p.name for p in moves if p.parent == out]
     assert {"trajectory.csv", "trajectory.parquet"} < set(moved)
     assert moved[-1] == "summary.json"
@@ -264,10 +264,8 @@ def test_a_check_that_ends_while_it_writes_leaves_the_older_result_whole(stribec
 
 
 def test_a_fit_that_ends_while_it_writes_leaves_the_older_result_whole(stribeck, tmp_path, monkeypatch):
-    t = np.arange(600) * 5e-3
-    v = np.sin(3 * t)
-    np.savez(tmp_path / "log.npz", t=t, v=v, F=5 * np.tanh(v / 0.02) + 3 * v + 0.1 * np.sin(70 * t))
-    asked = ("fit", tmp_path / "log.npz", "--time", "t", "--velocity", "v", "--force", "F", "--out", tmp_path / "out")
+    kept_logs.write("log.csv", tmp_path / "log.csv")
+    asked = ("fit", tmp_path / "log.csv", *COLUMNS, "--out", tmp_path / "out")
     assert stribeck(*asked, "--law", "coulomb_viscous").status == 0
     before = content(tmp_path / "out")
     assert set(before) == {"report.html", "parameters.toml", "fit.json"}
@@ -331,50 +329,20 @@ def test_ctrl_c_when_python_has_ended():
     assert process.returncode == 0
 
 
-def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, monkeypatch):
+def test_what_was_fitted_is_said_when_the_drawing_is_stopped(stribeck, tmp_path, monkeypatch):
     """The fit was lost with the page."""
-
-    def stopped(*args, **kwargs):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(pages, "write", stopped)
-    t = np.arange(0.0, 8.0, 0.01)
-    force = np.sign(np.cos(t)) + 0.4 * np.cos(t)
-    rows = "".join(
-        f"{a!r},{b!r},{c!r}\n" for a, b, c in zip(t.tolist(), np.sin(t).tolist(), force.tolist(), strict=True)
-    )
-    (tmp_path / "log.csv").write_text("t,y,F\n" + rows)
-    words = [
-        "fit",
-        str(tmp_path / "log.csv"),
-        "--time",
-        "t",
-        "--position",
-        "y",
-        "--force",
-        "F",
-        "--law",
-        "coulomb_viscous",
-    ]
-    assert _status([*words, "--no-forms", "--out", str(tmp_path / "out")]) == 130
-    said = capsys.readouterr()
-    assert "F_c" in said.out
-    assert "interrupted" in said.err
+    monkeypatch.setattr(pages, "write", _stopped)
+    kept_logs.write("log.csv", tmp_path / "log.csv")
+    words = ("--law", "coulomb_viscous", "--no-forms", "--out", tmp_path / "out")
+    told = stribeck("fit", tmp_path / "log.csv", *COLUMNS, *words)
+    assert told.status == 130
+    assert "F_c" in told.out
+    assert "interrupted" in told.err
     assert content(tmp_path / "out").keys() == {"parameters.toml", "fit.json"}  # written before the page is drawn
     record(tmp_path / "run.csv", body(amplitude=5.0))
-    unknown = {"bodies.a.mass": {"low": 0.2, "high": 5.0}}
-    path = logs(tmp_path, ["run.csv"], unknown)
+    path = logs(tmp_path, ["run.csv"], {"bodies.a.mass": {"low": 0.2, "high": 5.0}})
     (tmp_path / "axis.toml").write_text(tomli_w.dumps(body()))
-    words = [
-        "fit",
-        str(tmp_path / "axis.toml"),
-        "--logs",
-        str(path),
-        "--starts",
-        "1",
-        "--out",
-        str(tmp_path / "machine"),
-    ]
-    assert _status(words) == 130
-    assert "bodies.a.mass" in capsys.readouterr().out
+    told = stribeck("fit", tmp_path / "axis.toml", "--logs", path, "--starts", "1", "--out", tmp_path / "machine")
+    assert told.status == 130
+    assert "bodies.a.mass" in told.out
     assert content(tmp_path / "machine").keys() == {"parameters.toml", "fit.json", "machine.toml"}

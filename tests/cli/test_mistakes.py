@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from stribeck import InputError, examples, export
+from stribeck import examples, export
 
 COLUMNS = ("--time", "t", "--position", "y", "--force", "F")
 
@@ -48,66 +48,9 @@ def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path):
     assert "in both directions" in found.out
 
 
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("--vary", "controllers.axis.Kp=1:2"),
-         "--vary: controllers.axis.Kp: no number of the machine (did you mean 'controllers.axis.K_p'?)"),
-        (("--seed", "-1"), "--seed: -1: must be a whole number >= 0"),
-    ],
-)  # fmt: skip
-def test_designs(words, line, stribeck, tmp_path):
-    stribeck("new", "machine", "--out", tmp_path / "machine.toml")
-    found = stribeck("design", tmp_path / "machine.toml", *words)
-    assert (found.status, found.out, found.err) == (2, "", line + "\n")
-
-
-@pytest.mark.parametrize("words", [("--part", "machine"), ("--part", "law", "--contact", "guide"), ()])
-def test_a_controller_that_nothing_asks_for(words, stribeck, tmp_path):
-    """It was left aside, misspelt ones too."""
-    stribeck("new", "machine", "--out", tmp_path / "machine.toml")
-    out = tmp_path / "out"
-    found = stribeck("export", tmp_path / "machine.toml", "--target", "c", "--out", out, "--controller", "x", *words)
-    part = words[1] if words else "machine"
-    assert (found.status, found.out) == (2, "")
-    assert found.err == f"--controller: 'x': must be left out: part '{part}' has no choice of controllers\n"
-    assert not out.exists()
-
-
-@pytest.mark.parametrize("part", ["machine", "controller"])
-def test_a_contact_that_nothing_asks_for(part, tmp_path):
-    with pytest.raises(InputError, match=f"contact: 'x': must be left out: part '{part}' has no choice of contacts"):
-        export(examples.path("machine"), "c", tmp_path / "out", part=part, contact="x")
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_contact_alone_asks_for_its_law(tmp_path):
-    with pytest.raises(InputError, match="contact: 'x': "):
-        export(examples.path("machine"), "c", tmp_path / "out", contact="x")
     export(examples.path("machine"), "c", tmp_path / "law", contact="guide")
     assert (tmp_path / "law" / "lugre_majorant.h").exists()
-
-
-@pytest.mark.parametrize("words", [("--law", "dahl"), ("--seed", "3"), ("--law", "lugr")])
-def test_options_of_a_synthetic_rig_that_is_not_asked_for(words, stribeck):
-    found = stribeck("fit", "--plan", "stroke=0.05,speed=0.1,force=50", *words)
-    assert (found.status, found.out) == (2, "")
-    assert found.err == f"{words[0]}: goes with --simulate, which is not given\n"
-
-
-def test_recordings_whose_time_stands_still(stribeck, scenario, tmp_path):
-    """A run took the last of their values throughout."""
-    y = 0.1 * np.sin(0.01 * np.arange(600))
-    still = written(tmp_path / "still.csv", np.full(600, 3.0), y, y)
-    text = scenario.read_text()
-    head, _, tail = text.partition('kind = "ramp"\nrate = 0.1\n')
-    scenario.write_text(head + 'kind = "file"\npath = "still.csv"\ntime = "t"\nvalue = "y"\n' + tail)
-    found = stribeck("run", scenario)
-    assert (found.status, found.out) == (2, "")
-    assert found.err == f"drive.signal.path: {still}: column 't': 3.0 s in every row: must rise\n"
-    scenario.write_text(text)
-    found = stribeck("predict", still, "--machine", scenario, "--time", "t", "--position", "y")
-    assert (found.status, found.out, found.err) == (2, "", "--time: must rise, over two rows or more\n")
 
 
 @pytest.mark.thorough

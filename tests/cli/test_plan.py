@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-import re
 import tomllib
 from pathlib import Path
 
@@ -59,53 +58,3 @@ def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
     assert fit.status == 0, fit.err
     for name, each in json.loads(fit.out)["parameters"].items():
         assert each["value"] == pytest.approx(truth["parameters"][name], rel=0.02), name
-
-
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("stroke=-1,speed=0.1,force=1",), "--plan stroke: -1.0: must be a finite number > 0"),
-        (("stroke=1,speed=nan,force=1",), "--plan speed: nan: must be a finite number > 0"),
-        (("stroke=1,speed=x,force=1",), "--plan speed: 'x': must be a number"),
-        (("stroke=1,speed=1,speed=2,force=1",), "--plan speed: given 2 times; must be given once"),
-        (("stroke=1,speed=1",), "--plan force: missing"),
-        (("stroke=1,way=1",), "--plan: 'way=1': must be one of stroke, speed, force, deflection"),
-        ((f"{LIMITS},deflection=5.02e-3",), "--plan deflection: 0.00502: must be at most a tenth of the stroke (0.05)"),
-        ((LIMITS, "--simulate"), "--simulate: needs --out DIR, where the synthetic log goes"),
-        ((LIMITS, "--set", "F_c=1"), "--set: goes with --simulate, which is not given"),
-        ((LIMITS, "--mass", "1"), "--mass: must be left out with --plan"),
-        ((LIMITS, "--simulate", "--law", "dahl", "--law", "lugre", "--out", "NEW"), "--law: given twice"),
-        ((LIMITS, "--simulate", "--set", "F_c=x", "--out", "NEW"), "--set F_c: 'x': must be a number"),
-        ((LIMITS, "--simulate", "--set", "F_c=99", "--out", "NEW"), "must be at least F_c"),
-        ((LIMITS, "--simulate", "--law", "nope", "--out", "NEW"), "'nope': no such law"),
-    ],
-)
-def test_bad_input_is_one_line_and_writes_nothing(stribeck, tmp_path, words, line):
-    new = tmp_path / "new"
-    outcome = stribeck("fit", "--plan", *(new if word == "NEW" else word for word in words))
-    assert outcome.status == 2
-    assert outcome.out == ""
-    assert line in outcome.err
-    assert outcome.err.count("\n") == 1
-    assert not new.exists()
-
-
-@pytest.mark.parametrize("key", ["stroke", "speed", "force"])
-@pytest.mark.parametrize("number", ["5e-324", "1e308", "0", "nan"])
-def test_limits_that_no_rig_has(stribeck, tmp_path, key, number):
-    limits = re.sub(rf"{key}=[^,]*", f"{key}={number}", LIMITS)
-    outcome = stribeck("fit", "--plan", limits, "--simulate", "--out", tmp_path / "rig")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err.startswith(f"--plan {key}: ")
-    assert not (tmp_path / "rig").exists()
-
-
-def test_a_law_that_the_synthetic_rig_cannot_show(stribeck, tmp_path):
-    words = ("fit", "--plan", LIMITS, "--simulate", "--out", tmp_path / "rig", "--set")
-    outcome = stribeck(*words, "sigma_0=1e-3")
-    assert outcome.status == 2
-    assert "--plan stroke: 0.05: the law's friction breaks away at 1.4e+04 m" in outcome.err
-    outcome = stribeck(*words, "v_s=1e-300")
-    assert outcome.status == 1
-    assert "the synthetic rig failed: after t = " in outcome.err
-    assert not (tmp_path / "rig").exists()

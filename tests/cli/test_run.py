@@ -15,28 +15,6 @@ from stribeck import Scenario, simulate
 from stribeck.simulation.tables import RUN
 
 
-def test_prints_a_summary_and_writes_nothing(stribeck, scenario):
-    before = set(scenario.parent.iterdir())
-    result = stribeck("run", scenario)
-    assert result.status == 0
-    assert "done: law lugre_sobczyk, drive spring; 1001 rows" in result.out
-    peaks = json.loads(stribeck("run", scenario, "--json").out)["peaks"]
-    (row,) = (line.split() for line in result.out.splitlines() if line.split()[:1] == ["z"])
-    assert (float(row[1]), row[3]) == (pytest.approx(1e6 * peaks["z"], rel=1e-3), "µm")
-    assert result.err == ""
-    assert set(scenario.parent.iterdir()) == before
-
-
-def test_json_is_one_object_with_the_keys_of_the_contract(stribeck, scenario):
-    data = json.loads(stribeck("run", scenario, "--json").out)
-    assert {"status", "reason", "scenario", "law", "steps", "events", "peaks", "final", "files"} <= set(data)
-    assert data["status"] == "done"
-    assert data["reason"] is None
-    assert data["files"] == []
-    assert data["events"]["slip"] == pytest.approx([7.434], abs=1e-3)
-    assert data["final"]["t"] == 10.0
-
-
 def test_files_hold_the_solution_in_full_precision(stribeck, scenario, tmp_path):
     out = tmp_path / "new" / "out"
     data = json.loads(stribeck("run", scenario, "--out", out, "--json").out)
@@ -53,53 +31,6 @@ def test_files_hold_the_solution_in_full_precision(stribeck, scenario, tmp_path)
     assert "</svg>" in (out / "plot.svg").read_text()
 
 
-def test_set_replaces_values_and_law_name_drops_constants(stribeck, scenario):
-    result = stribeck("run", scenario, "--json", "--set", "law.name=lugre", "--set", "law.parameters.F_s=1.6")
-    data = json.loads(result.out)
-    assert data["law"]["name"] == "lugre"
-    assert data["law"]["constants"]["F_s"] == 1.6
-    assert result.err == "stribeck: law.k_v: dropped: law 'lugre' has no such constant\n"
-
-
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (["--set", "plant.mass=0"], "plant.mass: 0: must be a"),
-        (["--set", "law.parameters.v_s=-1"], "law.parameters.v_s: -1: must be a"),
-        (["--set", "law.k_v"], "--set 'law.k_v': must be PATH=VALUE"),
-        (["--set", "output.step=1e-11"], "output.step: 1e-11: 1e+12 rows would take"),
-    ],
-)
-def test_bad_input_is_one_line_status_2_and_nothing_else(stribeck, scenario, tmp_path, words, line):
-    out = tmp_path / "out"
-    result = stribeck("run", scenario, "--json", "--out", out, *words)
-    assert result.status == 2
-    assert result.out == ""
-    assert result.err.startswith(line)
-    assert result.err.count("\n") == 1
-    assert not out.exists()
-
-
-def test_every_problem_has_a_line(stribeck, scenario):
-    result = stribeck("run", scenario, "--set", "plant.mass=-1", "--set", "law.kv=3", "--set", "solve.t_end=nan")
-    assert result.status == 2
-    assert [line.split(":")[0] for line in result.err.splitlines()] == ["law.kv", "plant.mass", "solve.t_end"]
-
-
-@pytest.mark.parametrize("words", [["--nonsense"], ["run"], ["run", "no.toml", "--json"], ["walk"]])
-def test_bad_usage_is_one_line_and_status_2(stribeck, words):
-    result = stribeck(*words)
-    assert result.status == 2
-    assert result.out == ""
-    assert result.err.count("\n") == 1
-
-
-def test_out_that_is_a_file_is_refused_before_anything_runs(stribeck, scenario):
-    result = stribeck("run", scenario, "--out", scenario)
-    assert result.status == 2
-    assert "is a file" in result.err
-
-
 @pytest.mark.pictures
 def test_a_failed_computation_keeps_its_partial_result_marked(stribeck, scenario, tmp_path):
     unstable = ["--set", "drive={kind='pid', K_p=-1e6, K_i=0.0, K_d=-1e4, signal={kind='step', value=1.0, time=1.0}}"]
@@ -114,13 +45,6 @@ def test_a_failed_computation_keeps_its_partial_result_marked(stribeck, scenario
     assert 100 <= len(rows) < 1001
     assert rows.schema.metadata[b"status"] == b"failed"
     assert "failed early" in (out / "plot.svg").read_text()
-
-
-def test_keep_c_leaves_the_generated_source(stribeck, scenario, tmp_path):
-    stribeck("run", scenario, "--keep-c", tmp_path / "system.c")
-    text = (tmp_path / "system.c").read_text()
-    assert "const real S_0 =" in text
-    assert "stribeck_advance" in text
 
 
 def test_a_full_disk_leaves_nothing_half_written(stribeck, scenario, tmp_path, monkeypatch):
@@ -180,8 +104,3 @@ def test_ctrl_c_stops_a_long_run_and_writes_nothing(scenario, tmp_path):
     assert process.returncode == 130
     assert b"interrupted" in err
     assert not out.exists()
-
-
-def test_help_and_version(stribeck):
-    assert "scenario" in stribeck("--help").out
-    assert stribeck("--version").out.startswith("stribeck 0.")

@@ -36,18 +36,6 @@ def test_notes_name_arguments_too():
         note(f"{arg('step')}: too long")
 
 
-def test_the_library_names_the_argument_and_the_command_the_option(stribeck, tmp_path):
-    (tmp_path / "log.csv").write_text("t,v,F\n" + "".join(f"{i / 100},{i % 7 - 3},{i % 5}\n" for i in range(100)))
-    with pytest.raises(InputError, match=r"^method: 'x': must be static"):
-        library.fit(tmp_path / "log.csv", "coulomb_viscous", method="x", time="t", velocity="v", force="F")
-    columns = ("--time", "t", "--velocity", "v", "--force", "F")
-    found = stribeck("fit", tmp_path / "log.csv", "--law", "coulomb_viscous", *columns, "--method", "x")
-    assert (found.status, found.out) == (2, "")
-    assert found.err.startswith("--method: 'x': must be static")
-    found = stribeck("fit", tmp_path / "log.csv", "--law", "coulomb_viscous", "--time", "t", "--force", "F")
-    assert found.err.startswith("--position or --velocity: must be given")
-
-
 def test_no_library_module_speaks_of_options():
     import re
     from pathlib import Path
@@ -76,11 +64,6 @@ def test_design_tells_forms_of_a_law_apart(stribeck):
     assert "the controller is sampled" not in found["not_covered"]
     alike = json.loads(stribeck("design", examples.path("servo"), *changes[:-2], *short, "--json").out)
     assert not any(text.startswith("plant and observer differ") for text in alike["not_covered"])
-
-
-def test_laws_are_compared_without_a_warning_of_a_steepness_that_the_other_law_has_not(stribeck, scenario):
-    found = stribeck("run", scenario, "--law", "lugre", "--law", "lugre_majorant", "--set", "solve.t_end=0.1")
-    assert (found.status, found.err) == (0, "")
 
 
 def test_a_law_with_z_that_claims_nothing_is_not_said_to_have_no_state(stribeck, tmp_path):

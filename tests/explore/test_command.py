@@ -4,8 +4,6 @@ import base64
 import html
 import json
 
-import pytest
-
 from stribeck import examples
 from tests.cli.conftest import stribeck  # noqa: F401
 
@@ -37,31 +35,6 @@ def test_the_command_writes_a_page(stribeck, tmp_path):  # noqa: F811
     assert f"<h1>{html.escape(name)}</h1>" in text
     data = json.loads(text.partition('<script type="application/json" id="data">')[2].partition("</script>")[0])
     assert data["name"] == name
-
-
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("nothing.toml",), "nothing.toml"),
-        (("lugr",), "'lugr': no such law (did you mean 'lugre'?)"),
-        (("lugre", "--law", "x"), "'x': no such law"),
-        (("lugre", "--out", "."), "--out: '.': is a folder"),
-        (("lugre", "--set", "plant.mass=-1"), "plant.mass: -1: must be a finite number > 0"),
-        ((str(examples.path("belt")), "--law", "lugre"), "--law: lugre: a machine keeps the laws of its file"),
-        (
-            (str(examples.path("servo")), "--law", "lugre"),
-            "--law: lugre: a servo, or a drive that follows a curve, keeps the laws",
-        ),
-    ],
-)
-def test_bad_input_is_one_line(stribeck, words, line, tmp_path, monkeypatch):  # noqa: F811
-    monkeypatch.chdir(tmp_path)
-    found = stribeck("explore", *words)
-    assert found.status == 2
-    assert found.out == ""
-    assert line in found.err
-    assert found.err.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_missing_extra_is_one_line(tmp_path):

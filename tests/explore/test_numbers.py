@@ -4,7 +4,6 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.constants import Constant
-from stribeck.explore.figures import panels
 from stribeck.explore.measured import _narrower
 from stribeck.explore.numbers import number_of, numbers
 from stribeck.explore.page import _tables
@@ -40,10 +39,3 @@ def test_a_long_signal_is_a_curve_without_sliders_beside_the_file_s_tables(count
     scenario = Scenario(VALID["force_points"]).with_changes({"drive.signal": signal})
     assert ("value" in _tables(scenario)["drive"]["signal"]) is short
     assert any(".value" in number.path for number in numbers(scenario)) is short
-
-
-def test_a_chart_has_the_columns_that_its_scenario_has():
-    lines = {name: [s.column for s in chart.y] for name, chart in panels(Scenario(VALID["spring_ramp"])).items()}
-    assert (lines["position"], lines["velocity"], lines["force"]) == (["y", "x"], ["v"], ["F", "u"])
-    lines = {name: [s.column for s in chart.y] for name, chart in panels(Scenario(VALID["force_points"])).items()}
-    assert (lines["position"], lines["force"], lines["loop-v"]) == (["y"], ["F", "u"], ["F"])

@@ -13,8 +13,7 @@ from stribeck.simulation.native import sampled_share
 from tests.exports.harness import need, output_of
 from tests.exports.test_fmu import Exchanged
 from tests.exports.test_loads import RIG
-from tests.machine.machines import assert_balanced, law, machine
-from tests.machine.test_mistakes import edited
+from tests.machine.machines import assert_balanced, edited, law, machine
 from tests.machine.test_servo import SAMPLED, SERVO, as_machine
 
 PULL = {"kind": "points", "t": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.1, 0.2, -0.2]}

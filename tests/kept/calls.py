@@ -645,6 +645,7 @@ def _():
 def _values(lines):
     names = {name: getattr(stribeck, name) for name in stribeck.__all__} | {"np": np, "Turned": Turned}
     names |= {"ops": ops, "coq": coq, "pretty": pretty, "constant": constant, "symbol": symbol, "x": X, "y": Y}
+    names["CANUDAS"] = CANUDAS
     names["written"] = lambda expr: "\n".join(pretty.write(expr, SHOWN, latex=latex) for latex in (False, True))
     inputs("\n".join(lines) + "axis.logs.toml")
     for line in lines:

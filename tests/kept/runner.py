@@ -35,6 +35,7 @@ VARYING = (  # what differs from run to run, or from machine to machine
     (r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|\+00:00)?", "DATE"),
     (r"(seconds\"?: )[\d.e-]+", r"\1TIME"),
     (r"\bin [\d.]+ (s|ms|µs|min)\b", "in TIME"),
+    (r"(lanes in \d+ parts?, )[\d.]+ s", r"\1TIME"),
     (r"((?:rejected|smallest_step|largest_step)\"?: )[\d.e-]+", r"\1WORK"),
     (r"\(\d+ rejected\)", "(WORK rejected)"),
     (r"(backend\"?: )\"(c|wasm)\"", r"\1BACKEND"),
@@ -155,8 +156,11 @@ def _commands(words, digits):
         except json.JSONDecodeError:
             lines += out.splitlines()
         lines += [f"! {line}" for line in err.splitlines()]
-    for path in sorted(p for p in here.rglob("*") if p.is_file() and p not in given):
+    for path in sorted(p for p in here.rglob("*") if p not in given and (p.is_file() or not any(p.iterdir()))):
         name = path.relative_to(here).as_posix()
+        if path.is_dir():
+            lines.append(f"-- {name}/ is empty")
+            continue
         if path.suffix in (".svg", ".parquet") and any(path.parent.glob("*.html")):
             continue  # the page shows the figure, and the CSV file has the table
         lines += [f"-- {name}", *shown.file(name, path.read_bytes(), digits)]

@@ -131,8 +131,9 @@ def parquet(data, digits):
     import pyarrow.parquet as pq
 
     table = pq.read_table(io.BytesIO(data))
-    named = zip(table.column_names, table.schema.types, strict=True)
-    return [f"{n} ({kind})" for n, kind in named] + columns(
+    units = ((field.metadata or {}).get(b"unit", b"").decode() for field in table.schema)
+    named = zip(table.column_names, table.schema.types, units, strict=True)
+    return [f"{n} ({kind}) {unit}".rstrip() for n, kind, unit in named] + columns(
         table.column_names, [column.to_pylist() for column in table.columns], digits
     )
 

@@ -104,37 +104,6 @@ def test_signals_that_never_rest_are_held():
     assert judge(loop)[0].verdict == "quiet"
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"vary": ["controllers.hold.K_q=1:2"]}, "K_q"),
-        ({"vary": ["controllers.hold.K_p=2:1"]}, "LOW must be below HIGH"),
-        ({"vary": ["nonsense"]}, "PATH=LOW:HIGH"),
-        ({"controller": "other"}, "must be one of hold"),
-    ],
-)
-def test_mistakes_are_one_line(options, words):
-    with pytest.raises(InputError) as caught:
-        only(axis(), **options)
-    assert len(caught.value.problems) == 1
-    assert words in caught.value.problems[0]
-
-
-def test_what_is_no_loop():
-    with pytest.raises(InputError, match=r"drive\.kind: 'force': must be 'pid'"):
-        design(Scenario({"law": law(), **_SINGLE}))
-    data = axis()
-    del data["controllers"]
-    with pytest.raises(InputError, match="controllers: none"):
-        design(Scenario(data))
-
-
-_SINGLE = {
-    "schema": 1, "plant": {"mass": 1.0}, "drive": {"kind": "force", "signal": {"kind": "step", "value": 1.0, "time": 0.0}},
-    "solve": {"t_end": 1.0}, "output": {"step": 0.1},
-}  # fmt: skip
-
-
 @pytest.mark.thorough
 def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
     """Each as a machine of its own, simulated anew, leaves the error that was stated."""

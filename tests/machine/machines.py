@@ -1,5 +1,7 @@
 """Machines in a few words."""
 
+import copy
+
 import numpy as np
 
 from stribeck import Scenario, simulate
@@ -26,6 +28,18 @@ def push(amplitude=3.0, frequency=2.0, on="a"):
     """A sine of a force."""
     signal = {"kind": "sine", "amplitude": amplitude, "frequency": frequency}
     return {"on": on, "kind": "signal", "signal": signal}
+
+
+def edited(data, changes):
+    """A copy with other values at dotted paths."""
+    data = copy.deepcopy(data)
+    for path, value in changes.items():
+        *parents, last = path.split(".")
+        table = data
+        for name in parents:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return data
 
 
 def solved(data, folder=None):

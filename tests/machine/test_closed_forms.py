@@ -1,11 +1,10 @@
 """What can be said in closed form: play, a level that follows a load, ties, energy of jumps, limits, sampling."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
 from tests.machine.machines import law, machine, push, solved
+from tests.reference.random_machines import random_machine
 
 pytestmark = [pytest.mark.usefixtures("each_system_is_run_once")]
 A = {"a": {"mass": 0.5}}
@@ -99,49 +98,6 @@ def test_a_belt_that_jumps_makes_an_event():
     ))  # fmt: skip
     assert s.events["c"]["slip"] == pytest.approx([0.3])
     assert len(s.events["c"]["stick"]) == 1
-
-
-def random_machine(seed):
-    """A chain of bodies, some tied, with links of all kinds, contacts, loads, a motor and a controller."""
-    random = np.random.default_rng(seed)
-
-    def scaled(low, high):
-        return float(10 ** random.uniform(np.log10(low), np.log10(high)))
-
-    count = int(random.integers(2, 5))
-    names = [f"b{i}" for i in range(count)]
-    bodies = {n: {str(random.choice(["mass", "inertia"])): scaled(0.1, 2.0)} for n in names}
-    if count > 2 and random.random() < 0.5:
-        bodies[names[-1]] |= {"tied_to": names[0], "ratio": float(random.uniform(-2, 2))}
-    links, contacts = {}, {}
-    for i, (a, b) in enumerate(pairwise(names)):
-        links[f"k{i}"] = {
-            "from": a, "to": b, "ratio": float(random.choice([-1, 1])) * scaled(0.3, 3), "stiffness": scaled(20, 500),
-            "damping": scaled(0.05, 2),
-        } | ({"gap": scaled(1e-3, 2e-2)} if random.random() < 0.5 else {})  # fmt: skip
-    for i, a in enumerate(names):
-        other = str(random.choice(["ground", *(n for n in names if n != a)]))
-        name = str(random.choice(["lugre", "lugre_majorant", "elastoplastic_majorant", "lugre_sobczyk"]))
-        contacts[f"c{i}"] = {"from": a, "to": other, "ratio": scaled(0.5, 2), "law": law(name)}
-        if random.random() < 0.5:
-            contacts[f"c{i}"]["loads"] = [{"force": "k0", "F_c": scaled(0.01, 0.3), "F_s": scaled(0.01, 0.3)}]
-        if random.random() < 0.5:
-            contacts[f"c{i}"]["factors"] = {"level": {"amplitude": [0.3], "waves": [20.0], "phase": [1.0]}}
-    loads = {
-        "p": {**push(scaled(1, 6), scaled(0.5, 3)), "on": names[0]},
-        "g": {"on": names[1], "kind": "pendulum", "amplitude": scaled(0.5, 5), "phase": 0.4},
-        "r": {"on": names[0], "kind": "ripple", "amplitude": [0.4], "waves": [9.0], "phase": [0.0]},
-    }
-    move = {"kind": "point_to_point", "t": [0.1, 0.5], "value": [0.0, 0.2]}
-    controllers = {
-        "u": {"kind": "cascade", "on": "m", "K_p": 8.0, "K_v": 3.0, "T_i": 0.2, "limit": 4.0, "signal": move}
-    }
-    if random.random() < 0.5:
-        controllers["u"]["sampling"] = {"period": 0.004, "delay": 0.001, "resolution": 1e-4}
-    motors = {"m": {"on": names[0], "K": 0.5, "R": 1.0, **({"L": 0.01} if random.random() < 0.5 else {})}}
-    return machine(
-        bodies, links=links, contacts=contacts, loads=loads, motors=motors, controllers=controllers, t_end=1.0, rows=50
-    )
 
 
 @pytest.mark.share(3)

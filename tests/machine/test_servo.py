@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, examples, simulate
-from tests.machine.test_mistakes import GONE, edited, problems
 
 SERVO = tomllib.loads(examples.path("servo").read_text())
 SERVO["solve"]["t_end"], SERVO["output"] = 1.0, {"step": 0.02}
@@ -34,8 +33,8 @@ MACHINE = as_machine(SERVO)
 @pytest.mark.share(2)
 @pytest.mark.parametrize("changes", [{}, SAMPLED, {"drive.adaptive": True, "drive.supply_droop": 1e7}])
 def test_a_machine_is_the_servo(changes):
-    servo = edited(SERVO, changes)
-    one, many = simulate(Scenario(servo)), simulate(Scenario(as_machine(servo)))
+    servo = Scenario(SERVO).with_changes(changes)
+    one, many = simulate(servo), simulate(Scenario(as_machine(servo.data)))
     assert (one.reason, many.reason) == (None, None)
     more = {f"sigma_{i}_hat": f"axis.sigma_{i}_hat" for i in range(3)} if "drive.adaptive" in changes else {}
     for old, new in (NAMES | more).items():
@@ -45,42 +44,10 @@ def test_a_machine_is_the_servo(changes):
 
 
 def test_a_mass_tied_to_the_piston_counts_as_its_own():
-    split = edited(MACHINE, {
+    split = Scenario(MACHINE).with_changes({
         "bodies.piston.mass": 2.4, "bodies.load": {"mass": 0.125, "tied_to": "piston", "ratio": 2.0},
         "controllers.axis.model": {"mass": 2.9},
     })  # fmt: skip
-    one, many = simulate(Scenario(SERVO)), simulate(Scenario(split))
+    one, many = simulate(Scenario(SERVO)), simulate(split)
     np.testing.assert_allclose(many["piston.y"], one["y"], rtol=0, atol=1e-7 * one.peaks["y"])
     np.testing.assert_allclose(many["load.v"], 2 * many["piston.v"], rtol=1e-12)
-
-
-MISTAKES = {
-    "on no piston": ({"bodies.load": {"mass": 1.0}, "controllers.axis.on": "load"},
-                     "controllers.axis.on: 'load': must be a body with kind = 'pneumatic', whose valve this controller moves"),
-    "on nothing": ({"controllers.axis.on": GONE}, "controllers.axis.on: missing: must be given (the piston)"),
-    "no such kind of body": ({"bodies.piston.kind": "hydraulic"},
-                             "bodies.piston.kind: 'hydraulic': must be one of body, laden, pneumatic"),
-    "an unknown key": ({"controllers.axis.K_x": 3}, "controllers.axis.K_x: 3: unknown key (did you mean 'K_p'?)"),
-    "an observer's key": ({"controllers.axis.observer.k_x": 3},
-                          "controllers.axis.observer.k_x: 3: law 'lugre_sobczyk' has no such constant (did you mean 'k_v'?)"),
-    "outside the stroke": ({"bodies.piston.initial.y": 3.0},
-                           "bodies.piston.initial.y: 3.0: must be within the stroke, 0 to 1 m"),
-    "bristles": ({"bodies.piston.initial.z": 1e-5},
-                 "bodies.piston.initial.z: 1e-05: unknown key (known here: y, v, p_1, p_2)"),
-    "energy": ({"output.energy": True}, "output.energy: true: must be false with bodies.piston, a pneumatic piston"),
-    "no friction": ({"contacts": {}},
-                    "controllers.axis.on: 'piston': must have a contact with the ground, whose friction the cascade knows"),
-    "two cascades": ({"controllers.second": MACHINE["controllers"]["axis"]},
-                     "controllers.second.on: 'piston': must be another body: controllers.axis drives it already"),
-    "too many samples": ({"controllers.axis.sample_time": 1e-9},
-                         "controllers.axis.sample_time: 1e-09: must be at least solve.t_end/1e+07 (1e-07 s)"),
-    "no derivatives": ({"controllers.axis.signal": {"kind": "ramp", "rate": 0.1}},
-                       "controllers.axis.signal.kind: 'ramp': has no three derivatives, which the controller needs; "
-                       "must be one of sine, point_to_point, spline"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_one_line(name):
-    changes, line = MISTAKES[name]
-    assert problems(edited(MACHINE, changes)) == [line]

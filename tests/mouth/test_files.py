@@ -3,7 +3,6 @@
 import json
 import os
 import threading
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -48,15 +47,6 @@ def test_a_pipe_is_written_directly(tmp_path):
     reader.join(10)
     assert read == ["through"]
     assert [p.name for p in tmp_path.iterdir()] == ["pipe"]
-
-
-def test_the_last_file_moves_last(tmp_path, monkeypatch):
-    moved, replace = list[str](), Path.replace
-    monkeypatch.setattr(Path, "replace", lambda self, target: (moved.append(self.name), replace(self, target))[1])
-    with together(tmp_path / "out") as folder:
-        for name in ("summary.json", "a.csv", "z.csv"):
-            (folder / name).write_text("{}")
-    assert moved == ["a.csv", "z.csv", "summary.json"]
 
 
 def test_a_folder_in_the_place_of_one_file_leaves_the_older_result_whole(tmp_path):

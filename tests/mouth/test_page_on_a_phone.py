@@ -55,14 +55,6 @@ def test_what_is_wide_scrolls_by_itself(page):
     assert [tag for tag, about in wide.found if "scroll" not in about] == []
 
 
-def test_only_the_contents_have_columns_and_not_where_it_is_narrow():
-    narrow = re.search(r"@media screen and \(max-width: [\d.]+rem\) \{(.*?)\n\}", STYLE, re.S)[1]
-    assert re.findall(r"([^{}\n]+)\{[^}]*columns: 2", STYLE) == ["nav ol "]
-    assert "columns: auto" in re.search(r"nav ol \{([^}]*)\}", narrow)[1]
-    assert "grid-template" not in STYLE
-    assert "float:" not in STYLE
-
-
 def in_a_browser(page, folder, script):
     """The text to which a script on the page, on a narrow screen, evaluates; ``d`` is the page's document."""
     outer = folder / "outer.html"

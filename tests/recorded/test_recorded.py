@@ -25,6 +25,13 @@ T = np.arange(200) * 1e-3
 WANTED = {"time": "time", "position": "position"}
 
 
+@pytest.fixture(params=["pyarrow", "lines"])
+def either_reader(request, monkeypatch):
+    """CSV files are read by pyarrow, or without it line by line."""
+    if request.param == "lines":
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+
+
 def mat73(path, fill):
     h5py = pytest.importorskip("h5py")
     with h5py.File(path, "w", userblock_size=512) as file:
@@ -59,11 +66,8 @@ def test_a_line_of_units_has_a_short_word_or_nothing_for_each_column(line, units
 
 
 @pytest.mark.parametrize("first", ["0", '"1,000"'])
-@pytest.mark.parametrize("arrow", [True, False])
-def test_a_quoted_comma_of_thousands_between_commas_is_named(tmp_path, monkeypatch, first, arrow):
+def test_a_quoted_comma_of_thousands_between_commas_is_named(tmp_path, first, either_reader):
     """It was reported as text, and in the first row as a missing column."""
-    if not arrow:
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
     (tmp_path / "log.csv").write_text(f't,v\n0,{first}\n1,"1,250.5"\n2,"2,500"\n')
     row, cell = ("2", "1,000") if first != "0" else ("3", "1,250.5")
     text = f"v: column 'v': '{cell}': must be written without the comma of thousands \\(.*log.csv, row {row}\\)"
@@ -111,13 +115,10 @@ def test_names_stand_directly_above_the_rows_or_their_units(tmp_path, head, name
     assert found.columns({"position": names[1]})["position"].tolist() == [1, 2, 3]
 
 
-@pytest.mark.parametrize("arrow", [True, False])
 @pytest.mark.parametrize(
     "head", ["t,v\n\n", "t,v\n\n\n\n", "t,v\ns,mm\n\n", "t,v\n\ns,mm\n", "Rig 7\n\nt,v\n  \n", "\nt,v\n"]
 )
-def test_blank_lines_do_not_part_the_names_from_the_rows(tmp_path, monkeypatch, arrow, head):
-    if not arrow:
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+def test_blank_lines_do_not_part_the_names_from_the_rows(tmp_path, either_reader, head):
     (tmp_path / "a.csv").write_text(head + "0,1\n1,2\n\n2,3\n")
     found = opened(tmp_path / "a.csv")
     assert found.names == ["t", "v"]
@@ -125,21 +126,15 @@ def test_blank_lines_do_not_part_the_names_from_the_rows(tmp_path, monkeypatch, 
     assert found.columns({"position": "v"})["position"].tolist() == [1, 2, 3]
 
 
-@pytest.mark.parametrize("arrow", [True, False])
-def test_a_row_of_missing_numbers_below_the_names_is_a_row(tmp_path, monkeypatch, arrow):
-    if not arrow:
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+def test_a_row_of_missing_numbers_below_the_names_is_a_row(tmp_path, either_reader):
     (tmp_path / "a.csv").write_text("t,v\n,\n1,2\n2,3\n")
     read = opened(tmp_path / "a.csv").columns({"position": "v"})["position"]
     assert np.array_equal(read, [np.nan, 2, 3], equal_nan=True)
 
 
-@pytest.mark.parametrize("arrow", [True, False])
 @pytest.mark.parametrize("mark", ["\v", "\f", "\x1c", "\x1d", "\x1e", "\x85", "\u2028", "\u2029"])
-def test_marks_of_unicode_end_no_line(tmp_path, monkeypatch, arrow, mark):
+def test_marks_of_unicode_end_no_line(tmp_path, either_reader, mark):
     """Readers of rows end lines at CR and LF alone; a head that is counted otherwise loses rows."""
-    if not arrow:
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
     path = tmp_path / "log.csv"
     path.write_text(f"# made{mark} by me\nt,v{mark}a\n0,5\n1,6\n", encoding="utf-8", newline="")
     names = {"t": "t", "v": f"v{mark}a"}
@@ -167,13 +162,10 @@ def test_micro_has_three_spellings(tmp_path, micro):
     assert [(TIME | LENGTH)[unit] for unit in read.stated.values()] == [1e-6, 1e-6]
 
 
-@pytest.mark.parametrize("arrow", [True, False])
 @pytest.mark.parametrize("names", ["t,v\n", "t,v\ns,mm\n", "Rig,12\nt,v\n", "t,v\n\n"])
 @pytest.mark.parametrize(("row", "count"), [("0,1,", 3), ("0,1,5", 3), ("0,1,5,6", 4), ("0", 1), ("0,1,\n7,7,7", 3)])
-def test_a_first_row_of_another_width_is_named(tmp_path, monkeypatch, arrow, names, row, count):
+def test_a_first_row_of_another_width_is_named(tmp_path, either_reader, names, row, count):
     """The names were lost, and the columns were said not to be there."""
-    if not arrow:
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
     (tmp_path / "a.csv").write_text(f"{names}{row}\n1,2\n2,3\n3,4\n")
     found = opened(tmp_path / "a.csv")
     assert found.names == ["t", "v"]
@@ -220,10 +212,7 @@ def test_rows_that_were_never_written_are_not_zeros(tmp_path, chunks):
         read_columns(mat73(tmp_path / "a.mat", fill), WANTED)
 
 
-@pytest.mark.parametrize("name", ["arrow", "lines"])
-def test_cells_of_other_columns_may_hold_line_breaks(tmp_path, name, monkeypatch):
-    if name == "lines":
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+def test_cells_of_other_columns_may_hold_line_breaks(tmp_path, either_reader):
     path = tmp_path / "a.csv"
     path.write_text("t,x,what\n" + "".join(f'{k},{k}.5,"a,""b\nc"\n' for k in range(9)))
     assert read_columns(path, {"time": "t", "x": "x"})["x"].tolist() == [k + 0.5 for k in range(9)]
@@ -504,10 +493,7 @@ def test_a_head_that_is_longer_than_the_beginning_is_read(tmp_path):
 
 @pytest.mark.parametrize("separator", [";", "\t"])
 @pytest.mark.parametrize("mark", [",", "."])
-@pytest.mark.parametrize("arrow", [True, False])
-def test_one_note_asks_where_every_cell_has_such_a_mark(tmp_path, monkeypatch, separator, mark, arrow):
-    if not arrow:
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+def test_one_note_asks_where_every_cell_has_such_a_mark(tmp_path, either_reader, separator, mark):
     path = tmp_path / "a.csv"
     rows = [["time", "force"], *([f"{100 + i},00{i}", f"-{i + 1},250"] for i in range(9))]
     path.write_text("".join(separator.join(row).replace(",", mark) + "\n" for row in rows))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -52,35 +51,6 @@ def test_the_last_row_may_lie_behind_t_end():
     assert scenario.end == 3 * 0.1
     slightly = with_values(1.0 - 1e-12, 0.25)
     assert (slightly.rows, slightly.end) == (5, 1.0)
-
-
-def signal(**values):
-    return Scenario(edited(SPRING, "drive.signal", value=values)).signal
-
-
-def test_signals_are_continuous_from_the_right():
-    step = signal(kind="step", value=2.0, time=0.5)
-    assert step.at([-1.0, 0.0, math.nextafter(0.5, 0), 0.5, 9.0]).tolist() == [0.0, 0.0, 0.0, 2.0, 2.0]
-    points = signal(kind="points", t=[0.0, 1.0, 1.0, 1.0, 2.0], value=[1.0, 3.0, 7.0, 5.0, 6.0])
-    before = math.nextafter(1.0, 0)
-    assert points.at([-5.0, 0.0, 0.5, 1.0, 1.5, 2.0, 5.0]).tolist() == [1.0, 1.0, 2.0, 5.0, 5.5, 6.0, 6.0]
-    assert points.at(before) == pytest.approx(3.0)
-
-
-def test_jumps_at_the_ends():
-    points = signal(kind="points", t=[0.0, 0.0, 1.0, 1.0], value=[9.0, 1.0, 2.0, 3.0])
-    assert points.at([-1.0, 0.0, 0.5, 1.0, 2.0]).tolist() == [9.0, 1.0, 1.5, 3.0, 3.0]
-    assert signal(kind="points", t=[4.0], value=[7.0]).at([0.0, 4.0, 9.0]).tolist() == [7.0, 7.0, 7.0]
-    assert signal(kind="step", value=2.0, time=0.0).at(0.0) == 2.0
-    assert signal(kind="step", value=2.0, time=-1.0).at([-2.0, 0.0]).tolist() == [0.0, 2.0]
-
-
-def test_ramps_and_sines():
-    t = np.linspace(-1, 1, 7)
-    assert signal(kind="ramp", rate=-3.0).at(t) == pytest.approx(-3.0 * t)
-    full = signal(kind="sine", amplitude=2.0, frequency=0.7, offset=0.5, phase=0.3)
-    assert full.at(t) == pytest.approx(0.5 + 2.0 * np.sin(2 * np.pi * 0.7 * t + 0.3))
-    assert signal(kind="sine", amplitude=2.0, frequency=0.7).at(t) == pytest.approx(2 * np.sin(2 * np.pi * 0.7 * t))
 
 
 def test_defaults():

@@ -1,16 +1,11 @@
-"""Small valid scenarios that together use every kind of drive and signal, and what is allowed at each of their keys."""
+"""Small valid scenarios that together use every kind of drive and signal, and copies of them with changes."""
 
 from __future__ import annotations
 
 import copy
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-
-from tests.shared import SHARED
-
-SCENARIOS = SHARED / "scenarios"
 
 CANUDAS = {"sigma_0": 1e5, "sigma_1": 316.2, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
 MAKKAR = {"g1": 0.25, "g2": 100.0, "g3": 10.0, "g4": 0.1, "g5": 100.0, "g6": 0.01}
@@ -66,59 +61,6 @@ VALID: dict[str, dict[str, Any]] = {
         "output": {"step": 0.01},
     },
 }  # fmt: skip
-
-# What is allowed at a key: a number (of any sign, > 0, >= 0), text, one of some words, ...
-_ANY, _POSITIVE, _NOT_NEGATIVE = "any", "positive", "not negative"
-ALLOWED: dict[str, str] = {
-    "schema": "one", "name": "text", "law.name": "word", "law.parameters": "table or word",
-    **dict.fromkeys(("law.k_v", "law.z_ba", "law.v_d", "law.delta", "law.g2", "law.g5"), _POSITIVE),
-    "law.smooth_abs": "word",
-    **dict.fromkeys(("law.g1", "law.g3", "law.g4", "law.g6"), _NOT_NEGATIVE),
-    **{f"law.parameters.{n}": _NOT_NEGATIVE if n in ("sigma_1", "sigma_2") else _POSITIVE for n in CANUDAS},
-    "plant.kind": "word", "plant.mass": _POSITIVE,
-    **dict.fromkeys(("plant.initial.y", "plant.initial.v", "plant.initial.z"), _ANY),
-    "drive.kind": "word", "drive.stiffness": _NOT_NEGATIVE, "drive.signal.kind": "word",
-    **{f"drive.{n}": _ANY for n in ("K_p", "K_i", "K_d")},
-    **{f"drive.signal.{n}": _ANY for n in ("rate", "time", "amplitude", "offset", "phase")},
-    "drive.signal.frequency": _POSITIVE, "drive.signal.t": "list", "drive.signal.path": "path",
-    "solve.t_end": _POSITIVE, "solve.rtol": _POSITIVE, "solve.max_steps": "whole", "output.step": _POSITIVE,
-    "solve.atol.y": _POSITIVE, "solve.atol.v": _POSITIVE, "output.energy": "switch",
-    **dict.fromkeys(("law", "plant", "plant.initial", "drive", "drive.signal"), "table"),
-    **dict.fromkeys(("solve", "solve.atol", "output"), "table"),
-}  # fmt: skip
-# by kind of signal
-ALLOWED_VALUE = {"points": "list", "step": _ANY, "file": "column"}
-
-OPTIONAL = {
-    "name", "law.delta", "law.v_d", "law.smooth_abs", "plant.kind", "plant.initial",
-    "plant.initial.y", "plant.initial.v", "plant.initial.z",
-    "drive.K_i", "drive.K_d", "drive.signal.offset", "drive.signal.phase",
-    "solve.rtol", "solve.atol", "solve.atol.y", "solve.atol.v",
-    "solve.max_steps", "output.energy",
-}  # fmt: skip
-
-
-def optional(data: dict[str, Any], path: str) -> bool:
-    """True where the key may be left out."""
-    velocity = data["drive"]["kind"] == "velocity"
-    curve = ("law.k_v", "law.parameters.sigma_0", "law.parameters.sigma_1")  # what the Stribeck curve does not need
-    law_decides = path in curve and data["law"]["name"] == "stribeck"
-    return path in OPTIONAL or law_decides or (velocity and path in ("plant", "plant.mass"))
-
-
-def allowed(data: dict[str, Any], path: str) -> str:
-    """What is allowed at a key."""
-    if path in ("drive.signal.value", "drive.signal.time"):
-        kind = data["drive"]["signal"]["kind"]
-        return "column" if kind == "file" else ALLOWED_VALUE[kind] if path.endswith("value") else _ANY
-    return ALLOWED[path]
-
-
-def examples() -> dict[str, dict[str, Any]]:
-    """The valid scenarios of this file, and those of the shared folder where it is present."""
-    shared = {f"shared_{p.stem}": tomllib.loads(p.read_text()) for p in sorted(SCENARIOS.glob("*.toml"))}
-    shared.pop("shared_pneumatic_servo", None)
-    return {**VALID, **shared}
 
 
 def keys(table: dict[str, Any], path: str = "") -> Iterator[str]:

@@ -5,7 +5,6 @@ import pyarrow
 import pytest
 from pyarrow import csv, parquet
 
-from stribeck.errors import InputError
 from stribeck.waveforms import (
     FileSignal,
     PointsSignal,
@@ -162,30 +161,6 @@ def test_files_are_read_as_points(tmp_path):
     parquet.write_table(table, tmp_path / "log.parquet")
     for name in ("log.csv", "log.parquet"):
         np.testing.assert_array_equal(FileSignal.read(tmp_path / name, "t", "v").at([0.5, 1, 3]), [1, 5, 5])
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("t,v\n0,1\n2,2\n1,3\n", "column 't', row 2: 1.0: times must not decrease (the one before is 2.0)"),
-        ("t,v\n0,1\n1,inf\n", "column 'v', row 1: inf: must be a finite number"),
-        ("t,v\n0,1\n1,\n", "has 1 empty"),
-        ("t,v\n0,a\n1,b\n", "not numbers"),
-        ("t,w\n0,1\n", "no such column (it has t, w)"),
-        ("", "is empty"),
-        ("t,v\n", "has a head but no rows"),
-    ],
-)
-def test_files_that_are_no_signal(tmp_path, text, message):
-    (tmp_path / "log.csv").write_text(text)
-    with pytest.raises(InputError) as error:
-        FileSignal.read(tmp_path / "log.csv", "t", "v")
-    assert message in str(error.value)
-
-
-def test_a_file_that_is_not_there(tmp_path):
-    with pytest.raises(InputError, match="cannot be read"):
-        FileSignal.read(tmp_path / "log.csv", "t", "v")
 
 
 def test_constants_have_the_unit_of_what_the_signal_is():

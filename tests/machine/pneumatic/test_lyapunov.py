@@ -1,6 +1,5 @@
 """dV/dt, the conditions on the gains, the proof by intervals, and V along simulations."""
 
-import json
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +8,6 @@ import sympy
 
 import stribeck
 from stribeck import StribeckError, examples
-from stribeck.cli import _status
 from stribeck.expressions import ops
 from stribeck.laws import BristleLaw
 from stribeck.loops.gains import at_speed, decay, gain_verdict, prove
@@ -223,25 +221,6 @@ def test_z_err_vanishes_at_rest():
     off = solution["z_hat"] - solution["z"]
     assert abs(off[0]) == pytest.approx(1e-4)
     assert abs(off[-1]) < 1e-14
-
-
-def test_command(tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert _status(["new", "servo"]) == 0
-    capsys.readouterr()
-    assert _status(["design", "servo.toml", "--v-max", "0.5", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["proof"]["proven"] is True
-    assert found["exact"]["holds"] is True
-    assert found["simulation"]["rises"] == 0
-    assert _status(["design", "servo.toml", "--v-max", "30"]) == 0
-    out = capsys.readouterr().out
-    assert "refuted" in out
-    assert "K_D = 169" in out
-    for words in (["--v-max", "-1"], ["--set", "drive.observer.name=none"],
-                  ["--set", "drive.observer.name=coulomb_viscous"]):  # fmt: skip
-        assert _status(["design", "servo.toml", *words]) == 2
-        assert capsys.readouterr().out == ""
 
 
 def test_without_bristle_damping_any_gains_hold():

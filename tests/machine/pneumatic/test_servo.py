@@ -139,42 +139,6 @@ def test_adaptation_recovers(factor, middle, late):
 
 # -- what is refused, and what fails ----------------------------------------------------------------------------------
 
-BAD = {
-    "plant.stroke": ({"drive__signal__amplitude": 0.6}, "drive.signal: the path reaches y = "),
-    "supply": ({"plant__supply_pressure": 1.5e5}, "plant.supply_pressure: 150000.0: the path needs a pressure"),
-    "vacuum": ({"plant__supply_pressure": 9e4}, "must be above atmospheric_pressure"),
-    "ramp": ({"drive__signal": {"kind": "ramp", "rate": 0.1}}, "must be one of sine, point_to_point, spline"),
-    "observer": ({"drive__observer": {"name": "lugre"}}, "cannot be an observer, which needs dF/dt"),
-    "elasto": ({"drive__observer": {"name": "elastoplastic", "z_ba": 1e-3}}, "cannot be an observer"),
-    "k_v": ({"drive__observer": {"name": "lugre_sobczyk"}}, "drive.observer.k_v: missing"),
-    "observer F_c": ({"drive__observer__parameters": {"F_c": -1.0}}, "drive.observer.parameters.F_c: -1.0: must be"),
-    "observer key": ({"drive__observer__F_c": 1.0}, "belongs in drive.observer.parameters"),
-    "no observer": ({"drive__observer": 3}, "drive.observer: 3: must be a table"),
-    "instants": ({"drive__sample_time": 1e-9}, "drive.sample_time: 1e-09: must be at least solve.t_end/1e+07"),
-    "delay": ({"drive__delay": 0.1}, "drive.delay: 0.1: needs drive.sample_time"),
-    "noise": ({"drive__noise": 1e-5, "drive__sample_time": 1e-3}, "drive.bandwidth: missing"),
-    "adapt none": ({"drive__adaptive": True, "drive__observer": {"name": "none"}}, "there is no observer"),
-    "adapt": ({"drive__adaptive": True, "drive__observer": {"name": "coulomb_viscous"}}, "dz/dt must be linear in z"),
-    "adapt zero": ({"drive__adaptive": True, "law__parameters__sigma_2": 0.0}, "sigma_2 = 0: its scale is adapted"),
-    "adapt v_d": ({"drive__adaptive": True, "drive__observer__v_d": 0.1}, "sigma_1 must be constant"),
-    "K_D": ({"drive__K_D": -1.0}, "drive.K_D: -1.0: must be a finite number > 0"),
-    "model": ({"drive__model": {"mas": 1.0}}, "did you mean 'mass'"),
-    "start": ({"plant__initial__y": 1.5}, "must be within the stroke, 0 to 1 m"),
-    "start p": ({"plant__initial__p_1": -1.0}, "an absolute pressure >= 0 Pa"),
-    "kind": ({"plant__kind": "mass"}, "plant.kind: 'mass': must be 'pneumatic'"),
-    "energy": ({"output__energy": True}, "output.energy: true: must be false"),
-    "times": ({"drive__signal": {**MOVES, "t": [0.0, 1.0, 1.0, 3.0]}}, "drive.signal.t[2]: 1.0: times must increase"),
-}
-
-
-@pytest.mark.parametrize("name", BAD)
-def test_refused(name):
-    changes, text = BAD[name]
-    with pytest.raises(InputError) as caught:
-        servo(**changes)
-    assert text in str(caught.value)
-    assert len(caught.value.problems) == 1, caught.value.problems
-
 
 def test_a_pneumatic_plant_needs_its_controller():
     new = data()
