@@ -13,9 +13,9 @@ from pathlib import Path
 from stribeck.codegen.source import PORTABLE, STRICT, runtime_text
 
 TARGET = Path(__file__).parent.parent / "src" / "stribeck" / "codegen" / "runtime" / "runtime.wasm"
-# -Os: as fast as -O3, and half as large to compile for each new system. The stack would be 16 MB in each instance.
+# -O2: runs take some 4 % less time than with -Os. The stack would be 16 MB in each instance.
 FLAGS = (
-    "-target", "wasm32-wasi", "-Os", "-fno-math-errno", "-mexec-model=reactor", "-Wl,--no-entry", "-Wl,--export-dynamic",
+    "-target", "wasm32-wasi", "-O2", "-fno-math-errno", "-mexec-model=reactor", "-Wl,--no-entry", "-Wl,--export-dynamic",
     "-Wl,--export=__heap_base", "-Wl,--export=shape", "-Wl,-z,stack-size=262144", "-Wl,--strip-all",
     "-Wno-gnu-folding-constant",
 )  # fmt: skip

@@ -2,7 +2,6 @@
 
 import hashlib
 import importlib.util
-import math
 import platform
 import shutil
 import subprocess
@@ -14,7 +13,6 @@ import pytest
 import wasmtime
 
 from stribeck import Scenario, examples, simulate
-from stribeck.codegen.emitted import _MayCross
 from stribeck.errors import BuildError, InputError
 from stribeck.simulation import backend, engine, wasm
 from tests.simulation.rig import LAWS, law_table, needs_compiler, pid, rig, solved, spring
@@ -44,13 +42,6 @@ def assert_same(compiled, other):
     for column in compiled.columns:
         error = np.max(np.abs(other[column.name] - compiled[column.name]), initial=0)
         assert error <= 1e-6 * max(compiled.peaks[column.name], 1e-300), column.name
-
-
-def test_a_quartic_through_five_values_has_these_coefficients():
-    x = np.linspace(0, 1, 5)
-    values = np.array([math.comb(4, i) * x**i * (1 - x) ** (4 - i) for i in range(5)]).T
-    inner = [np.array(row) / by for row, by in _MayCross.OF_VALUES]
-    np.testing.assert_allclose(inner @ values, np.eye(5)[1:4], atol=1e-14)
 
 
 @pytest.mark.share(7)

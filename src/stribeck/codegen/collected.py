@@ -2,67 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from collections.abc import Collection
 
 from stribeck.expressions.graph import ONE, ZERO, Expr, derivative, ordered, rewrite, substitute, symbol, symbols
 from stribeck.expressions.names import Names
 from stribeck.machine.equations import Equations
 
 
-@dataclass
-class Collected:
-    """The expressions of a system, as lists that are rewritten together.
+def collect(system: Equations, called: Names) -> tuple[dict[str, list[Expr]], list[bool]]:
+    """The system's expressions, and for each watched quantity whether it is not linear in states and time.
 
-    Attributes:
-        rates: time derivatives of the states.
-        by_state, by_time: their derivatives by each state (row by row), and by time.
-        watched, watched_by: quantities whose zeros are events, and their derivatives by each state.
-        forces, forces_by: friction forces, and their derivatives by each state.
-        moved: the energy that changes where a signal jumps; empty if energy is not computed.
-        samples: output and stored values of each sampled controller.
-        curved: for each watched quantity, whether it is not linear in states and time.
-        memory: names of the stored values of each sampled controller.
-        called: names of intermediate results.
-        as_written: whether the samples keep the order of operations of their equations.
+    They come as lists that are rewritten together:
+
+    - ``rates``: time derivatives of the states; ``by_state`` (row by row) and ``by_time``: their derivatives.
+    - ``watched``: quantities whose zeros are events; ``forces``: friction forces; ``watched_by``, ``forces_by``: their
+      derivatives by each state.
+    - ``moved``: the energy that changes where a signal jumps; empty if energy is not computed.
+    - ``samples``: output and stored values of each sampled controller.
+
+    Names of intermediate results are added to ``called``.
     """
-
-    rates: list[Expr]
-    by_state: list[Expr]
-    by_time: list[Expr]
-    watched: list[Expr]
-    watched_by: list[Expr]
-    forces: list[Expr]
-    forces_by: list[Expr]
-    moved: list[Expr]
-    samples: list[Expr]
-    curved: list[bool]
-    memory: list[tuple[str, ...]]
-    called: Names
-    as_written: bool = False
-
-    @property
-    def lists(self) -> list[list[Expr]]:
-        """The lists that are rewritten together."""
-        samples = [] if self.as_written else [self.samples]
-        forces = (self.forces, self.forces_by)
-        return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, *forces, self.moved, *samples]
-
-    @property
-    def all_expressions(self) -> list[Expr]:
-        """The expressions of all lists."""
-        return [node for part in self.lists for node in part]
-
-    def replace(self, flat: Iterable[Expr]) -> None:
-        """Replace the expressions of all lists, in the same order."""
-        new = iter(flat)
-        for part in self.lists:
-            part[:] = [next(new) for _ in part]
-
-
-def collect(system: Equations, as_written: bool = False) -> Collected:
-    """All expressions of the system and their derivatives."""
-    called = Names()
     rates, names = system.rates(called), [state.name for state in system.states]
     states, t = [symbol(name) for name in names], symbol("t")
     known: list[dict[Expr, Expr]] = [{} for _ in (*states, t)]
@@ -73,28 +32,24 @@ def collect(system: Equations, as_written: bool = False) -> Collected:
             derivative(expression, by, known[i]) if str(by.value) in uses else ZERO for i, by in enumerate((*states, t))
         ]
 
-    rows = [slopes(rate) for rate in rates]
+    of_rates = [slopes(rate) for rate in rates]
     watched = [watch.value for watch in system.watches(called)]
     of_watched = [slopes(value) for value in watched]
     forces = system.forces(called)
-    moving = {*names, "t"}
     samples = system.samples(called)
     moved = system.moved_energy()
-    return Collected(
-        rates=list(rates),
-        by_state=[entry for row in rows for entry in row[:-1]],
-        by_time=[row[-1] for row in rows],
-        watched=watched,
-        watched_by=[entry for row in of_watched for entry in row[:-1]],
-        forces=forces,
-        forces_by=[entry for force in forces for entry in slopes(force)[:-1]],
-        moved=[] if moved is None else [moved],
-        samples=[expr for each in samples for expr in (each.output, *each.memory.values())],
-        curved=[bool(symbols(row) & moving) for row in of_watched],
-        memory=[tuple(each.memory) for each in samples],
-        called=called,
-        as_written=as_written,
-    )
+    lists = {
+        "rates": list(rates),
+        "by_state": [entry for row in of_rates for entry in row[:-1]],
+        "by_time": [row[-1] for row in of_rates],
+        "watched": watched,
+        "watched_by": [entry for row in of_watched for entry in row[:-1]],
+        "forces": forces,
+        "forces_by": [entry for force in forces for entry in slopes(force)[:-1]],
+        "moved": [] if moved is None else [moved],
+        "samples": [expr for each in samples for expr in (each.output, *each.memory.values())],
+    }
+    return lists, [bool(symbols(row) & {*names, "t"}) for row in of_watched]
 
 
 def _constant(node: Expr, parameters: Collection[str], known: dict[Expr, bool]) -> bool:

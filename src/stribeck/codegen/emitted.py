@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from stribeck.codegen.elimination import eliminate
 from stribeck.codegen.source import SystemCode, runtime_text
 from stribeck.codegen.webassembly import (
     AGAIN,
@@ -22,28 +21,18 @@ from stribeck.codegen.webassembly import (
     I32,
     IF,
     LOOP,
-    NOT_I32,
     OPS,
-    SPLAT,
     SUB_I32,
     TO_F64,
-    V128,
-    V_ADD,
-    V_MUL,
     Function,
     call,
-    extract,
     f64,
     get,
     integer,
     load,
     put,
-    replace_second,
     store,
     tee,
-    v_load,
-    v_number,
-    v_store,
 )
 from stribeck.expressions.emit import within_loops
 from stribeck.expressions.graph import (
@@ -54,15 +43,13 @@ from stribeck.expressions.graph import (
     Expr,
     is_zero,
     ordered,
-    symbol,
     symbols,
 )
 from stribeck.machine.equations import Equations
 
 ADD, SUB, MUL, DIV = (OPS[name] for name in ("add", "sub", "mul", "div"))
 STAGES = 8
-# From so many states on, each stage calls the rates as a function, and the sums over stages are computed for two states
-# at once. Cranelift allots registers badly to eight copies of the rates. For fewer states, pairs cost 1 to 8 %.
+# From so many states on, each stage calls the rates as a function: Cranelift allots registers badly to eight copies of them.
 LARGE = 5
 LINE = 64  # bytes: arrays begin on lines of their own
 MOST_WATCHED = 64  # length of the arrays in runtime/any.c's struct Shape
@@ -73,7 +60,7 @@ def tables() -> dict[str, list[list[float]]]:
     """The coefficients of the integration method, read from runtime/method.c."""
     text = re.sub(r"/\*.*?\*/", "", runtime_text("method.c"), flags=re.DOTALL)
     numbers: dict[str, list[list[float]]] = {}
-    for name in ("GAMMA", "NODE", "TIME", "A", "C", "DENSE", "CARRY_GAMMA", "CARRY"):
+    for name in ("GAMMA", "NODE", "TIME", "A", "C", "CARRY_GAMMA", "CARRY"):
         (body,) = re.findall(rf"static const double {name}(?:\[[^=]*)? = ([^;]*);", text)
         rows = re.findall(r"\{([^{}]*)\}", body) or [body]
         numbers[name] = [[float(x) for x in row.split(",")] for row in rows]
@@ -164,78 +151,6 @@ class _Code:
         return call(self.runtime[name])
 
 
-class _Single:
-    """A state whose sums over stages are computed alone."""
-
-    add, mul = ADD, MUL
-
-    def __init__(self, f: Function, i: int) -> None:
-        self.f, self.i, self.stages = f, i, list[int]()  # locals with the stages' results
-
-    def number(self, x: float) -> bytes:
-        return f64(x)
-
-    def splat(self, x: bytes) -> bytes:
-        """A scalar in each lane."""
-        return x
-
-    def load(self, pointer: int) -> bytes:
-        return load(pointer, 8 * self.i)
-
-    def pack(self, locals_: Sequence[int]) -> bytes:
-        """Push the value of the state."""
-        return get(locals_[self.i])
-
-    def unpack(self, locals_: Sequence[int]) -> bytes:
-        """Pop a value into the local of the state."""
-        return put(locals_[self.i])
-
-    def terms(self, row: Sequence[float], onto: bool) -> bytes:
-        """Push the sum of row[j] k[j]; ``onto``: add it to the top of the stack."""
-        return b"".join(
-            self.number(a) + get(k) + self.mul + (self.add if onto or j else b"")
-            for j, (a, k) in enumerate(zip(row, self.stages, strict=True))
-        )
-
-    def keep(self, pointer: int | None, offset: int, k: Sequence[int]) -> bytes:
-        """Store a stage's result in a local for later stages, and in memory for the runtime."""
-        self.stages.append(self.f.local())
-        return store(pointer, offset + 8 * self.i, self.pack(k) + tee(self.stages[-1]))
-
-
-class _Pair(_Single):
-    """Two states whose sums over stages are computed as one vector.
-
-    Each local is a vector, since loading two halves that were stored as one vector stalls the processor.
-    """
-
-    add, mul = V_ADD, V_MUL
-
-    def __init__(self, f: Function, i: int) -> None:
-        super().__init__(f, i)
-        self.both = f.local(V128)
-
-    def number(self, x: float) -> bytes:
-        return v_number(x)
-
-    def splat(self, x: bytes) -> bytes:
-        return x + SPLAT
-
-    def load(self, pointer: int) -> bytes:
-        return v_load(pointer, 8 * self.i)
-
-    def pack(self, locals_: Sequence[int]) -> bytes:
-        return get(locals_[self.i]) + SPLAT + get(locals_[self.i + 1]) + replace_second()
-
-    def unpack(self, locals_: Sequence[int]) -> bytes:
-        first, second = extract(0) + put(locals_[self.i]), extract(1) + put(locals_[self.i + 1])
-        return tee(self.both) + first + get(self.both) + second
-
-    def keep(self, pointer: int | None, offset: int, k: Sequence[int]) -> bytes:
-        self.stages.append(self.f.local(V128))
-        return v_store(pointer, offset + 8 * self.i, self.pack(k) + tee(self.stages[-1]))
-
-
 @dataclass(frozen=True)
 class Added:
     """A further function of a module, which stores its outputs one after the other.
@@ -274,10 +189,6 @@ class Emitted:
     def __init__(self, system: Equations, runtime: Mapping[str, int], rates: int, begin: int) -> None:
         self.system, self.runtime, self.rates = system, runtime, rates
         self.code = s = SystemCode(system, False)
-        s.jacobian, s.factors = {}, {}
-        right = [symbol(f"right.{name}") for name in s.names]
-        rows, observed = s.matrix(), s.observed()
-        solution = eliminate(rows, s.c_names, right, s.keep_factor)
         self.n = n = len(s.names)
         self.calls: set[str] = set()
         self.offset = {
@@ -299,14 +210,11 @@ class Emitted:
             "prepare": self._prepare(),
             "rates": self._stored("idii", "piece t x dx", s.rates, "dx"),
             "linearise": self._linearise([*s.rates, *s.by_time, *s.jacobian.values()]),
-            "attempt": _Attempt(self, solution).function(),
-            "observe": self._observe(observed),
-            "carry": self._carry(solution),
-            "dense": self._dense(),
-            "within": self._within(),
-            "may_cross": _MayCross(self).function(),
+            "attempt": _Attempt(self).function(),
+            "observe": self._observe(),
+            "carry": self._carry(),
             "watch": self._stored("idii", "piece t x w", s.watched, "w"),
-            "watch_dense": self._stored("ii", "dx dw", self.changes(), "dw"),
+            "watch_dense": self._stored("ii", "dx dw", s.changes(), "dw"),
             "moved_energy": self._moved_energy(),
             "sample": self._sample(),
             "find_timing": self._find_timing(),
@@ -348,16 +256,6 @@ class Emitted:
         """The code of each output, as part of a function."""
         return _Code(f, where, self.runtime, self.calls, strict).value(outputs)
 
-    def changes(self) -> list[Expr]:
-        """The change of each watched quantity along the dense output; 0 if it is curved."""
-        sums = []
-        for j, row in enumerate(self.code.watched_by):
-            total = ZERO
-            for i, entry in enumerate(row):
-                total = total + entry * symbol(f"change.{i}")
-            sums.append(ZERO if self.code.curved[j] else total)
-        return sums
-
     def _stored(self, kinds: str, names: str, outputs: Sequence[Expr], to: str) -> Function:
         """A function that stores its outputs one after the other."""
         f, target = Function(kinds), names.split().index(to)
@@ -380,17 +278,17 @@ class Emitted:
         f.code += b"".join(store(None, first + 8 * i, value) for i, value in enumerate(values))
         return f
 
-    def _observe(self, observed: Sequence[tuple[str, Expr]]) -> Function:
+    def _observe(self) -> Function:
         """The friction forces, their errors, and the sizes of the errors' terms, in one array each."""
         names = "e force force_error force_terms"
         f = Function("iiii")
-        values = self.values(f, self.inputs_of(names), [node for _, node in observed])
-        for (target, _), value in zip(observed, values, strict=True):
+        values = self.values(f, self.inputs_of(names), [node for _, node in self.code.observed])
+        for (target, _), value in zip(self.code.observed, values, strict=True):
             array, _, place = target.rstrip("]").partition("[")
             f.code += store(names.split().index(array), 8 * int(place), value)
         return f
 
-    def _carry(self, solution: Sequence[Expr]) -> Function:
+    def _carry(self) -> Function:
         """The errors after a time (carry_for() of runtime/stages.c)."""
         f, (gamma,), (of_a, of_b) = Function("di"), tables()["CARRY_GAMMA"][0], tables()["CARRY"][0]
         inv_shift, shift = f.local(), f.local()
@@ -402,39 +300,13 @@ class Emitted:
             where[f"factor.{name}"] = get(local)
         right, a, b = ([f.local() for _ in range(self.n)] for _ in range(3))
         where |= {f"right.{name}": get(local) for name, local in zip(self.code.names, right, strict=True)}
-        solved = self.values(f, where, solution)
+        solved = self.values(f, where, self.code.solution)
         for begin, end in ((None, a), (a, b)):
             for i in range(self.n):
                 f.code += get(shift) + (load(1, 8 * i) if begin is None else get(begin[i])) + MUL + put(right[i])
             f.code += b"".join(value + put(local) for value, local in zip(solved, end, strict=True))
         for i in range(self.n):
             f.code += store(1, 8 * i, f64(of_a) + get(a[i]) + MUL + f64(of_b) + get(b[i]) + MUL + ADD)
-        return f
-
-    def _dense(self) -> Function:
-        """The dense output's three coefficients of each state."""
-        f = Function("i")
-        for i in range(self.n):
-            f.code += b"".join(store(0, 8 * (3 * i + m), self.dense_coefficient(i, m)) for m in range(3))
-        return f
-
-    def dense_coefficient(self, i: int, m: int) -> bytes:
-        """dense() of runtime/method.c."""
-        return b"".join(
-            f64(factor) + load(None, self.k + 8 * (stage * self.n + i)) + MUL + (ADD if stage else b"")
-            for stage, factor in enumerate(tables()["DENSE"][m])
-        )
-
-    def _within(self) -> Function:
-        """The states after a share of a step: interpolate() of runtime/method.c."""
-        f = Function("diiii")
-        s, rest = get(0), f.local()
-        f.code += f64(1.0) + s + SUB + put(rest)
-        for i in range(self.n):
-            d0, d1, d2 = (load(3, 8 * (3 * i + m)) for m in range(3))
-            bent = get(rest) + d0 + s + d1 + s + d2 + MUL + ADD + MUL + ADD + MUL
-            value = get(rest) + load(1, 8 * i) + MUL + s + load(2, 8 * i) + bent + ADD + MUL + ADD
-            f.code += store(4, 8 * i, value)
         return f
 
     def _moved_energy(self) -> Function:
@@ -479,30 +351,30 @@ class _Attempt:
 
     NAMES = "piece t x h x_new atol rtol"
 
-    def __init__(self, emitted: Emitted, solution: Sequence[Expr]) -> None:
+    def __init__(self, emitted: Emitted) -> None:
         self.emitted, self.s, self.n = emitted, emitted.code, emitted.n
         self.f = f = Function("ididiid", "d")
         self.P = {name: i for i, name in enumerate(self.NAMES.split())}
         self.large = self.n >= LARGE
         self.inv_h, self.shift, self.inv_shift, self.time = (f.local() for _ in range(4))
         self.states, self.new, self.right, self.k = ([f.local() for _ in range(self.n)] for _ in range(4))
+        self.stages: list[list[int]] = []  # the results of each stage
         self.inputs = emitted.inputs_of(self.NAMES) | {"shift": get(self.shift), "inv_shift": get(self.inv_shift)}
-        self.solution = solution
 
     def function(self) -> Function:
         """The function."""
         f, n, emitted = self.f, self.n, self.emitted
         self._factors()
         self.inputs |= {f"right.{name}": get(self.right[i]) for i, name in enumerate(self.s.names)}
-        in_solve = self.emitted.values(f, self.inputs, self.solution)
+        in_solve = self.emitted.values(f, self.inputs, self.s.solution)
         self.inputs |= {"t": get(self.time)} | {name: get(self.states[i]) for i, name in enumerate(self.s.names)}
         in_rates = [] if self.large else self.emitted.values(f, self.inputs, self.s.rates)
-        paired = n - n % 2 if self.large else 0
-        sums = [_Pair(f, i) for i in range(0, paired, 2)] + [_Single(f, i) for i in range(paired, n)]
         for stage in range(STAGES):
-            self._stage(stage, sums, in_rates)
+            self._stage(stage, in_rates)
             f.code += b"".join(value + put(self.k[i]) for i, value in enumerate(in_solve))
-            f.code += b"".join(each.keep(None, emitted.k + 8 * stage * n, self.k) for each in sums)
+            self.stages.append([f.local() for _ in range(n)])  # for later stages; in memory for the runtime
+            for i, kept in enumerate(self.stages[-1]):
+                f.code += store(None, emitted.k + 8 * (stage * n + i), get(self.k[i]) + tee(kept))
         for i in range(n):
             end = get(self.new[i]) + get(self.k[i]) + ADD + put(self.new[i])
             f.code += end + store(self.P["x_new"], 8 * i, get(self.new[i]))
@@ -518,7 +390,11 @@ class _Attempt:
             f.code += self.emitted.values(f, self.inputs, [node])[0] + put(local)
             self.inputs[f"factor.{name}"] = get(local)
 
-    def _stage(self, stage: int, sums: Sequence[_Single], in_rates: Sequence[bytes]) -> None:
+    def _terms(self, row: Sequence[float], i: int) -> list[bytes]:
+        """The terms of the sum of row[j] k[j] over the stages so far, for state i."""
+        return [f64(a) + get(k[i]) + MUL for a, k in zip(row, self.stages, strict=True)]
+
+    def _stage(self, stage: int, in_rates: Sequence[bytes]) -> None:
         """The right-hand side of a stage's linear equations. The last two stages begin where the one before ended."""
         f, n, T, P = self.f, self.n, tables(), self.P
         states, new, k, right = self.states, self.new, self.k, self.right
@@ -528,18 +404,18 @@ class _Attempt:
             if stage > STAGES - 3:
                 f.code += b"".join(get(new[i]) + get(k[i]) + ADD + tee(states[i]) + put(new[i]) for i in range(n))
             else:
-                f.code += b"".join(
-                    each.load(P["x"]) + each.terms(T["A"][stage][:stage], onto=True) + each.unpack(states)
-                    for each in sums
-                )
+                for i in range(n):
+                    f.code += load(P["x"], 8 * i) + b"".join(term + ADD for term in self._terms(T["A"][stage], i))
+                    f.code += put(states[i])
             if stage == STAGES - 3:
                 f.code += b"".join(get(states[i]) + put(new[i]) for i in range(n))
             f.code += get(P["t"]) + f64(T["NODE"][0][stage]) + get(P["h"]) + MUL + ADD + put(self.time)
             f.code += self._called_rates(stage) if self.large else b""
             f.code += b"".join(value + put(right[i]) for i, value in enumerate(in_rates))
-            for each in sums:
-                f.code += each.pack(right) + each.terms(T["C"][stage][:stage], onto=False)
-                f.code += each.splat(get(self.inv_h)) + each.mul + each.add + each.unpack(right)
+            for i in range(n):
+                first, *others = self._terms(T["C"][stage], i)
+                f.code += get(right[i]) + first + b"".join(term + ADD for term in others)
+                f.code += get(self.inv_h) + MUL + ADD + put(right[i])
         for i in range(n):
             if T["TIME"][0][stage] and not is_zero(self.s.by_time[i]):
                 change = (
@@ -569,103 +445,3 @@ class _Attempt:
             f.code += get(self.k[i]) + load(P["atol"], 8 * i) + get(P["rtol"]) + get(a) + MUL + ADD + DIV
             f.code += tee(ratio) + get(ratio) + MUL + (ADD if i else b"")
         f.code += f64(1.0 / self.n) + MUL
-
-
-class _MayCross:
-    """Whether a watched quantity may pass its threshold in a step, by bounding Bernstein coefficients (runtime/events.c).
-
-    Only then is the crossing searched.
-    """
-
-    NAMES = "piece t x h x_new thresholds"
-    # The coefficients of the quartic through five values at equal distances: bernstein_of_values of runtime/events.c.
-    OF_VALUES = (((-13, 48, -36, 16, -3), 12), ((13, -64, 120, -64, 13), 18), ((-3, 16, -36, 48, -13), 12))
-
-    def __init__(self, emitted: Emitted) -> None:
-        self.emitted, self.s, self.n = emitted, emitted.code, emitted.n
-        self.f = Function("ididii", "i")
-        self.P = {name: i for i, name in enumerate(self.NAMES.split())}
-        self.before = emitted.inputs_of(self.NAMES)
-
-    def function(self) -> Function:
-        """The function."""
-        s, f, P = self.s, self.f, self.P
-        after = self._inputs_after(1.0, {name: load(P["x_new"], 8 * i) for i, name in enumerate(s.names)})
-        change = self._dense()
-        inside = [self._inside(share, change) for share in (0.25, 0.5, 0.75)] if any(s.curved) else []
-        f.code += integer(0)
-        for j, (value, bent) in enumerate(zip(s.watched, self.emitted.changes(), strict=True)):
-            v0, v1 = self._run(self.before, value), self._run(after, value)
-            if s.curved[j]:
-                coefficients = self._of_values([v0, *(self._run(where, value) for where in inside), v1])
-            else:
-                coefficients = self._of_dense(v0, v1, [self._run(change[m], bent) for m in range(3)])
-            self._compare(j, v0, [*coefficients, v1])
-        return f
-
-    def _run(self, where: Mapping[str, bytes], node: Expr) -> bytes:
-        local = self.f.local()
-        self.f.code += self.emitted.values(self.f, where, [node])[0] + put(local)
-        return get(local)
-
-    def _inputs_after(self, share: float, states: dict[str, bytes]) -> dict[str, bytes]:
-        """The inputs after a share of the step."""
-        local, h = self.f.local(), get(self.P["h"])
-        self.f.code += get(self.P["t"]) + (h if share == 1 else f64(share) + h + MUL) + ADD + put(local)
-        return {**self.before, "t": get(local), **states}
-
-    def _dense(self) -> list[dict[str, bytes]]:
-        """The dense output's three coefficients of each state that events depend on."""
-        used = symbols(self.s.watched)
-        change: list[dict[str, bytes]] = [dict(self.before) for _ in range(3)]
-        for i, name in enumerate(self.s.names):
-            for m in range(3):
-                change[m][f"change.{i}"] = f64(0.0)
-                if name in used:
-                    local = self.f.local()
-                    self.f.code += self.emitted.dense_coefficient(i, m) + put(local)
-                    change[m][f"change.{i}"] = get(local)
-        return change
-
-    def _inside(self, share: float, change: list[dict[str, bytes]]) -> dict[str, bytes]:
-        """The inputs within the step: interpolate() of runtime/method.c."""
-        used, states = symbols(self.s.watched), dict[str, bytes]()
-        for i, name in enumerate(self.s.names):
-            if name in used:
-                d0, d1, d2 = (change[m][f"change.{i}"] for m in range(3))
-                rest, local = f64(1 - share), self.f.local()
-                bent = rest + d0 + f64(share) + d1 + f64(share) + d2 + MUL + ADD + MUL + ADD + MUL
-                x0, x1 = load(self.P["x"], 8 * i), load(self.P["x_new"], 8 * i)
-                self.f.code += rest + x0 + MUL + f64(share) + x1 + bent + ADD + MUL + ADD + put(local)
-                states[name] = get(local)
-        return self._inputs_after(share, states)
-
-    def _of_values(self, v: Sequence[bytes]) -> list[bytes]:
-        return [
-            b"".join(f64(a) + x + MUL + (ADD if m else b"") for m, (a, x) in enumerate(zip(row, v, strict=True)))
-            + f64(by) + DIV
-            for row, by in self.OF_VALUES
-        ]  # fmt: skip
-
-    def _of_dense(self, v0: bytes, v1: bytes, d: Sequence[bytes]) -> list[bytes]:
-        """bernstein_of_dense of runtime/events.c."""
-        rise, (d0, d1, d2) = v1 + v0 + SUB, d
-        return [
-            v0 + f64(0.25) + rise + MUL + ADD + f64(0.25) + d0 + MUL + ADD,
-            f64(0.5) + v0 + v1 + ADD + MUL + d0 + f64(3.0) + DIV + ADD + d1 + f64(6.0) + DIV + ADD,
-            v0 + f64(0.75) + rise + MUL + ADD + f64(0.25) + d0 + d1 + ADD + d2 + ADD + MUL + ADD,
-        ]
-
-    def _compare(self, j: int, v0: bytes, coefficients: Sequence[bytes]) -> None:
-        """Combine the top of the stack (or) with whether the coefficients allow a crossing."""
-        b, low, high, limit = (self.f.local() for _ in range(4))
-        code = v0 + tee(low) + put(high)
-        for coefficient in coefficients:
-            code += coefficient + tee(b) + get(low) + OPS["min"] + put(low)
-            code += get(b) + get(high) + OPS["max"] + put(high)
-        code += load(self.P["thresholds"], 8 * j) + put(limit)
-        minus = get(limit) + OPS["neg"]
-        within = get(low) + minus + OPS["gt"] + get(high) + get(limit) + OPS["lt"] + OPS["both"]
-        beyond = get(low) + get(limit) + OPS["ge"] + get(high) + minus + OPS["le"] + OPS["either"]
-        off = get(limit) + f64(0.0) + OPS["gt"] + NOT_I32
-        self.f.code += code + within + beyond + OPS["either"] + off + OPS["either"] + NOT_I32 + OPS["either"]

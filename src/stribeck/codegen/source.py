@@ -12,15 +12,8 @@ from stribeck.codegen.elimination import eliminate
 from stribeck.codegen.parts import in_parts, unused
 from stribeck.errors import unbroken
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
-from stribeck.expressions.graph import (
-    ONE,
-    ZERO,
-    Expr,
-    is_zero,
-    ordered,
-    symbol,
-    symbols,
-)
+from stribeck.expressions.graph import ONE, ZERO, Expr, is_zero, ordered, symbol, symbols
+from stribeck.expressions.names import Names
 from stribeck.machine.equations import Equations
 
 # Words of C, and names that the generated functions use themselves.
@@ -76,29 +69,32 @@ class SystemCode:
             f"{group}.{name}": f"p->{field}"
             for (group, name), field in zip(system.parameters, self.fields, strict=True)
         }
-        collected = collect(system, as_written=not lanes)
-        self.called = collected.called
-        reserved = {*_RESERVED, *self.fields}
-        flat, self.coefficients = hoist(collected.all_expressions, self.parameter_text.keys(), reserved, self.called)
-        collected.replace(flat)
-        n = len(self.names)
-        self.rates, self.by_time, self.watched = collected.rates, collected.by_time, collected.watched
-        self.by_state = [collected.by_state[i * n : (i + 1) * n] for i in range(n)]
-        self.watched_by = [collected.watched_by[i * n : (i + 1) * n] for i in range(len(self.watched))]
-        self.forces = collected.forces
-        self.forces_by = [collected.forces_by[i * n : (i + 1) * n] for i in range(len(self.forces))]
-        self.curved = collected.curved
-        self.moved, self.samples, self.memory = collected.moved, collected.samples, collected.memory
+        self.called, n = Names(), len(self.names)
+        lists, self.curved = collect(system, self.called)
+        as_written = {} if lanes else {"samples": lists.pop("samples")}  # the same bits on every processor
+        flat, self.coefficients = hoist(
+            [node for part in lists.values() for node in part], self.parameter_text.keys(),
+            {*_RESERVED, *self.fields}, self.called,
+        )  # fmt: skip
+        new = iter(flat)
+        lists = {name: [next(new) for _ in part] for name, part in lists.items()} | as_written
+        self.rates, self.by_time, self.watched = lists["rates"], lists["by_time"], lists["watched"]
+        self.forces, self.moved, self.samples = lists["forces"], lists["moved"], lists["samples"]
+        self.by_state, self.watched_by, self.forces_by = (
+            [lists[name][i : i + n] for i in range(0, len(lists[name]), n)]
+            for name in ("by_state", "watched_by", "forces_by")
+        )
+        self.memory = [tuple(each.memory) for each in system.samples()]
+        self.jacobian: dict[str, Expr] = {}
+        self.factors: dict[str, Expr] = {}
+        rows, self.observed = self._matrix(), self._observed()
+        right = [symbol(f"right.{name}") for name in self.names]
+        self.solution = eliminate(rows, self.c_names, right, self._keep_factor)
 
     # -- the file ------------------------------------------------------------------------------------------------
 
     def text(self) -> str:
         """The whole file."""
-        self.jacobian: dict[str, Expr] = {}
-        self.factors: dict[str, Expr] = {}
-        rows, observed = self.matrix(), self.observed()
-        right = [symbol(f"right.{name}") for name in self.names]
-        solution = eliminate(rows, self.c_names, right, self.keep_factor)
         parts = [
             self._head(),
             runtime_text("vector.c" if self.lanes else "scalar.c"),
@@ -126,7 +122,8 @@ class SystemCode:
             ),
             self.function(
                 "The friction forces, and how much errors of the states change them.", "observe",
-                f"{_COMMON}, const Jacobian *jac, const real *e, real *force, real *force_error, real *force_terms", observed,
+                f"{_COMMON}, const Jacobian *jac, const real *e, real *force, real *force_error, real *force_terms",
+                self.observed,
             ),
             self.function(
                 "Factors of shift I - J.", "factorise",
@@ -136,7 +133,7 @@ class SystemCode:
             self.function(
                 "Solve (shift I - J) k = r.", "solve",
                 f"{_COMMON}, const Jacobian *jac, real shift, real inv_shift, const Factors *fac, const real *right, real *k",
-                [(f"k[{i}]", node) for i, node in enumerate(solution)],
+                [(f"k[{i}]", node) for i, node in enumerate(self.solution)],
             ),
             *self._watching(),
             *self._sampling(),
@@ -149,12 +146,6 @@ class SystemCode:
         """Functions of events: watched quantities, their change along the dense output, and the energy of signal jumps."""
         parts = []
         if self.watched:
-            changes = []
-            for j, row in enumerate(self.watched_by):
-                total = ZERO
-                for i, entry in enumerate(row):
-                    total = total if is_zero(entry) else total + entry * symbol(f"change.{i}")
-                changes.append((f"dw[{j}]", ZERO if self.curved[j] else total))
             parts = [
                 self.function(
                     "Quantities whose level crossings are events.", "watch", f"{_COMMON}, {_NOW}, real *w",
@@ -162,7 +153,8 @@ class SystemCode:
                 ),
                 self.function(
                     "How it changes with the states, where it does so in proportion.", "watch_dense",
-                    f"{_COMMON}, const real *dx, real *dw", changes,
+                    f"{_COMMON}, const real *dx, real *dw",
+                    [(f"dw[{j}]", change) for j, change in enumerate(self.changes())],
                 ),
             ]  # fmt: skip
         if self.moved:
@@ -210,7 +202,12 @@ class SystemCode:
             f"static inline void find_timing(const Parameters *p, real *timing)\n{{\n{times}}}",
         ]
 
-    def matrix(self) -> list[list[Expr]]:
+    def changes(self) -> list[Expr]:
+        """The change of each watched quantity along the dense output; 0 if it is curved."""
+        sums = [sum((entry * symbol(f"change.{i}") for i, entry in enumerate(row)), ZERO) for row in self.watched_by]
+        return [ZERO if curved else total for total, curved in zip(sums, self.curved, strict=True)]
+
+    def _matrix(self) -> list[list[Expr]]:
         """a I - J, with the entries of J that vary as symbols."""
         n, a = len(self.names), symbol("shift")
         known = {*self.parameter_text, *(f"coefficient.{name}" for name in self.coefficients)}
@@ -233,7 +230,7 @@ class SystemCode:
             matrix.append(row)
         return matrix
 
-    def observed(self) -> list[tuple[str, Expr]]:
+    def _observed(self) -> list[tuple[str, Expr]]:
         """The friction forces, their first-order change and the size of its terms, from entries that the Jacobian's
         function stores."""
         known = {*self.parameter_text, *(f"coefficient.{name}" for name in self.coefficients)}
@@ -256,7 +253,7 @@ class SystemCode:
             entries += [(f"force_error[{k}]", total), (f"force_terms[{k}]", size)]
         return entries
 
-    def keep_factor(self, name: str, entry: Expr) -> Expr:
+    def _keep_factor(self, name: str, entry: Expr) -> Expr:
         """Store an entry of the factors and return its symbol; a cheap entry is returned unchanged."""
         cheap = entry.op in ("constant", "symbol") or (entry.op == "neg" and entry.args[0].op in ("constant", "symbol"))
         if cheap or is_zero(entry):

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
-I32, F64, V128 = 0x7F, 0x7C, 0x7B
+I32, F64 = 0x7F, 0x7C
 KIND = {"i": I32, "d": F64}
 # The instructions of the expression graph's operations, on f64.
 OPS = {
@@ -21,7 +21,7 @@ OPS = {
     "floor": b"\x9c", "lt": b"\x63", "le": b"\x65", "gt": b"\x64", "ge": b"\x66", "both": b"\x71", "either": b"\x72",
     "where": b"\x1b", "min": b"\xa4", "max": b"\xa5",
 }  # fmt: skip
-END, IF, EQUAL_I32, ADD_I32, SUB_I32, NOT_I32 = b"\x0b", b"\x04\x40", b"\x46", b"\x6a", b"\x6b", b"\x45"
+END, IF, EQUAL_I32, SUB_I32 = b"\x0b", b"\x04\x40", b"\x46", b"\x6b"
 LOOP, AGAIN = b"\x03\x40", b"\x0d\x00"  # a loop, and a jump to its beginning if the number on the stack is not 0
 TO_F64 = b"\xb7"  # of a signed i32
 
@@ -92,35 +92,6 @@ def load(pointer: int | None, offset: int) -> bytes:
 def store(pointer: int | None, offset: int, value: bytes) -> bytes:
     """f64.store of a value"""
     return address(pointer) + value + b"\x39\x03" + leb(offset)
-
-
-# f64x2: two numbers in a vector
-V_ADD, V_MUL, SPLAT = b"\xfd\xf0\x01", b"\xfd\xf2\x01", b"\xfd\x14"
-
-
-def v_number(x: float) -> bytes:
-    """v128.const: a number twice."""
-    return b"\xfd\x0c" + 2 * struct.pack("<d", x)
-
-
-def v_load(pointer: int | None, offset: int) -> bytes:
-    """v128.load"""
-    return address(pointer) + b"\xfd\x00\x03" + leb(offset)
-
-
-def v_store(pointer: int | None, offset: int, value: bytes) -> bytes:
-    """v128.store"""
-    return address(pointer) + value + b"\xfd\x0b\x03" + leb(offset)
-
-
-def extract(lane: int) -> bytes:
-    """f64x2.extract_lane"""
-    return b"\xfd\x21" + bytes([lane])
-
-
-def replace_second() -> bytes:
-    """f64x2.replace_lane 1"""
-    return b"\xfd\x22\x01"
 
 
 @dataclass

@@ -37,9 +37,6 @@ OF_SYSTEM(linearise) void linearise_system(AT);
 OF_SYSTEM(attempt) real attempt_of_system(AT, real h, real *x_new, const real *atol, real rtol);
 OF_SYSTEM(observe) void observe_system(const real *e, real *F, real *F_error, real *F_terms);
 OF_SYSTEM(carry) void carry_of_system(real h, real *e);
-OF_SYSTEM(dense) void dense_of_system(real *d);
-OF_SYSTEM(within) void within_of_system(real s, const real *x, const real *x_new, const real *d, real *row);
-OF_SYSTEM(may_cross) int may_cross(AT, real h, const real *x_new, const double *thresholds);
 OF_SYSTEM(watch) void watch_system(AT, real *w);
 OF_SYSTEM(watch_dense) void watch_dense_of_system(const real *dx, real *dw);
 OF_SYSTEM(moved_energy) real moved_energy_of_system(AT);
@@ -51,16 +48,16 @@ OF_SYSTEM(find_timing) void find_timing_of_system(real *timing);
 #define attempt(p, c, piece, t, x, h, work, k, x_new, atol, rtol) attempt_of_system(piece, t, x, h, x_new, atol, rtol)
 #define observed(p, c, work, e, F, F_error, F_terms) observe_system(e, F, F_error, F_terms)
 #define carry(p, c, work, h, e) carry_of_system(h, e)
-#define all_dense(k, d) dense_of_system(&(d)[0][0])
-#define within_step(s, x, x_new, d, row) within_of_system(s, x, x_new, &(d)[0][0], row)
+#define all_dense(k, d) for (int i = 0; i < N; i++) dense(k, i, (d)[i])
+#define within_step(s, x, x_new, d, row) \
+    for (int i = 0; i < N; i++) (row)[i] = interpolate(s, (x)[i], (x_new)[i], (d)[i][0], (d)[i][1], (d)[i][2])
 #define watch(p, c, piece, t, x, w) watch_system(piece, t, x, w)
 #define watch_dense(p, c, dx, dw) watch_dense_of_system(dx, dw)
 #define moved_energy(p, c, piece, t, x) moved_energy_of_system(piece, t, x)
 #define sample(which, p, c, piece, t, x, noise, m, u) sample_system(which, piece, t, x, noise, m, u)
 #define find_timing(p, timing) find_timing_of_system(timing)
 
-#define MAY_CROSS(p, c, piece, t, x, h, x_new, k, thresholds) \
-    (WATCHES && may_cross(piece, t, x, h, x_new, thresholds))
+#define MAY_CROSS(...) (WATCHES > 0)
 #define PRESENT(name) \
     double name##_numbers[PIECE + HELD + 1]; \
     present(run, name##_numbers); \
