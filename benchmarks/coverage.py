@@ -97,7 +97,7 @@ def of_machine(name: str, lacks: str, fault: str, seed: int) -> Found:
             "arm.y" if name != "belt" else "motor.y": Channel("y", t, y + case.noise * draw.standard_normal(len(y)))
         }
         inputs = {case.drive: Channel("u", t[::every], u[::every])}
-        recordings.append(Recording(f"run{i}", t, outputs, inputs, case.known(size), window=case.window))
+        recordings.append(Recording(f"run{i}", t, outputs, inputs, case.known(size)))
     sought = tuple(Sought(n, x / 8, 8 * x) for n, x in case.usual.items())
     fit = fit_machine(case.machine, Logs(tuple(recordings), sought), starts=3, seed=seed, baselines=False)
     return fit.estimates, truth

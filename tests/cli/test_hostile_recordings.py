@@ -58,8 +58,6 @@ def test_laws_of_a_stranger_are_not_executed(place, stribeck, name):
     ("change", "text"),
     [
         ({"file": "a/" * 3000}, "log.0.file: "),
-        ({"window": 10**400}, "log.0.window: a whole number of 401 digits: must be a finite number > 0"),
-        ({"window": 1e-9}, "log.0.window: 1e-09: must be at least 0.08 s, 8 samples"),
         ({"outputs": {"a.y": {"column": "y", "noise": 1e-300}}}, "noise: 1e-300: must lie between 1e-30 and 1e+30"),
         ({"outputs": {"a.y": {"column": "y", "gain": 1e308}}}, "log.0.outputs.a.y: 'y': values up to"),
         ({"time": {"column": "t", "gain": 1e300}}, "log.0.time: 't': values up to"),

@@ -249,7 +249,7 @@ def _():
         logs.write(name, Path(name))
     tables = tomllib.loads((PLACES[0] / "axis.logs.toml").read_text())
     first, second = tables["log"]
-    shape = {"log": first | {"hold_out": True, "window": [0.1, 0.9]}, "unknown": tables["unknown"]}
+    shape = {"log": first | {"hold_out": True}, "unknown": tables["unknown"]}
     for path in _places(shape):
         for wrong in WRONG:
             edited = _edited(shape, path, wrong)

@@ -8,11 +8,7 @@ from scipy.integrate import odeint
 
 from stribeck import Scenario, simulate
 from stribeck.identify.actuator import Logs, fit_machine
-from stribeck.identify.actuator.coordinates import coordinates
-from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
-from stribeck.identify.actuator.regression import regressed
-from stribeck.identify.actuator.starts import problem_of
 
 TRUTH = {
     "contacts.mesh.law.parameters.F_c": 0.4, "contacts.mesh.law.parameters.sigma_2": 0.03, "bodies.rotor.inertia": 0.02,
@@ -70,20 +66,3 @@ def test_a_chaotic_recording_has_intervals_that_hold_the_truth(motion):
         p = found.estimates[name]
         assert p.state == "identified"
         assert p.low < x < p.high
-
-
-@pytest.mark.thorough
-def test_stretches_that_begin_anywhere_are_seen_to(motion):
-    """At the truth, with the arm, which nobody measures, at rest where each stretch begins; then as the one before left it."""
-    t, y = (x[: round(2.0 / STEP) + 1] for x in motion)
-    known = {"bodies.rotor.initial.y": START, "bodies.arm.initial.y": START}
-    recording = Recording("chain.csv", t, {"rotor.y": Channel("y", t, y)}, {}, known, window=0.5)
-    true = Scenario(chain(2.0)).with_changes(TRUTH)
-    sought = coordinates(true, Logs((recording,), tuple(Sought(name, x / 4, 4 * x) for name, x in TRUTH.items())))
-    problem = problem_of(true, [(0, recording)], sought, {"rotor.y": NOISE})
-    u = problem.start()
-    chosen = regressed(problem, u)
-    _, k, *_ = chosen.choose(np.ones(len(chosen.library.gram)), alone=False)
-    assert "stretches" in chosen.library.models[k][1]
-    followed = MachineProblem(problem.handed_on(u), problem.sought, problem.noise)
-    assert "stretches" not in regressed(followed, u).library.groups

@@ -192,7 +192,6 @@ def measured(**column):
         (RUN, {MASS: {"low": -1.0, "high": 5.0}}, r"unknown\.bodies\.a\.mass: "),
         (RUN, {}, "unknown: missing"),
         (RUN | {"hold_out": True}, WANTED, r"log\.0\.hold_out: true"),
-        (RUN | {"window": 1e-3}, WANTED, r"log\.0\.window: 0\.001: must be at least"),
         ({"file": "none.csv"}, WANTED, r"log\.0\.file: .*none\.csv"),
         ({"file": "few.csv"}, WANTED, r"log\.0\.file: 'few\.csv': has 2 rows"),
         ({"file": "words.csv"}, WANTED, r"log\.0\.file: .*words\.csv: "),

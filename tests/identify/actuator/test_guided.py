@@ -6,7 +6,8 @@ import pytest
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.guided import GuidedSearch, Guides, Reached
+from stribeck.identify.actuator.guided import GuidedSearch, Reached
+from stribeck.identify.actuator.guides import Guides
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.residuals import leftovers
 from stribeck.identify.actuator.solve import Found, half_squares
@@ -38,7 +39,8 @@ def test_a_stiffer_guide_follows_closer(recording):
     wrong = Scenario(body(amplitude=5.0, t_end=4.0, F_c=3.0, F_s=3.5))
     guides = Guides(wrong, [(0, recording)])
     assert left(wrong, [(0, recording)]) > 0.3
-    errors = [left(*guides.with_guide(level)) for level in range(1, len(guides.bandwidths))]
+    guided = [guides.at(bandwidth) for bandwidth in guides.bandwidths[1:]]
+    errors = [left(each.scenario, each.recordings) for each in guided]
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 0.02
 
@@ -48,11 +50,12 @@ def test_guides_replace_no_element_of_the_machine(recording, taken):
     data = body(t_end=4.0)
     spring = data["links"] = {taken: {"from": "a", "to": "ground", "stiffness": 3.0}}
     data["loads"] |= {f"{taken}2": {"on": "a", "kind": "signal", "signal": WAVE}}
-    guided, ((_, played),) = Guides(Scenario(data), [(0, recording)]).with_guide(1)
-    assert guided.data["links"][taken] == spring[taken]
-    assert guided.data["loads"][f"{taken}2"]["signal"] == WAVE
-    assert (len(guided.data["links"]), len(guided.data["loads"])) == (2, 3)
-    assert len(played.inputs) == 1
+    guided = Guides(Scenario(data), [(0, recording)]).at(1.0)
+    tables = guided.scenario.data
+    assert tables["links"][taken] == spring[taken]
+    assert tables["loads"][f"{taken}2"]["signal"] == WAVE
+    assert (len(tables["links"]), len(tables["loads"])) == (2, 3)
+    assert len(guided.recordings[0][1].inputs) == 1
 
 
 def test_the_bandwidths_reach_from_the_motion_to_the_sampling(recording):

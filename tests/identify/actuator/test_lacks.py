@@ -9,6 +9,7 @@ from scipy.integrate import odeint
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
 from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.guides import Guides
 from stribeck.identify.actuator.lacks import RunMotion, _terms, missing_forms
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.starts import problem_of
@@ -125,10 +126,10 @@ def test_a_torque_that_was_sampled_too_coarsely_is_named(every):
     assert not outside(found)
 
 
-def arms_problem(window=None, data=None):
+def arms_problem(data=None):
     u, scenario = pushed(1.0), Scenario(data or arm())
     sought = [MachineCoordinate(n, x / 5, 5 * x, x, None, {n: 1.0}) for n, x in TRUTH.items()]
-    return problem_of(scenario, [(0, recording(u, turned(u), window=window))], sought, {"arm.y": NOISE})
+    return problem_of(scenario, [(0, recording(u, turned(u)))], sought, {"arm.y": NOISE})
 
 
 def slopes(problem):
@@ -173,14 +174,30 @@ def test_a_spring_of_a_contact_is_deflected_by_what_slides_in_it():
     assert np.allclose(terms["drag"], w * abs(w))
 
 
-def test_stretches_have_the_slopes_of_their_own_starts():
-    """What plays in a stretch begins with it: slopes are 0 where it begins, and those of the first are those of the whole."""
-    parts = arms_problem(window=0.3)
-    found, there = slopes(arms_problem()), slopes(parts)
-    for name in (("joint: drag", 0), ("joint: offset", 0)):
-        first = there[name][: parts.runs[0].size]
-        assert np.allclose(first, found[name][: len(first)], atol=0.02 * abs(first).max())
-        assert abs(there[name][parts.first[1]]) < 1e-3 * abs(there[name]).max()
+@pytest.mark.parametrize(
+    ("what", "error"), [("offset", lambda y: np.ones_like(y)), ("delay", lambda y: -np.gradient(y, T))]
+)
+@pytest.mark.parametrize("white", [True, False])
+def test_errors_of_a_sensor_act_through_the_guide_too(what, error, white):
+    """The residuals of two recordings, of which one reads more: the guide draws the arm along what was read."""
+    u, scenario = pushed(1.0), Scenario(arm())
+    sought = [MachineCoordinate(n, x / 5, 5 * x, x, None, {n: 1.0}) for n, x in TRUTH.items()]
+    y = turned(u)
+
+    def problem(y):
+        guides = Guides(scenario, [(0, recording(u, y))])
+        guided = guides.at(guides.bandwidths[-4])  # a stiff one would see the jumps of the acceleration
+        coloured = {} if white else {"arm.y": np.array([2.0, -1.0])}
+        return problem_of(
+            guided.scenario, guided.recordings, sought, {"arm.y": NOISE}, guide=guided.prefix, whitening=coloured
+        )
+
+    small = 1e-4 / abs(error(y)).max()
+    here, there = problem(y), problem(y - small * error(y))
+    start = here.start()
+    moved = (there.residuals(start[None])[0] - here.residuals(start[None])[0]) / small
+    found = slopes(here)[f"outputs.arm.y.{what}", 0]
+    assert np.linalg.norm(found - moved) < 0.01 * np.linalg.norm(moved)
 
 
 @pytest.mark.thorough

@@ -211,9 +211,9 @@ class Fitting:
 
     def errors(self, best: BestPoint, values: dict[str, float]) -> list[LogResult]:
         """The errors of each recording's simulation with these values."""
-        sought, runs, window = best.problem.sought, best.problem.runs, best.window
+        sought = best.problem.sought
         return [
-            LogResult(r.file, r.hold_out, traces(self.scenario, r, i, sought, values, window, runs))
+            LogResult(r.file, r.hold_out, traces(self.scenario, r, i, sought, values, best.bandwidth))
             for i, r in self.numbered
         ]
 

@@ -62,7 +62,7 @@ def check(scenario: Scenario, laws: Mapping[str, Sequence[str]], given: Collecti
 def held_out_error(scenario: Scenario, best: BestPoint, held: Sequence[tuple[int, Recording]]) -> float:
     """The relative error over held-out recordings (root mean square over the columns)."""
     parts = [
-        x.relative for i, r in held for x in traces(scenario, r, i, best.problem.sought, best.values(), best.window)
+        x.relative for i, r in held for x in traces(scenario, r, i, best.problem.sought, best.values(), best.bandwidth)
     ]
     return float(np.sqrt(np.mean(np.square(parts)))) if parts else float("nan")
 

@@ -36,7 +36,6 @@ class MachineCoordinate:
             coefficient of a further term.
         log: the recording that it belongs to, or None: all.
         nuisance: a nuisance parameter, such as the initial state of a recording.
-        piece: its stretch of a recording.
         bends: whether it is a speed at which a law's curve bends: a fit may have minima at several.
     """
 
@@ -49,7 +48,6 @@ class MachineCoordinate:
     output: tuple[str, str] | None = None
     log: int | None = None
     nuisance: bool = False
-    piece: str | None = None
     bends: bool = False
 
     @property

@@ -46,9 +46,9 @@ def carried(problem: MachineProblem, u: Array) -> Array:
 
 
 def change_by(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:
-    """The change of the residuals with other runs; priors and ties are unchanged."""
+    """The change of the residuals with other runs; priors are unchanged."""
     off, compared = np.zeros(len(r)), int(problem.first[-1])
-    off[:compared] = replace(problem, runs=runs, tied=False).residuals(u[None])[0][:compared] - r[:compared]
+    off[:compared] = replace(problem, runs=runs).residuals(u[None])[0][:compared] - r[:compared]
     return off
 
 

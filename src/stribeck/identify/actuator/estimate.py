@@ -1,24 +1,21 @@
-"""Estimates parameters from recordings: chooses the simulated stretches, the columns' weights and the starts.
-
-If errors grow in a whole recording, it is fitted in stretches, each with its own initial state (multiple shooting).
-Unmeasured initial states (bristles, currents, unmeasured bodies) continue the stretch before. The ends are tied to the next
-starts with the accuracy to which the samples determine these.
-"""
+"""Estimates parameters from recordings: the search, the guide that the simulation needs, and the columns' weights."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.guided import GuidedSearch, UnderGuide
-from stribeck.identify.actuator.inputs import later, value_at
+from stribeck.identify.actuator.guided import GuidedSearch, Reached, UnderGuide
+from stribeck.identify.actuator.guides import Guides
+from stribeck.identify.actuator.lacks import RunMotion
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.residuals import AS_WELL, first_noise, floor_of, leftovers, noise_of, weigh
+from stribeck.identify.actuator.residuals import first_noise, floor_of, leftovers, noise_of, weigh
+from stribeck.identify.actuator.runs import rms
 from stribeck.identify.actuator.solve import ROUGHLY, half_squares, moved_over, search, settled
 from stribeck.identify.actuator.starts import problem_of
 from stribeck.identify.core.judging import EXPLAINED
@@ -28,16 +25,16 @@ from stribeck.scenario import Scenario
 _WEIGHTINGS = 8  # at most: each reduces the noise, and a poor start needs several
 _SETTLED = 0.05  # relative change of the prediction errors at the end: a tenth of their own error is not visible
 _OFF = 1e-6  # of a position's changes: an error of the initial state that no sensor shows
-_STRETCH, _SHORTEST = 6, 0.2  # stretches per recording; s
-_MUCH = 3.0  # ratio of the residuals of whole recordings and stretches above which stretches are fitted
-_TIED_ROUNDS, _STEPS = 3, 5  # weightings of tied stretches, and steps of the search between two
 
 
 @dataclass
 class BestPoint:
-    """The best point of a problem and its search; ``windowed``: in stretches.
+    """The best point of a problem and its search.
 
-    ``under_guide``: if the residual is coloured, by name the coordinates of a second estimate and their deviations.
+    Attributes:
+        guides: of the fitted recordings; ``bandwidth``: of the guide, rad/s, 0 without one.
+        under_guide: if the residual of a free simulation is coloured, by name the coordinates of a second estimate and
+            their deviations.
     """
 
     problem: MachineProblem
@@ -45,33 +42,43 @@ class BestPoint:
     agreeing: int
     stopped: bool
     notes: list[str]
-    windowed: bool
+    guides: Guides
+    bandwidth: float = 0.0
     under_guide: UnderGuide = field(default_factory=dict)
-
-    @property
-    def window(self) -> float | None:
-        """The length of the stretches, if the fit is in stretches."""
-        return float(np.median([run.scenario.end for run in self.problem.runs])) if self.windowed else None
 
     def values(self) -> dict[str, float]:
         """The parameters' values by name."""
         return self.problem.values(self.u)
 
     def missed(self) -> list[str]:
-        """The columns that the fit does not describe, in words."""
+        """What the fit does not describe, in words: columns, or under a guide its force."""
         texts = []
         for column, (left, size) in leftovers(self.problem, self.u).items():
             if not np.isfinite(left):
                 texts.append(f"{column}: cannot be simulated with the best values")
             elif left > max(EXPLAINED * size, 3 * floor_of(self.problem, column)):
                 texts.append(f"{column}: {100 * left / size if size else np.inf:.0f} % relative residual")
+        if self.bandwidth and not texts and (share := self._guide_share()) > EXPLAINED:
+            texts.append(f"{100 * share:.0f} % of the forces are missing")
         return texts
 
+    def _guide_share(self) -> float:
+        """The guides' force, relative to the friction or to the other forces on the guided bodies, whichever is larger."""
+        motion, pulls, others = RunMotion.of(self.problem, self.u), list[float](), [0.0]
+        for run, columns in zip(self.problem.runs, motion.runs, strict=True):
+            pull, other = self.guides.forces(run.log, self.bandwidth, columns)
+            pulls.append(pull)
+            others.append(other)
+        contacts = self.problem.runs[0].scenario.data.get("contacts", {})
+        friction = [rms(motion.each(f"{contact}.F")) for contact in contacts]
+        return float(np.sqrt(np.mean(np.square(pulls)))) / max(*friction, *others, 1e-300)
 
-def unstable(problem: MachineProblem, u: Array) -> bool:
-    """Whether errors grow so fast, as in an upright pendulum, that one of the initial state that no sensor shows is seen later.
 
-    The solver's errors, and those of the inputs between samples, grow as it does, and move estimates beyond their intervals.
+def steady(problem: MachineProblem, u: Array) -> bool:
+    """Whether an error of the initial state that no sensor shows is not seen later; under a guide, whether it decays.
+
+    Where it grows, as in an upright pendulum, the solver's errors and those of the inputs do too, and move estimates beyond
+    their intervals. Under a guide that does not stop the growth, the noise of the measured motion does.
     """
     for k, run in enumerate(problem.runs):
         body = next((t.column for t in run.targets if t.column.endswith(".y")), None)
@@ -80,18 +87,10 @@ def unstable(problem: MachineProblem, u: Array) -> bool:
         i = next(i for i, t in enumerate(run.targets) if t.column == body)
         off = _OFF * float(np.std(run.targets[i].x))
         x = problem.predicted(run, k, np.stack([u, u]), shift={body: np.array([0.0, off])})[i]
-        if not float(np.max(abs(x[1] - x[0]))) <= noise_of(problem, body):
-            return True
-    return False
-
-
-def remembers(scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -> bool:
-    """Whether a stretch cannot begin inside a recording, because its initial state is unknown.
-
-    Causes are a controller's integral or samples, and a signal that is not recorded and cannot be cut.
-    """
-    uncut = {use.path for use in scenario.elements.signals if later(value_at(scenario, use.path), 1.0) is None}
-    return bool(scenario.system.controllers) or any(uncut - r.inputs.keys() for _, r in recordings)
+        later = abs(x[1] - x[0])
+        if not (later[-1] <= off if problem.guide else np.max(later) <= noise_of(problem, body)):
+            return False
+    return True
 
 
 def estimate(
@@ -102,82 +101,56 @@ def estimate(
     fitted = {i for i, _ in recordings}
     sought = [c for c in sought if c.log is None or c.log in fitted]
     noise, given = first_noise([r for _, r in recordings])
-    asked = any(r.window for _, r in recordings)
     starts = starts if sought else 1  # the machine without friction may have no parameter to fit
-    guided = GuidedSearch(scenario, recordings, sought, noise, work)
-    near = guided.reached(starts, seed, first or {}, rough)
-    problem = problem_of(scenario, recordings, sought, dict(noise), work=work, known_noise=given)
-    whole = BestPoint(problem, problem.point(near.values), near.agreeing, near.stopped, [], asked)
-    if rough:
-        return whole
-    if not whole.stopped:
-        weigh(problem, whole.u, white=False)
-        solution = search(problem, whole.u, small=ROUGHLY)
-        whole.u, whole.stopped = solution.u, solution.stopped
-    cut = not (whole.stopped or asked or remembers(scenario, recordings))
-    grows = cut and any(x.free for x in scenario.system.bodies) and unstable(problem, whole.u)
-    if grows or (cut and whole.missed()):
-        window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
-        noise = dict(problem.noise)
-        parts = problem_of(scenario, recordings, sought, noise, window, work=work, known_noise=given)
-        whole = _in_stretches(whole, parts, near.guided, grows, window)
-    best = _weighted(whole)
-    if best.windowed and not (best.stopped or remembers(scenario, recordings)):
-        best = _joined(best)
-    if best.problem.coloured and not best.stopped:
+    search_ = GuidedSearch(scenario, recordings, sought, noise, work)
+    near = search_.reached(starts, seed, first or {}, rough)
+    guides = Guides(scenario, recordings)
+
+    def begun(bandwidth: float, values: dict[str, float]) -> BestPoint:
+        guided = guides.at(bandwidth, noisy=True)
+        problem = problem_of(
+            guided.scenario, guided.recordings, sought, dict(noise), work=work, known_noise=given, guide=guided.prefix
+        )
+        return BestPoint(problem, problem.point(values), near.agreeing, near.stopped, [], guides, bandwidth)
+
+    free = begun(0.0, near.values)
+    if rough or free.stopped:
+        return free
+    best = _as_free_as_possible(begun, near, free)
+    best = _weighted(best)
+    if best.problem.coloured and not (best.stopped or best.bandwidth):
         try:
-            best.under_guide = guided.under_guide(near)
+            best.under_guide = search_.under_guide(near)
         except (KeyboardInterrupt, Stopped):
             work.stop()
         best.stopped = work.stopped
     return best
 
 
-def _in_stretches(
-    whole: BestPoint, problem: MachineProblem, begin: dict[str, float], grows: bool, window: float
+def _as_free_as_possible(
+    begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint
 ) -> BestPoint:
-    """The fit in stretches, if it leaves much less than that of whole recordings."""
-    solution = search(problem, problem.point(begin))
-    if solution.stopped:
-        return replace(whole, stopped=True)
-    u = moved_over(problem, solution.u)
-    left, right = leftovers(whole.problem, whole.u), leftovers(problem, u)
-    least = 1 / AS_WELL if grows else _MUCH  # whole recordings may be the only information on unmeasured states
-    if all(not left[c][0] > least * right[c][0] for c in left):
-        return whole
-    why = "errors grow fast in this motion" if grows else "the model does not follow whole recordings from their start"
-    note = (
-        f"{why}: recordings are fitted in {len(problem.runs)} stretches of about {window:.2g} s, each with its own initial "
-        "state; errors are those within stretches"
-    )
-    return BestPoint(problem, u, solution.agreeing, False, [*whole.notes, note], True)
+    """The free simulation, unless its errors grow or it misses the recordings; then that under the loosest sufficient guide.
 
-
-def _joined(parts: BestPoint) -> BestPoint:
-    """The fit with stretches tied to each other, if it describes the recordings as well."""
-    problem = replace(parts.problem, noise=dict(parts.problem.noise), tied=True)
-    if not problem.ties:
-        return parts
-    tied = BestPoint(problem, parts.u, parts.agreeing, False, [*parts.notes], True)
-    for _ in range(_TIED_ROUNDS):  # while the residual is large, the ties are loose
-        weigh(problem, tied.u, white=False)
-        solution = search(problem, tied.u, steps=_STEPS)
-        tied.u, tied.stopped = solution.u, solution.stopped
-        if tied.stopped:
-            break
-    tied = _weighted(tied)
-    if tied.stopped:
-        return replace(parts, stopped=True)
-    tied.problem = replace(problem, runs=problem.handed_on(tied.u))
-    left, right = leftovers(parts.problem, parts.u), leftovers(tied.problem, tied.u)
-    if not all(right[c][0] <= AS_WELL * left[c][0] for c in left):
-        parts.notes.append(
-            "consecutive stretches do not join within the noise, so that their initial states are free; the model may lack "
-            "an effect"
-        )
-        return parts
-    tied.notes.append("each stretch begins at the end of the previous one, within the noise")
-    return tied
+    ``begun`` gives the problem under the guide of a bandwidth. A sensor whose errors are fitted guides nothing.
+    """
+    scenario, why = free.problem.runs[0].scenario, ""
+    moves = any(x.free for x in scenario.system.bodies)
+    fitted = any(c.output is not None for c in free.problem.sought)
+    for bandwidth in free.guides.bandwidths[: 1 if fitted else None]:
+        best = begun(bandwidth, near.at(bandwidth)) if bandwidth else free
+        weigh(best.problem, best.u, white=False)
+        solution = search(best.problem, best.u, small=ROUGHLY)
+        best.u, best.stopped = solution.u, solution.stopped
+        if best.stopped:
+            return best
+        missed = best.missed()
+        if not (missed or (moves and not steady(best.problem, best.u))):
+            best.notes += [why] if why else []
+            return best
+        reason = "the machine alone does not follow the recordings" if missed else "errors grow fast in this motion"
+        why = why or f"{reason}: a guide draws bodies along their measured motion; errors are those under this guide"
+    return free
 
 
 def _weighted(best: BestPoint) -> BestPoint:

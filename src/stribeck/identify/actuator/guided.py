@@ -1,9 +1,8 @@
 """Searches whole recordings from many starts, guided along the measured motion and then freed.
 
-One slip more or less changes all later samples, so the cost of a whole recording has many local minima. A guide is a spring
-and a damper that draw each measured body along its measured motion. Under a stiff guide, the distance from this motion is
-the error of the forces, filtered, and its cost has few minima. No derivative of a noisy position is needed: the speed in
-the friction is the simulated one.
+One slip more or less changes all later samples, so the cost of a whole recording has many local minima. Under a stiff guide,
+the distance from the measured motion is the error of the forces, filtered, and its cost has few minima. No derivative of a
+noisy position is needed: the speed in the friction is the simulated one.
 
 Far from the optimum, recordings are as coarse as the outputs' noise and the residual allow. The solver takes steps at every
 sample of a noisy input. Most of this noise moves no output by more than the output's own noise.
@@ -11,19 +10,18 @@ sample of a noisy input. Most of this noise moves no output by more than the out
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.interpolate import LSQUnivariateSpline, UnivariateSpline
+from scipy.interpolate import LSQUnivariateSpline
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.inputs import STILL
+from stribeck.identify.actuator.guides import Guides
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.residuals import beyond_noise, floor_of, leftovers, noise_of, weigh
-from stribeck.identify.actuator.runs import roughness
 from stribeck.identify.actuator.solve import (
     ROUGH_STEPS,
     ROUGHLY,
@@ -38,11 +36,8 @@ from stribeck.identify.actuator.solve import (
 from stribeck.identify.actuator.starts import prepared
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
-from stribeck.scenario.changes import unused_prefix
 
 FOLLOWED = 0.1  # of a column's changes: with a larger residual, the simulation does not follow the recording
-_LOOSER = 3.0  # ratio of the bandwidths of two guides, half a decade
-_EXACT = 1e-9  # of a column's changes: least noise of a smoothing spline, against rounding
 _VISIBLE = 10.0  # times the noise: errors of first values, a third of the friction; 3 % of it then equal the noise
 _LOOSE = 1e-6  # rtol far from the optimum
 _STEP = 1e-3  # of a coordinate: step of the differences far from the optimum
@@ -57,9 +52,9 @@ _DEARER = 10  # times the solver's steps at the first values: what a start may t
 
 
 def coarser(recording: Recording, factor: int) -> Recording | None:
-    """A recording with one of ``factor`` samples; None if its samples are uneven, too few would be left, or it is cut."""
+    """A recording with one of ``factor`` samples; None if its samples are uneven or too few would be left."""
     t, gaps = recording.t, np.diff(recording.t)
-    if recording.window or len(t) < _FEWEST * factor or np.ptp(gaps) > _EVEN * gaps[0]:
+    if len(t) < _FEWEST * factor or np.ptp(gaps) > _EVEN * gaps[0]:
         return None
     every = t[::factor]
     outputs = {name: _fewer(c, every) for name, c in recording.outputs.items()}
@@ -87,76 +82,6 @@ def _smoother(channel: Channel, t: Array) -> Channel:
     return replace(channel, t=t, x=LSQUnivariateSpline(times, x, t[1:-1], k=3 if channel.smooth else 1)(t))
 
 
-# -- guides ----------------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Motion:
-    """A body's measured motion, smoothed, and the body's inertia; without ``y``, only its speed is measured."""
-
-    body: str
-    inertia: float
-    t: Array
-    v: Array
-    y: Array | None = None
-
-
-class Guides:
-    """Guides of several bandwidths along some recordings of a machine.
-
-    Attributes:
-        bandwidths: rad/s; 0 (no guide), then from below the motion's own frequency to the inverse of the sampling interval.
-    """
-
-    def __init__(self, scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -> None:
-        self._scenario, self._recordings = scenario, recordings
-        self._motions = {i: list(_motions(scenario, r)) for i, r in recordings}
-        every = [m for motions in self._motions.values() for m in motions]
-        frequencies = [1 / np.ptp(m.t) if m.y is None else np.std(m.v) / np.std(m.y) for m in every]
-        low = min(frequencies, default=np.inf) / _LOOSER
-        high = 1 / min(float(np.median(np.diff(r.t))) for _, r in recordings)
-        count = max(int(np.log(high / low) / np.log(_LOOSER)) + 1, 0) if every else 0
-        self.bandwidths = [0.0, *(low * _LOOSER**n for n in range(count))]
-
-    def with_guide(self, level: int) -> tuple[Scenario, list[tuple[int, Recording]]]:
-        """The machine with critically damped guides of a bandwidth, and its recordings."""
-        bandwidth, changes = self.bandwidths[level], dict[str, object]()
-        prefix = unused_prefix(self._scenario.data, "guide_")
-        guided = list[tuple[int, Recording]]()
-        for i, recording in self._recordings:
-            inputs = dict(recording.inputs)
-            for m in self._motions[i]:
-                stiffness = 0.0 if m.y is None else m.inertia * bandwidth**2
-                damping = 2 * m.inertia * bandwidth
-                link = {"from": m.body, "to": "ground", "stiffness": stiffness, "damping": damping}
-                changes[f"links.{prefix}spring_{m.body}"] = link
-                pull = f"loads.{prefix}pull_{m.body}"
-                changes[pull] = {"on": m.body, "kind": "signal", "signal": STILL}
-                force = damping * m.v + (0.0 if m.y is None else stiffness * m.y)
-                inputs[f"{pull}.signal"] = Channel("guide", m.t, force, smooth=True)
-            guided.append((i, replace(recording, inputs=inputs)))
-        return self._scenario.with_changes(changes), guided
-
-
-def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
-    """The measured motions of bodies that forces move."""
-    bodies = scenario.system.elements.bodies
-    for column, channel in recording.outputs.items():
-        name, _, what = column.rpartition(".")
-        if name not in bodies or scenario.system.leader(name).velocity is not None:
-            continue
-        if what not in ("y", "v") or (what == "v" and f"{name}.y" in recording.outputs):
-            continue
-        t, x = channel.bridged.t, channel.bridged.x
-        if not np.ptp(x) > 0:
-            continue
-        noise = max(roughness([x]), _EXACT * float(np.std(x)))
-        spline = UnivariateSpline(t, x, w=np.full(len(t), 1 / noise), s=len(t), k=4)
-        table, smooth, rate = scenario.data["bodies"][name], spline(t), spline.derivative()(t)
-        inertia = float(table.get("mass", table.get("inertia", 1.0)))
-        yield _Motion(name, inertia, t, rate, smooth) if what == "y" else _Motion(name, inertia, t, smooth)
-
-
 # -- the search ------------------------------------------------------------------------------------------------------------
 
 
@@ -167,17 +92,19 @@ UnderGuide = dict[str, tuple[float, float]]  # by name: a coordinate under a gui
 class Reached:
     """The end of a search: its values by name, its cost, the number of agreeing ends, and whether it was stopped.
 
-    ``guided``: the values of the last guided fit, before the recordings were simulated freely; ``first``: of the first one,
-    under the guide ``level``.
+    ``under``: by the bandwidths of guides, the values there. The stiffest one is that under which starts were compared.
     """
 
     values: dict[str, float]
-    guided: dict[str, float]
+    under: dict[float, dict[str, float]]
     cost: float = np.inf
     agreeing: int = 1
     stopped: bool = False
-    first: dict[str, float] = field(default_factory=dict)
-    level: int = 0
+
+    def at(self, bandwidth: float) -> dict[str, float]:
+        """The values to begin with under the guide of a bandwidth: those under the next stiffer one."""
+        stiffer = [x for x in self.under if x > 0.99 * bandwidth]  # guides along fewer recordings differ a little
+        return self.under[min(stiffer, default=max(self.under))] if self.under else self.values
 
 
 @dataclass
@@ -212,7 +139,7 @@ class GuidedSearch:
         Args:
             rough: follow only the best start.
         """
-        ends, agreed = [Reached(first, first)], 1
+        ends, agreed = [Reached(first, {})], 1
         try:
             level, compared = self._compared(starts, seed, first)
             whole = self._problem(0)
@@ -246,8 +173,7 @@ class GuidedSearch:
 
     def _freed(self, level: int, u: Array) -> Reached:
         """The end of searches under looser and looser guides, the last one without."""
-        values = guided = self._problem(level).values(u)
-        first: dict[str, float] = {}
+        values, under = self._problem(level).values(u), dict[float, dict[str, float]]()
         for looser in range(level, -1, -1):
             problem = self._limited(looser, values)
             u = problem.point(values)
@@ -255,20 +181,22 @@ class GuidedSearch:
                 c: max(left, floor_of(problem, c)) or 1.0 for c, (left, _) in leftovers(problem, u).items()
             }
             u = search(problem, u, small=ROUGHLY).u
-            if not looser or all(left <= FOLLOWED * size for left, size in leftovers(problem, u).values()):
+            followed = all(left <= FOLLOWED * size for left, size in leftovers(problem, u).values())
+            if followed or not looser:
                 values = values | problem.values(u)
-                guided = values if looser else guided
-            first = first or problem.values(u)
+            if looser and (followed or looser == level):
+                under[self.guides.bandwidths[looser]] = problem.values(u)
         problem.noise = dict(self.noise)
         cost = float(half_squares(problem.residuals(u[None]))[0])
-        return Reached(values, guided, cost, first=first, level=level)
+        return Reached(values, under, cost)
 
     def under_guide(self, near: Reached) -> UnderGuide:
         """The coordinates that the prediction errors give under the first guide, and their deviations; {} without a guide."""
-        if not near.level:
+        if not near.under:
             return {}
-        problem = self._limited(near.level, near.first)
-        u = problem.point(near.first)
+        stiffest = max(near.under)
+        problem = self._limited(self.guides.bandwidths.index(stiffest), near.under[stiffest])
+        u = problem.point(near.under[stiffest])
         weigh(problem, u)
         u = search(problem, u, small=ROUGHLY).u
         weigh(problem, u)
@@ -324,13 +252,14 @@ class GuidedSearch:
 
     def _coarse_problem(self, level: int, factor: int) -> MachineProblem | None:
         """The problem with one of so many samples; None if a recording would be left with too few."""
-        scenario, recordings = self.guides.with_guide(level) if level else (self.scenario, self.recordings)
+        guided = self.guides.at(self.guides.bandwidths[level])
+        recordings = guided.recordings
         if factor > 1:
             fewer = [(i, coarser(recording, factor)) for i, recording in recordings]
             if any(recording is None for _, recording in fewer):
                 return None
             recordings = [(i, recording) for i, recording in fewer if recording is not None]
-        runs, starts = prepared(scenario, recordings, self.sought)
+        runs, starts = prepared(guided.scenario, recordings, self.sought)
         if factor > 1:  # they begin as all samples say
             runs = [replace(run, start=self._begins[run.log]) for run in runs]
             starts = [c for c in self._starts if c.log in {i for i, _ in recordings}]

@@ -27,7 +27,7 @@ _COLUMN_OF = {"loads": "f", "controllers": "r", "motors": "V", "bodies": "v"}
 
 @dataclass(frozen=True)
 class RecordedInput:
-    """A recorded signal of a machine in a stretch of a recording, times from its start.
+    """A recorded signal of a machine.
 
     ``held``: constant between samples. ``spline``: a spline, because a controller with feedforward differentiates it.
     """
@@ -63,15 +63,12 @@ class RecordedInput:
         return replace(self, t=t, x=CubicSpline(self.t, self.x)(t))
 
 
-def recorded_input(
-    scenario: Scenario, path: str, t: Array, x: Array, span: tuple[float, float], channel: Channel
-) -> RecordedInput:
-    """The recorded signal within ``span``; times count from its start."""
-    first = max(int(np.searchsorted(t, span[0], side="right")) - 1, 0)
-    last = min(int(np.searchsorted(t, span[1])) + 1, len(t))
+def recorded_input(scenario: Scenario, path: str, t: Array, x: Array, end: float, channel: Channel) -> RecordedInput:
+    """A recorded signal by its samples from time 0 to ``end``."""
+    rows = slice(max(int(np.searchsorted(t, 0.0, side="right")) - 1, 0), int(np.searchsorted(t, end)) + 1)
     table = value_at(scenario, path.rpartition(".")[0])
     spline = channel.smooth or (isinstance(table, dict) and "feedforward" in table)
-    return RecordedInput(t[first:last] - span[0], x[first:last], channel.held, spline, channel.noise)
+    return RecordedInput(t[rows], x[rows], channel.held, spline, channel.noise)
 
 
 def value_at(scenario: Scenario, path: str) -> object:
@@ -89,24 +86,6 @@ def number_at(scenario: Scenario, path: str) -> float | None:
     """The machine's number at a path, if there is one."""
     value = value_at(scenario, path)
     return float(value) if isinstance(value, int | float) else None
-
-
-def later(signal: object, by: float) -> dict[str, object] | None:
-    """A signal's table shifted to begin ``by`` seconds later; None if its kind cannot be shifted."""
-    kind = signal.get("kind") if isinstance(signal, dict) else None
-    if kind not in ("sine", "step", "points"):
-        return None
-    assert isinstance(signal, dict)
-    if kind == "sine":
-        return {**signal, "phase": signal.get("phase", 0.0) + 2 * np.pi * signal["frequency"] * by}
-    if kind == "step":
-        return {**signal, "time": max(signal["time"] - by, 0.0)}
-    t, x = np.array(signal["t"], float) - by, np.array(signal["value"], float)
-    after = t > 0
-    if not after.any():
-        return {**signal, "t": [0.0, 1.0], "value": [float(x[-1])] * 2}
-    begin = {} if t[0] > 0 else {0.0: float(np.interp(0.0, t, x))}
-    return {**signal, "t": [*begin, *t[after].tolist()], "value": [*begin.values(), *x[after].tolist()]}
 
 
 def misread(scenario: Scenario, recording: Recording, log: int) -> list[str]:

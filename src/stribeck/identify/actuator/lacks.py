@@ -69,7 +69,7 @@ class RunMotion:
             grid = run.grid
             whole = replace(run, targets=[Channel(name, grid, grid) for name in columns])
             predicted = problem.predicted(whole, k, u[None])
-            motions.append({name: x[0] for name, x in zip(columns, predicted, strict=True)} | {"t": grid + run.begin})
+            motions.append({name: x[0] for name, x in zip(columns, predicted, strict=True)} | {"t": grid})
         return cls(motions)
 
     def each(self, name: str) -> list[Array]:
@@ -87,9 +87,8 @@ def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion, words: M
     every = [
         *_friction(problem, u, motion, words),
         *_fixed(problem, u),
-        *_sensors(problem, u, words),
+        *_sensors(problem, u, r, words),
         *_inputs(problem, u, r),
-        *_begun(problem, u, r),
     ]
     return [x for x in every if np.isfinite(x.slopes).all() and x.slopes @ x.slopes > 0]
 
@@ -202,7 +201,7 @@ def _terms(
             further[f"weight {name}"] = [wave(x) for x in d]
             further[f"level by turn {name}"] = grown(further[f"weight {name}"])
     for name in motion.runs[0] if not table.get("loads") else ():  # otherwise the machine declares its growth
-        if name.endswith(_FORCES) and np.ptp(abs(motion.runs[0][name])) > 0:
+        if name.endswith(_FORCES) and not problem.of_guide(name) and np.ptp(abs(motion.runs[0][name])) > 0:
             further[f"level by {name}"] = grown([abs(x) for x in motion.each(name)])
     for name, rows in further.items():
         yield name, rows, None
@@ -215,7 +214,13 @@ def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
     """The machine's fixed numbers that are equal in all recordings. A unit is a factor of e."""
     sought, fixed = paths(problem.sought), dict[str, float]()
     for path in problem.runs[0].scenario.places:
-        if path in sought or ".initial." in path or ".signal." in path or path.endswith(_SMOOTHING):
+        if (
+            path in sought
+            or ".initial." in path
+            or ".signal." in path
+            or path.endswith(_SMOOTHING)
+            or problem.of_guide(path)
+        ):
             continue
         values = {number_at(run.scenario, path) for run in problem.runs}
         x = values.pop()
@@ -239,20 +244,20 @@ def _of_number(path: str, now: float) -> Callable[[float], str]:
     return lambda x: f"{path} fixed at {now:.4g} and rather {now * float(np.exp(np.clip(x, -3, 3))):.4g}"
 
 
-def _sensors(problem: MachineProblem, u: Array, words: Mapping[str, str]) -> Iterator[MissingForm]:
+def _sensors(problem: MachineProblem, u: Array, r: Array, words: Mapping[str, str]) -> Iterator[MissingForm]:
     """Delay (s), clock (s/s), gain and offset of each column, of all recordings and of each."""
-    slopes: dict[tuple[str, str], Array] = {}
+    every: dict[tuple[str, str], dict[int, Array]] = {}
     step, span = dict.fromkeys(problem.noise, 0.0), dict.fromkeys(problem.noise, 0.0)
     columns = [x[0] for k, run in enumerate(problem.runs) for x in problem.predicted(run, k, u[None])]
-    for (k, target, rows), x in zip(problem.pieces, columns, strict=True):
+    for (k, target, _), x in zip(problem.pieces, columns, strict=True):
         if len(target.t) > 2:
             name, rate = target.column, np.gradient(x, target.t)
-            t = target.t + problem.runs[k].begin
-            errors = {"clock": -rate * t, "delay": -rate, "gain": x, "offset": np.ones(len(t))}
+            errors = {"clock": -rate * target.t, "delay": -rate, "gain": x, "offset": np.ones(len(target.t))}
             for what, error in errors.items():
-                slopes.setdefault((name, what), np.zeros(problem.size))[rows] = error / problem.noise[name]
+                every.setdefault((name, what), {})[k] = error
             step[name] = max(step[name], float(np.median(np.diff(target.t))))
             span[name] = max(span[name], float(np.ptp(target.x)))
+    slopes = {key: _of_errors(problem, u, r, key[0], errors) for key, errors in every.items()}
     names, units = _files(problem), {c.name: c.unit for c in problem.runs[0].scenario.system.columns}
     sought = {(c.output, c.log) for c in problem.sought}
     for (name, what), x in slopes.items():
@@ -266,6 +271,30 @@ def _sensors(problem: MachineProblem, u: Array, words: Mapping[str, str]) -> Ite
                 label, neutral = words.get(path, path), 1.0 if what == "gain" else 0.0
                 tell = _of_sensor(label, neutral, file, unit)
                 yield MissingForm(path, np.where(rows_of(problem, log), x, 0.0), largest, tell, label)
+
+
+def _of_errors(problem: MachineProblem, u: Array, r: Array, column: str, errors: Mapping[int, Array]) -> Array:
+    """The change of the residuals if a sensor reads more by some errors, given by run; a guide follows the corrected values."""
+    direct = np.zeros(problem.size)
+    for k, target, rows in problem.pieces:
+        if target.column == column and k in errors:
+            direct[rows] = errors[k] / problem.noise[column]
+    direct, body = problem.whitened(direct), column.rpartition(".")[0]
+    pull = f"loads.{problem.guide}pull_{body}.signal"
+    if not problem.guide or all(pull not in run.inputs for run in problem.runs):
+        return direct
+    ranges = [float(np.ptp(t.x)) for k, t, _ in problem.pieces if t.column == column and k in errors]
+    size = _STEP * max(ranges) / max(float(np.max(abs(x))) for x in errors.values())
+    runs = list(problem.runs)
+    for k, target, _ in problem.pieces:
+        if target.column == column and k in errors:
+            link, drive = runs[k].scenario.data["links"][f"{problem.guide}spring_{body}"], runs[k].inputs[pull]
+            error = np.interp(drive.t, target.t, size * errors[k])
+            force = link["damping"] * error
+            if column.endswith(".y"):
+                force = link["stiffness"] * error + link["damping"] * np.gradient(error, drive.t)
+            runs[k] = runs[k].driven({**runs[k].inputs, pull: replace(drive, x=drive.x - force)})
+    return direct + change_by(problem, u, r, runs) / size
 
 
 def _files(problem: MachineProblem) -> dict[int | None, str]:
@@ -302,12 +331,3 @@ def _inputs(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm
     if any(x.smooth() is not x for x in every):
         bend, off = "inputs that bend between their samples", instead(RecordedInput.smooth)
         yield MissingForm("inputs smooth", off, 1.0, lambda x: f"{bend}, {x:.2g} of the way", bend)
-
-
-def _begun(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm]:
-    """Stretches whose unmeasured states (bodies, bristles, currents) continue those of the stretch before."""
-    if problem.tied or len(problem.runs) == len({run.log for run in problem.runs}):
-        return
-    off = replace(problem, runs=problem.handed_on(u)).residuals(u[None])[0] - r
-    words = "stretches that begin at the end of the previous one"
-    yield MissingForm("stretches", off, 1.0, lambda x: f"{words}, {x:.2g} of the way", words)

@@ -64,8 +64,8 @@ class Joint:
             columns = {"t": r.t, **{c.column: c.x for c in (*r.outputs.values(), *r.inputs.values())}}
             rows = [",".join(columns), *(",".join(map(repr, row)) for row in np.stack([*columns.values()], 1).tolist())]
             write_text(folder / f"{self.name}_{i}.csv", "\n".join(rows) + "\n")
-            entry = {"file": f"{self.name}_{i}.csv", "hold_out": r.hold_out, "outputs": outputs, "inputs": inputs}
-            entries.append(entry | ({} if r.window is None else {"window": r.window}))
+            file = f"{self.name}_{i}.csv"
+            entries.append({"file": file, "hold_out": r.hold_out, "outputs": outputs, "inputs": inputs})
         sought = {s.path: {"low": s.low, "high": s.high} for s in self.logs.sought}
         machine, logs = folder / f"{self.name}.toml", folder / f"{self.name}_logs.toml"
         write_text(machine, tomli_w.dumps(self.machine.data))
@@ -75,7 +75,7 @@ class Joint:
 
 def from_mujoco(
     model: MuJoCo, log: Any, *, positions: Mapping[str, str] | None = None, torques: Mapping[str, str] | None = None,
-    time: str = "t", cutoff: float | None = None, window: float = 1.0, hold_out: Sequence[int] = (),
+    time: str = "t", cutoff: float | None = None, hold_out: Sequence[int] = (),
 ) -> dict[str, Joint]:  # fmt: skip
     """Each joint of a MuJoCo model whose torque was recorded, as a machine of one body with its recordings.
 
@@ -109,7 +109,7 @@ def from_mujoco(
     if not driven:
         wanted = ", ".join(f"{name}.torque" for name in motions[0].joints)
         raise InputError(f"{arg('torques')}: no joint has a torque in every recording (looked for {wanted})")
-    return {name: _joint(name, motions, window, hold_out) for name in driven}
+    return {name: _joint(name, motions, hold_out) for name in driven}
 
 
 def _model(mujoco: MuJoCo, model: MuJoCo) -> MuJoCo:
@@ -187,7 +187,7 @@ class _Motion:
             self.inertia[i] = np.diag(full)
 
 
-def _joint(name: str, motions: Sequence[_Motion], window: float, hold_out: Sequence[int]) -> Joint:
+def _joint(name: str, motions: Sequence[_Motion], hold_out: Sequence[int]) -> Joint:
     """The machine of a joint. Its body has the mean inertia; the rest of the rigid-body torque is a recorded load."""
     place = motions[0].place[name]
     inertia = float(np.mean(np.concatenate([m.inertia[:, place] for m in motions])))
@@ -209,8 +209,7 @@ def _joint(name: str, motions: Sequence[_Motion], window: float, hold_out: Seque
         inputs = {"loads.drive.signal": Channel("torque", m.t, m.torque[name])}
         inputs["loads.rigid.signal"] = Channel("rigid_bodies", m.t, rest)
         outputs = {f"{body}.y": Channel("position", m.t, m.position[name])}
-        stretch = window if window < m.t[-1] else None
-        recordings.append(Recording(m.file, m.t, outputs, inputs, window=stretch, hold_out=i in hold_out))
+        recordings.append(Recording(m.file, m.t, outputs, inputs, hold_out=i in hold_out))
     bounds = {"F_c": size, "sigma_2": size / speed}
     sought = tuple(Sought(f"contacts.friction.law.parameters.{n}", _ROOM * x, x) for n, x in bounds.items())
     return Joint(body, machine, Logs(tuple(recordings), sought))

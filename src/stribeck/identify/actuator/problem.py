@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, pairwise
 
 import numpy as np
 from scipy.signal import lfilter
@@ -13,56 +12,14 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate, Relations
 from stribeck.identify.actuator.inputs import number_at
 from stribeck.identify.actuator.recordings import Channel
-from stribeck.identify.actuator.runs import FIRST_SAMPLES, RecordedRun
+from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.whitening import WHITE
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
 from stribeck.waveforms import Signal
 
 STEP = 2e-4  # of a coordinate, for differences: far above the solver's error, far below the next minimum
-_SPEED = float(np.sqrt(12 / FIRST_SAMPLES**3))  # deviation of their slope, by their deviation and distance
 _MEMORY = 4e6  # numbers that one batch of lanes, or the cache, may hold: some 30 MB
-
-
-@dataclass(frozen=True)
-class Seam:
-    """The end of a stretch and the start of the next: the run, its column, and the coordinate of that start.
-
-    ``share`` is the allowed difference, in units of the noise of the position ``of``.
-    """
-
-    run: int
-    column: str
-    coordinate: int
-    of: str
-    share: float
-
-
-def chains(runs: Sequence[RecordedRun]) -> list[list[int]]:
-    """The indices of the runs: consecutive stretches of a recording form one list, in their order."""
-    lists: list[list[int]] = []
-    end = np.nan
-    for k in sorted(range(len(runs)), key=lambda k: (runs[k].log, runs[k].begin)):
-        run = runs[k]
-        if lists and runs[lists[-1][-1]].log == run.log and abs(run.begin - end) < run.scenario.output.step:
-            lists[-1].append(k)
-        else:
-            lists.append([k])
-        end = run.begin + run.scenario.end
-    return lists
-
-
-def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> Iterator[Seam]:
-    """The ties between consecutive stretches."""
-    before = {(runs[b].log, runs[b].piece): a for ks in chains(runs) for a, b in pairwise(ks)}
-    for i, c in enumerate(sought):
-        if not c.nuisance or (k := before.get((c.log or 0, c.piece))) is None:
-            continue
-        body, what = c.name.rsplit(".", 2)[1:]
-        for target in runs[k].targets:
-            if target.column == f"{body}.y" and len(target.t) > 1:
-                share = 1.0 if what == "y" else _SPEED / float(np.median(np.diff(target.t)))
-                yield Seam(k, f"{body}.{what}", i, target.column, share)
 
 
 @dataclass
@@ -70,14 +27,13 @@ class MachineProblem:
     """Runs, coordinates to fit, and the noise of each column.
 
     ``plain(U)`` maps points (lanes, coordinates) to (lanes, residuals); nan where a simulation failed. First are
-    (simulated - measured)/noise of every target of every run, then priors. If stretches are ``tied``, the difference
-    between each end and the next start follows, by the start's deviation from the samples. Unmeasured states of a start
-    (bristles, currents, unmeasured bodies) then continue the stretch before, at the same point. ``residuals(U)`` are the
-    prediction errors of these.
+    (simulated - measured)/noise of every target of every run, then priors. ``residuals(U)`` are the prediction errors of
+    these.
 
     Attributes:
         known_noise: columns whose noise is given.
         whitening: by column, the filter of its prediction errors.
+        guide: the prefix of the elements of a guide, if there is one.
         pieces: the run, the target and the rows of the residuals of every compared column.
     """
 
@@ -87,7 +43,7 @@ class MachineProblem:
     threads: int = field(default_factory=threads_of_this_machine)
     work: Work = field(default_factory=Work)
     step: float = STEP
-    tied: bool = False
+    guide: str = ""
     known_noise: frozenset[str] = frozenset()
     whitening: dict[str, Array] = field(default_factory=dict)
 
@@ -97,15 +53,12 @@ class MachineProblem:
         self._cache: list[dict[bytes, Array]] = [{} for _ in self.runs]
         self.first = np.concatenate([[0], np.cumsum([run.size for run in self.runs])]).astype(int)
         self.priors = [(i, c.prior) for i, c in enumerate(self.sought) if c.prior is not None]
-        self.ties = list(ties(self.runs, self.sought)) if self.tied else []
-        self.size = int(self.first[-1]) + len(self.priors) + len(self.ties)
+        self.size = int(self.first[-1]) + len(self.priors)
         self.pieces: list[tuple[int, Channel, slice]] = []
         end = 0
         for k, target in ((k, target) for k, run in enumerate(self.runs) for target in run.targets):
             self.pieces.append((k, target, slice(end, end := end + len(target.t))))
-        self._states = [state.name for state in self.runs[0].scenario.system.states]
-        self._chains = chains(self.runs) if self.tied else [[k] for k in range(len(self.runs))]
-        self._chains.sort(key=lambda ks: -sum(self.runs[k].scenario.rows for k in ks))
+        self._longest_first = sorted(range(len(self.runs)), key=lambda k: -self.runs[k].scenario.rows)
         self._relations = Relations(self.sought, lambda path: number_at(self.runs[0].scenario, path))
 
     def repaired(self, U: Array) -> Array:
@@ -133,6 +86,10 @@ class MachineProblem:
         """Whether past residuals predict some of the next."""
         return any(len(x) > 1 for x in self.whitening.values())
 
+    def of_guide(self, path: str) -> bool:
+        """Whether a path, or a column, belongs to a guide."""
+        return bool(self.guide) and self.guide in path
+
     def without_whitening(self) -> MachineProblem:
         """The problem whose residuals are plain."""
         plain = replace(self, whitening={})
@@ -147,9 +104,9 @@ class MachineProblem:
         """The residuals at the points U, by the noise. The runs are simulated in parallel."""
         U = np.atleast_2d(U)
         r = np.full((len(U), self.size), np.nan)
-        simulated = self.work.each(lambda ks: list(self._followed(ks, U)), self._chains)
+        simulated = self.work.each(lambda k: self._simulated(k, U), self._longest_first)
         self.work.check()
-        columns = {k: rows for k, rows, _ in chain.from_iterable(filter(None, simulated))}
+        columns = {k: rows for k, rows in zip(self._longest_first, simulated, strict=True) if rows is not None}
         for k, target, rows in self.pieces:
             if k in columns:
                 x = columns[k][:, rows.start - self.first[k] : rows.stop - self.first[k]]
@@ -157,54 +114,18 @@ class MachineProblem:
         compared = int(self.first[-1])
         for row, (i, (mean, deviation)) in enumerate(self.priors, compared):
             r[:, row] = [(self.sought[i].outer(u) - mean) / deviation for u in U[:, i]]
-        for row, tie in enumerate(self.ties, compared + len(self.priors)):
-            if tie.run in columns:
-                begin = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
-                end = columns[tie.run][:, self.runs[tie.run].size + self._states.index(tie.column)]
-                r[:, row] = (end - begin) / (tie.share * self.noise[tie.of])
         self.work.tick()
         return r
 
-    def _followed(self, ks: Sequence[int], U: Array) -> Iterator[tuple[int, Array, Mapping[str, Array]]]:
-        """The runs of a chain at the points U: the result of :meth:`_simulated`, and shifts of initial states.
-
-        The shifts let states that no coordinate sets continue the run before.
-        """
-        ends = np.empty((len(U), 0))
-        for i, k in enumerate(ks):
-            begins = self._unset(k) if i else {}
-            shift = {n: ends[:, self._states.index(n)] - x for n, x in begins.items()}
-            rows = self._simulated(k, U, shift)
-            ends = rows[:, self.runs[k].size :]
-            yield k, rows, shift
-
-    def _unset(self, k: int) -> dict[str, float]:
-        """The initial states of a stretch that no coordinate sets, with the machine's initial values."""
-        run = self.runs[k]
-        starts = [c for c in self.sought if c.nuisance and (c.log, c.piece) == (run.log, run.piece)]
-        fitted = {".".join(c.name.rsplit(".", 2)[1:]) for c in starts}
-        begins = {**run.scenario.initial}
-        for path, x in run.start.items():
-            _, body, _, what = path.split(".")
-            begins[f"{body}.{what}"] = x
-        return {n: begins.get(n, 0.0) for n in self._states if n not in fitted}
-
-    def handed_on(self, u: Array) -> list[RecordedRun]:
-        """The runs at the point u. States that no coordinate sets continue the run before."""
-        runs = list(self.runs)
-        whole = replace(self, tied=True)
-        for k, _, shift in chain.from_iterable(whole._followed(ks, u[None]) for ks in whole._chains):
-            known = {n: float(x[0]) for n, x in shift.items() if np.isfinite(x[0])}
-            runs[k] = replace(self.runs[k], shift=known or self.runs[k].shift)
-        return runs
-
     def predicted(
-        self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = (), threads: int | None = None,
-        shift: Mapping[str, Array] | None = None, signals: Mapping[str, Sequence[Signal]] | None = None,
+        self, run: RecordedRun, k: int, U: Array, threads: int | None = None, shift: Mapping[str, Array] | None = None,
+        signals: Mapping[str, Sequence[Signal]] | None = None,
     ) -> list[Array]:  # fmt: skip
-        """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` at its end.
+        """The simulated columns of a run with its sensors' gains and offsets.
 
-        ``signals``: by path, inputs of each lane instead of the recorded ones.
+        Args:
+            shift: added to initial states of each lane.
+            signals: by path, inputs of each lane instead of the recorded ones.
         """
         values: dict[str, Array] = {}
         sensors: dict[tuple[str, str], Array] = {}
@@ -221,8 +142,8 @@ class MachineProblem:
             column: (sensors.get((column, "delay")), sensors.get((column, "clock")))
             for column, what in sensors if what in ("delay", "clock")
         }  # fmt: skip
-        columns = run.predict(values, delays, threads or self.threads, ends, shift, signals)
-        for target, x in zip(run.targets, columns, strict=False):
+        columns = run.predict(values, delays, threads or self.threads, shift, signals)
+        for target, x in zip(run.targets, columns, strict=True):
             of_sensor = {what: each[:, None] for (column, what), each in sensors.items() if column == target.column}
             x *= of_sensor.get("gain", 1.0)
             x += of_sensor.get("offset", 0.0)
@@ -231,22 +152,20 @@ class MachineProblem:
                     x += of_sensor[name] * term
         return columns
 
-    def _simulated(self, k: int, U: Array, shift: Mapping[str, Array]) -> Array:
-        """The compared columns of a run at the points U, one after the other, and its final states if stretches are tied.
+    def _simulated(self, k: int, U: Array) -> Array:
+        """The compared columns of a run at the points U, one after the other.
 
         Equal points are simulated once, and recent points are cached.
         """
         run, cached = self.runs[k], self._cache[k]
-        given = np.column_stack([U[:, self.concerns[k]], *shift.values()])
-        keys = [row.tobytes() for row in given]
+        keys = [row.tobytes() for row in U[:, self.concerns[k]]]
         new = [i for key, i in {key: i for i, key in enumerate(keys)}.items() if key not in cached]
         most = max(8, int(_MEMORY / max(run.scenario.rows, 1)))
-        threads = -(-self.threads // min(len(self._chains), self.threads))
+        threads = -(-self.threads // min(len(self.runs), self.threads))
         here: dict[bytes, Array] = {key: cached[key] for key in keys if key in cached}
         for first in range(0, len(new), most):
             some = new[first : first + most]
-            begun = {name: x[some] for name, x in shift.items()}
-            columns = self.predicted(run, k, U[some], self._states if self.tied else (), threads, begun or None)
+            columns = self.predicted(run, k, U[some], threads)
             here |= zip((keys[i] for i in some), np.concatenate(columns, axis=1), strict=True)
         room = int(_MEMORY / (len(self.runs) * max(run.size, 1)))
         self._cache[k] = dict(list({**cached, **here}.items())[-room:]) if room else {}
@@ -328,6 +247,4 @@ def _belongs(c: MachineCoordinate, run: RecordedRun) -> bool:
     """Whether a coordinate concerns a run."""
     if c.output is not None and all(t.column != c.output[0] for t in run.targets):
         return False
-    if not c.nuisance and run.piece not in (None, "0") and any(".initial." in path for path in c.targets):
-        return False  # an initial state of the recording does not concern its later stretches
-    return c.log in (None, run.log) and (not c.nuisance or c.piece == run.piece)
+    return c.log in (None, run.log)

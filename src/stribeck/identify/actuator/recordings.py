@@ -23,7 +23,7 @@ from stribeck.recorded import Source, listed
 from stribeck.recorded.logs import opened_log, time_of
 from stribeck.recorded.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
-FEWEST = 8  # samples of a recording, or of a stretch: an initial state takes four, and as many show the fit
+FEWEST = 8  # samples of a recording: an initial state takes four, and as many show the fit
 FAR = 6.0  # standard deviations that no error reaches: bounds from a prior or from first samples cut nothing off
 Finite = Annotated[float, ConstantField(Constant("", ""))]
 T = TypeVar("T", bound=FileTable)
@@ -74,7 +74,6 @@ class Recording:
     inputs: dict[str, Channel] = field(default_factory=dict)
     known: dict[str, float] = field(default_factory=dict)
     hold_out: bool = False
-    window: float | None = None
     notes: tuple[str, ...] = ()
     as_well: Mapping[str, Sequence[Recording]] = field(default_factory=dict)
 
@@ -191,7 +190,6 @@ class RecordingTable(FileTable):
     inputs: dict[str, Annotated[ColumnTable, BeforeValidator(_by_name)]] = Field(default_factory=dict)
     known: dict[str, Finite] = Field(default_factory=dict)
     hold_out: bool = False
-    window: float | None = quantity("s", "length of the fitted stretches", above=0, optional=True)
 
     def wrong(self) -> list[Problem]:
         """No outputs, an episode below 0, or a known number whose square is none."""
@@ -254,7 +252,6 @@ class LogsTable(FileTable):
     log: list[object] = Field(default_factory=list)
     unknown: dict[str, object] = Field(default_factory=dict)
     laws: dict[str, list[str]] = Field(default_factory=dict)
-    window: float | None = quantity("s", "length of the fitted stretches", above=0, optional=True)
     version: object = Field(None, alias="schema")
 
     def wrong(self) -> list[Problem]:
@@ -289,7 +286,7 @@ def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
     for i, given in enumerate(table.log):
         entry = _valid(RecordingTable, given, f"log.{i}", problems)
         try:
-            recordings += [] if entry is None else [_read(entry, f"log.{i}", path.parent, entry.window or table.window)]
+            recordings += [] if entry is None else [_read(entry, f"log.{i}", path.parent)]
         except InputError as error:
             problems += error.problems
     sought, wrong = sought_of(table.unknown)
@@ -334,7 +331,7 @@ def _source(entry: RecordingTable, where: str, folder: Path) -> Source:
         raise InputError(f"{where}.file: {show(entry.file)}: cannot be read: {error.strerror}") from None
 
 
-def _read(entry: RecordingTable, where: str, folder: Path, window: float | None) -> Recording:
+def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
     """The columns of one recording, in order of time."""
     source, wanted = _source(entry, where, folder), entry.columns
     time = entry.time
@@ -357,8 +354,6 @@ def _read(entry: RecordingTable, where: str, folder: Path, window: float | None)
         raise InputError(f"{where}.file: {show(entry.file)}: {few}")
     if text := impossible(t[keep]):
         raise InputError(f"{where}.time: {show(time.column)}: {text}")
-    if window is not None and window < (least := FEWEST * float(np.median(np.diff(t[keep])))):
-        raise InputError(f"{where}.window: {show(window)}: must be at least {least:.3g} s, {FEWEST} samples")
     origin, channels = float(t[keep[0]]), dict[str, Channel]()
     for use, c in wanted.items():
         x, at, rows = columns[f"{where}.{use}"] * c.factor, t, keep
@@ -379,7 +374,6 @@ def _read(entry: RecordingTable, where: str, folder: Path, window: float | None)
         inputs,
         dict(entry.known),
         entry.hold_out,
-        window,
         tuple(notes),
     )
 

@@ -221,9 +221,9 @@ def _without(starts: Array, columns: Array) -> Array:
 
 
 def _blocks(problem: MachineProblem) -> NDArray[np.intp]:
-    """The block of time of each residual; -1 for priors and ties."""
+    """The block of time of each residual; -1 for priors."""
     log = np.concatenate([np.full(len(t.t), float(problem.runs[k].log)) for k, t, _ in problem.pieces])
-    time = np.concatenate([t.t + problem.runs[k].begin for k, t, _ in problem.pieces])
+    time = np.concatenate([t.t for _, t, _ in problem.pieces])
     compared = len(time)
     count = int(np.clip(compared // ROWS, 2, BLOCKS))
     block = np.full(problem.size, -1, np.intp)

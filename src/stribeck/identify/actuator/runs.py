@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
 from stribeck.errors import BuildError, InputError, StribeckError
-from stribeck.identify.actuator.inputs import RecordedInput, later, misread, recorded_input, value_at
+from stribeck.identify.actuator.inputs import RecordedInput, misread, recorded_input
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.simulation import backend
@@ -40,33 +40,25 @@ class MeasuredRun:
 
 @dataclass
 class RecordedRun:
-    """A recording, or a stretch of one, as a scenario with its inputs and known numbers, ready to simulate.
+    """A recording as a scenario with its inputs and known numbers, ready to simulate.
 
     Attributes:
-        piece: when the stretch begins, as in the names of its coordinates; None: the whole recording.
         inputs: the recorded inputs, by path.
         as_well: alternative measurements by cause of error.
-        start: initial values that differ from the file's; ``shift``: added to other initial states of a stretch.
+        start: initial values that differ from the file's.
         played: by name, a term's unit in each signal.
         attempts: the most steps that the solver tried in a lane of the latest simulation.
     """
 
     name: str
     log: int
-    piece: str | None
     scenario: Scenario
     targets: list[Channel]
     inputs: dict[str, RecordedInput] = field(default_factory=dict)
     as_well: Mapping[str, Sequence[MeasuredRun]] = field(default_factory=dict)
     start: dict[str, float] = field(default_factory=dict)
-    shift: dict[str, float] = field(default_factory=dict)
     played: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     attempts: int = 0
-
-    @property
-    def begin(self) -> float:
-        """When it begins in its recording, s."""
-        return float(self.piece or 0.0)
 
     @property
     def size(self) -> int:
@@ -98,13 +90,13 @@ class RecordedRun:
         return replace(self, scenario=self.scenario.with_changes({"solve.t_end": end}), targets=targets)
 
     def predict(
-        self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int, ends: Sequence[str] = (),
+        self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int,
         shift: Mapping[str, Array] | None = None, signals: Mapping[str, Sequence[Signal]] | None = None,
     ) -> list[Array]:  # fmt: skip
         """For each target the simulated column at its times, (lanes, times); nan where a lane failed.
 
-        The columns ``ends`` at the end of the run follow, (lanes, 1). ``shift`` is added to the initial states of each
-        lane; the run's own shift unless given. ``signals``: by path, inputs of each lane instead of the recorded ones.
+        ``shift`` is added to the initial states of each lane. ``signals``: by path, inputs of each lane instead of the
+        recorded ones.
         """
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
@@ -117,13 +109,10 @@ class RecordedRun:
         scenario = variations.scenario
         variations.played = self._signals(shares, count) | dict(signals or {})
         good = np.flatnonzero([text is None for text in variations.problems()])
-        last = np.array([self.scenario.end])
-        wanted = [*self.targets, *(Channel(name, last, last) for name in ends)]
-        predicted = [np.full((count, len(x.t)), np.nan) for x in wanted]
+        predicted = [np.full((count, len(x.t)), np.nan) for x in self.targets]
         if not len(good):
             return predicted
-        offsets = self.shift if shift is None else shift
-        variations.shift = {name: np.broadcast_to(x, (count,)) for name, x in offsets.items()}
+        variations.shift = dict(shift or {})
         lanes = variations if len(good) == count else variations.part(good)
         outcome = solver(scenario, threads)(lanes, None, None)
         width = len(scenario.system.states)
@@ -132,9 +121,9 @@ class RecordedRun:
             columns = lanes.columns(grid, outcome.states[:, :, :width], outcome.states[:, :, width:])
         self.attempts = int(np.max(outcome.counts["accepted"] + outcome.counts["rejected"]))
         whole = outcome.counts["status"] == 0
-        for i, target in enumerate(wanted):
+        for i, target in enumerate(self.targets):
             x = np.where(whole[:, None], columns[target.column], np.nan)
-            late = delays.get(target.column) if i < len(self.targets) else None
+            late = delays.get(target.column)
             if late is not None:
                 late = tuple(None if each is None else each[good] for each in late)  # type: ignore[assignment]
             predicted[i][good] = at_times(grid, x, target, late)
@@ -195,62 +184,51 @@ def rms(parts: Sequence[Array]) -> float:
     return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
 
 
-def recorded_run(
-    scenario: Scenario, recording: Recording, log: int, span: tuple[float, float] | None = None, fine: bool = False
-) -> RecordedRun:
-    """The scenario of a recording, or of a stretch; ``fine``: with rows between samples, for delays and clock drift.
+def recorded_run(scenario: Scenario, recording: Recording, log: int, fine: bool = False) -> RecordedRun:
+    """The scenario of a recording; ``fine``: with rows between samples, for delays and clock drift.
 
     Raises:
         InputError: an output, an input or a known number does not exist in the machine.
     """
     if scenario.elements.unnamed:
         raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
-    begin, end = span or (0.0, float(recording.t[-1]))
-    drives = driven_by(scenario, recording, (begin, end))
+    drives, length = driven_by(scenario, recording), float(recording.t[-1])
     problems = [
         f"log.{log}.inputs.{path}.held: true: must be false: a feedforward needs a smooth command"
         for path, each in drives.items() if each.held and each.spline
     ]  # fmt: skip
-    signals = {use.path: value_at(scenario, use.path) for use in scenario.elements.signals}
-    shifted = {path: later(x, begin) for path, x in signals.items() if path not in recording.inputs and begin > 0}
-    text = "a signal of this kind cannot be cut: give it as a recorded input, or no window"
-    problems += [f"{path}: {text}" for path, x in shifted.items() if x is None]
     problems += misread(scenario, recording, log)
     if problems:
         raise InputError(problems)
     step = _step(recording) / (_FINER if fine else 1)
-    length = end - begin
     step = length / max(math.ceil(length / step - _EVEN), 1)  # the last row is the end, where samples lie
-    changes = {**recording.known, **{path: each.table() for path, each in drives.items()}, **shifted}
+    changes = {**recording.known, **{path: each.table() for path, each in drives.items()}}
     changes |= {"solve.t_end": length, "output.step": step, "output.energy": False}
     try:
         new = scenario.with_changes(changes)
     except InputError as error:
         raise InputError([f"log.{log} ({recording.file}): {line}" for line in error.problems]) from None
-    until = min(end, new.end + begin)
     as_well = {
-        cause: [MeasuredRun(driven_by(scenario, x, (begin, end)), compared(x, begin, until)) for x in same]
+        cause: [MeasuredRun(driven_by(scenario, x), compared(x, new.end)) for x in same]
         for cause, same in {**recording.as_well, "missing samples": recording.crossed()}.items() if same
     }  # fmt: skip
-    piece = None if span is None else f"{begin:g}"
-    targets = compared(recording, begin, until)
-    return RecordedRun(recording.file, log, piece, new, targets, drives, as_well)
+    return RecordedRun(recording.file, log, new, compared(recording, new.end), drives, as_well)
 
 
-def compared(recording: Recording, begin: float, end: float) -> list[Channel]:
-    """The measured columns between two times by the machine's names; times count from the first."""
+def compared(recording: Recording, end: float) -> list[Channel]:
+    """The measured columns up to a time by the machine's names."""
     targets = []
     for name, c in recording.outputs.items():
-        there = (c.t >= begin - 1e-12) & (c.t <= end + 1e-12) & np.isfinite(c.x) & np.isfinite(c.t)
+        there = (c.t >= -1e-12) & (c.t <= end + 1e-12) & np.isfinite(c.x) & np.isfinite(c.t)
         if there.any():
-            targets.append(replace(c, column=name, t=c.t - begin).rows(there))
+            targets.append(replace(c, column=name).rows(there))
     return targets
 
 
-def driven_by(scenario: Scenario, recording: Recording, span: tuple[float, float]) -> dict[str, RecordedInput]:
+def driven_by(scenario: Scenario, recording: Recording) -> dict[str, RecordedInput]:
     """The recorded inputs by path."""
-    whole = {path: (c, c.bridged) for path, c in recording.inputs.items()}
-    return {path: recorded_input(scenario, path, b.t, b.x, span, c) for path, (c, b) in whole.items()}
+    whole, end = {path: (c, c.bridged) for path, c in recording.inputs.items()}, float(recording.t[-1])
+    return {path: recorded_input(scenario, path, b.t, b.x, end, c) for path, (c, b) in whole.items()}
 
 
 def _step(recording: Recording) -> float:

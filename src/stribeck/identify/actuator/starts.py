@@ -1,4 +1,4 @@
-"""The initial states of recordings and of their stretches."""
+"""The initial states of recordings."""
 
 from __future__ import annotations
 
@@ -16,56 +16,46 @@ from stribeck.scenario import Scenario
 _FEWEST = 4  # samples for the estimate of a state: a parabola takes three
 _BENDS = 2.0  # times the noise: a larger residual shows that a parabola does not describe the samples
 _SIGNIFICANT = 3.0, 2.5  # standard deviations of an initial speed, and of the slope of the first samples, of a motion
-_WHOLE = 0.9  # of a recording: a longer stretch is all of it
-_NEAR_CUT = 0.25  # of a stretch: how far its cut may move to a larger speed
 
 
 def problem_of(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate],
-    noise: dict[str, float], window: float | None = None, **options: object,
+    noise: dict[str, float], **options: object,
 ) -> MachineProblem:  # fmt: skip
-    """The problem of some recordings, whole or in stretches, with the coordinates of their initial states behind ``sought``.
+    """The problem of some recordings, with the coordinates of their initial states behind ``sought``.
 
-    Args:
-        window: length of the stretches, s; each recording's own if it has one.
-        options: further attributes of the problem.
+    ``options``: further attributes of the problem.
     """
-    runs, starts = prepared(scenario, recordings, sought, window)
+    runs, starts = prepared(scenario, recordings, sought)
     return MachineProblem(runs, [*sought, *starts], noise, **options)  # type: ignore[arg-type]
 
 
 def prepared(
-    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate],
-    window: float | None = None,
-) -> tuple[list[RecordedRun], list[MachineCoordinate]]:  # fmt: skip
-    """The runs, whole or in stretches, and the coordinates of their initial states."""
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate]
+) -> tuple[list[RecordedRun], list[MachineCoordinate]]:
+    """The runs, and the coordinates of their initial states."""
     runs: list[RecordedRun] = []
     starts: list[MachineCoordinate] = []
     for log, recording in recordings:
-        length = recording.window or window
-        spans: Sequence[tuple[float, float] | None] = [None]
-        if length is not None and length < _WHOLE * recording.t[-1]:
-            spans = stretches(recording, length)
-        for span in spans:
-            run, begins = _Beginning(scenario, recording, log, sought, span).states()
-            if run.size:
-                runs.append(run)
-                starts += begins
+        run, begins = _Beginning(scenario, recording, log, sought).states()
+        if run.size:
+            runs.append(run)
+            starts += begins
     return runs, starts
 
 
-def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
-    """A measured position and its rate at a time, and their standard deviations.
+def state_at(channel: Channel) -> tuple[float, float, float, float]:
+    """A measured position and its rate at time 0, and their standard deviations.
 
     Both come from a parabola through the nearest samples, as many as it describes.
     """
     good = np.isfinite(channel.x)
     t, x = channel.t[good], channel.x[good]
-    order = np.argsort(abs(t - at))[:FIRST_SAMPLES]
+    order = np.argsort(abs(t))[:FIRST_SAMPLES]
     noise = roughness([x[np.sort(order)]])
     for count in range(len(order), 0, -2):
         near = np.sort(order[:count])
-        s, span = t[near] - at, max(np.ptp(t[near]), 1e-12)
+        s, span = t[near], max(np.ptp(t[near]), 1e-12)
         A = np.stack([np.ones(len(s)), s / span, (s / span) ** 2], axis=1)
         parabola, *_ = np.linalg.lstsq(A, x[near], rcond=None)
         left = x[near] - A @ parabola
@@ -93,7 +83,7 @@ def moves(channel: Channel) -> bool:
 
 @dataclass(frozen=True)
 class _Beginning:
-    """The start of a recording, or of a stretch of it.
+    """The start of a recording.
 
     If the file, the recording or the user gives a body's initial state, it is used. Otherwise the first samples give an
     estimate, which the fit refines.
@@ -103,13 +93,12 @@ class _Beginning:
     recording: Recording
     log: int
     sought: Sequence[MachineCoordinate]
-    span: tuple[float, float] | None
 
     def states(self) -> tuple[RecordedRun, list[MachineCoordinate]]:
         """The run to simulate, and the coordinates of its initial state."""
         sensors = {(c.output, c.log) for c in self.sought if c.output is not None}
         late = any(what in ("delay", "clock") or log is not None for (_, what), log in sensors)
-        run = recorded_run(self.scenario, self.recording, self.log, self.span, late)
+        run = recorded_run(self.scenario, self.recording, self.log, late)
         starts: list[MachineCoordinate] = []
         known: set[str] = set()
         outputs = sorted(self.recording.outputs.items(), key=lambda each: each[0].endswith(".v"))
@@ -120,11 +109,11 @@ class _Beginning:
                 continue
             carried = {b: f for b, f in self.scenario.elements.carried(name).items() if b not in known}
             known |= set(carried)
-            x, rate, dx, drate = state_at(channel, self.span[0] if self.span else 0.0)
+            x, rate, dx, drate = state_at(channel)
             states = {"y": (x, dx), "v": (rate, drate)} if what == "y" else {"v": (x, dx)}
             for kind, (value, deviation) in states.items():
                 targets = {f"bodies.{b}.initial.{kind}": f for b, f in carried.items() if not self._given(b, kind)}
-                if targets and (self.span is not None or self._differs(channel, what, kind, value)):
+                if targets and self._differs(channel, what, kind, value):
                     starts.append(self._coordinate(run, f"{name}.{kind}", targets, value, deviation))
         return run, starts
 
@@ -135,13 +124,11 @@ class _Beginning:
     def _given(self, body: str, kind: str) -> bool:
         """Whether a body's initial state is given."""
         path = f"bodies.{body}.initial.{kind}"
-        if self.span is not None and self.span[0] > 0:
-            return False
         inside = self.scenario.data["bodies"].get(body, {}).get("initial", {})
         return kind in inside or path in self.recording.known or path in paths(self.sought)
 
     def _differs(self, channel: Channel, what: str, kind: str, value: float) -> bool:
-        """Whether the first samples of a whole recording may tell the state from 0, the machine's own."""
+        """Whether the first samples may tell the state from 0, the machine's own."""
         if kind == "v":
             return what == "v" or moves(channel)
         return not abs(value) < 1e-12 * max(1.0, float(np.nanmax(abs(channel.x))))
@@ -151,30 +138,9 @@ class _Beginning:
     ) -> MachineCoordinate:
         """The coordinate of one state, at which the run begins."""
         room = FAR * max(deviation, 1e-9 * max(abs(value), 1e-3))
-        still = name.endswith(".v") and self.span is None and abs(value) < _SIGNIFICANT[0] * deviation
+        still = name.endswith(".v") and abs(value) < _SIGNIFICANT[0] * deviation
         first = 0.0 if still else value  # rest unless motion is significant: a false speed would deflect bristles
         run.start |= {path: f * first for path, f in targets.items()}
-        label = f"log.{self.log}.{'' if self.span is None else f'{self.span[0]:g}s.'}initial.{name}"
+        label = f"log.{self.log}.initial.{name}"
         low, high = min(value - room, first), max(value + room, first)
-        return MachineCoordinate(label, low, high, first, None, targets, None, self.log, True, run.piece)
-
-
-def stretches(recording: Recording, window: float) -> list[tuple[float, float]]:
-    """The times at which stretches of about ``window`` seconds begin and end.
-
-    They begin where the speed is large, so unmeasured states (bristles, currents) soon become steady.
-    """
-    length = float(recording.t[-1])
-    count = max(1, round(length / window))
-    position = next((c for n, c in recording.outputs.items() if n.endswith(".y")), None)
-    cuts = [0.0]
-    for i in range(1, count):
-        at = i * length / count
-        if position is not None:
-            t = recording.t[abs(recording.t - at) < _NEAR_CUT * length / count]
-            x = np.interp(t, position.t[np.isfinite(position.x)], position.x[np.isfinite(position.x)])
-            wide = max(len(t) // 20, 1)
-            speed = abs(x[2 * wide :] - x[: -2 * wide])
-            at = float(t[wide + int(np.argmax(speed))]) if len(speed) else at
-        cuts.append(float(recording.t[np.argmin(abs(recording.t - at))]))
-    return list(zip(cuts, [*cuts[1:], length], strict=True))
+        return MachineCoordinate(label, low, high, first, None, targets, None, self.log, True)

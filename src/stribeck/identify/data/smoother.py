@@ -42,13 +42,13 @@ class Smoother(NamedTuple):
     noise: float
 
 
-def likeliest(runs: Sequence[Array], step: float) -> Smoother:
+def likeliest(runs: Sequence[Array], step: float, orders: Sequence[int] = range(1, ORDER + 1)) -> Smoother:
     """The maximum-likelihood smoother of the runs of a motion; ``step``: between samples, s."""
     highest, longest = HIGHEST / step, max(map(len, runs)) * step
     ends = min(SETTLED / (_SETTLES * longest), highest), highest
     some = _shortened(runs)
     least = max(encoder_step(some) ** 2 / 12, _LEAST)  # the variance of rounding
-    return min((_of_order(n, some, step, ends, least) for n in range(1, ORDER + 1)), key=lambda each: each[0])[1]
+    return min((_of_order(n, some, step, ends, least) for n in orders), key=lambda each: each[0])[1]
 
 
 def _of_order(

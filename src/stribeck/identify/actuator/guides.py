@@ -1,0 +1,159 @@
+"""Guides: springs and dampers that draw each measured body along its measured motion, as a state observer does.
+
+Under a guide, the distance from the measured motion is the error of the forces, filtered. So errors do not accumulate, and
+the simulation can follow where a free one cannot: an unstable motion, or a machine that lacks a force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import make_smoothing_spline
+
+from stribeck.arrays import Array
+from stribeck.identify.actuator.inputs import STILL
+from stribeck.identify.actuator.recordings import Channel, Recording
+from stribeck.identify.actuator.runs import roughness
+from stribeck.identify.data.smoother import likeliest
+from stribeck.scenario import Scenario
+from stribeck.scenario.changes import unused_prefix
+
+_LOOSER = 3.0  # ratio of the bandwidths of two guides, half a decade
+_DRAWS = 4  # of the measured motion's noise, which the guide carries into the simulation
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """A body's measured motion, smoothed, and the body's inertia; without ``y``, only its speed is measured.
+
+    ``column``, ``noise``: of the measured column.
+    """
+
+    body: str
+    inertia: float
+    column: str
+    noise: float
+    t: Array
+    v: Array
+    y: Array | None = None
+
+    def spring(self, bandwidth: float) -> tuple[float, float]:
+        """The stiffness and the damping of a critically damped guide."""
+        return (0.0 if self.y is None else self.inertia * bandwidth**2), 2 * self.inertia * bandwidth
+
+
+def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
+    """The measured motions of bodies that forces move."""
+    bodies = scenario.system.elements.bodies
+    for column, channel in recording.outputs.items():
+        name, _, what = column.rpartition(".")
+        if name not in bodies or scenario.system.leader(name).velocity is not None:
+            continue
+        if what not in ("y", "v") or (what == "v" and f"{name}.y" in recording.outputs):
+            continue
+        t, x = channel.bridged.t, channel.bridged.x
+        if not np.ptp(x) > 0:
+            continue
+        step = float(np.median(np.diff(t)))
+        cutoff = likeliest([x], step, orders=(2,)).cutoff
+        spline = make_smoothing_spline(t, x, lam=1 / (step * (2 * np.pi * cutoff) ** 4))  # whose gain there is one half
+        table, smooth, rate = scenario.data["bodies"][name], spline(t), spline.derivative()(t)
+        inertia = float(table.get("mass", table.get("inertia", 1.0)))
+        y, v = (smooth, rate) if what == "y" else (None, smooth)
+        yield _Motion(name, inertia, column, roughness([x]), t, v, y)
+
+
+def _inputs(motions: Sequence[_Motion], bandwidth: float, prefix: str) -> dict[str, Channel]:
+    """The forces of guides on bodies at rest at 0, by the path of their signals."""
+    inputs = {}
+    for m in motions:
+        stiffness, damping = m.spring(bandwidth)
+        force = damping * m.v + (0.0 if m.y is None else stiffness * m.y)
+        inputs[f"loads.{prefix}pull_{m.body}.signal"] = Channel("guide", m.t, force, smooth=True)
+    return inputs
+
+
+def _with(recording: Recording, inputs: Mapping[str, Channel]) -> Recording:
+    return replace(recording, inputs={**recording.inputs, **inputs})
+
+
+@dataclass(frozen=True)
+class Guided:
+    """A machine and its numbered recordings with critically damped guides; ``prefix``: of the guides' elements."""
+
+    scenario: Scenario
+    recordings: Sequence[tuple[int, Recording]]
+    prefix: str = ""
+
+
+class Guides:
+    """Guides of several bandwidths along some recordings of a machine.
+
+    Attributes:
+        bandwidths: rad/s; 0 (no guide), then from below the motion's own frequency to the inverse of the sampling interval.
+    """
+
+    def __init__(self, scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -> None:
+        self._scenario, self._recordings = scenario, recordings
+        self._motions = {i: list(_motions(scenario, r)) for i, r in recordings}
+        every = [m for motions in self._motions.values() for m in motions]
+        frequencies = [1 / np.ptp(m.t) if m.y is None else np.std(m.v) / np.std(m.y) for m in every]
+        low = min(frequencies, default=np.inf) / _LOOSER
+        high = 1 / min(float(np.median(np.diff(r.t))) for _, r in recordings)
+        count = max(int(np.log(high / low) / np.log(_LOOSER)) + 1, 0) if every else 0
+        self.bandwidths: list[float] = [0.0, *(float(low * _LOOSER**n) for n in range(count))]
+
+    def at(self, bandwidth: float, noisy: bool = False) -> Guided:
+        """The machine and its recordings with guides of a bandwidth; without any at 0.
+
+        Args:
+            noisy: the recordings have alternatives with the noise of their measured motion added once more.
+        """
+        if not bandwidth:
+            return Guided(self._scenario, self._recordings)
+        changes, guided = dict[str, object](), list[tuple[int, Recording]]()
+        prefix = unused_prefix(self._scenario.data, "guide_")
+        for i, recording in self._recordings:
+            for m in self._motions[i]:
+                stiffness, damping = m.spring(bandwidth)
+                link = {"from": m.body, "to": "ground", "stiffness": stiffness, "damping": damping}
+                changes[f"links.{prefix}spring_{m.body}"] = link
+                changes[f"loads.{prefix}pull_{m.body}"] = {"on": m.body, "kind": "signal", "signal": STILL}
+            pulls = _inputs(self._motions[i], bandwidth, prefix)
+            others = {cause: [_with(x, pulls) for x in same] for cause, same in recording.as_well.items()}
+            if noisy:
+                others["noise of the measured motion"] = [
+                    _with(x, _inputs(list(_motions(self._scenario, x)), bandwidth, prefix))
+                    for x in self._noisier(i, recording)
+                ]
+            guided.append((i, replace(_with(recording, pulls), as_well=others)))
+        return Guided(self._scenario.with_changes(changes), guided, prefix)
+
+    def _noisier(self, i: int, recording: Recording) -> Iterator[Recording]:
+        """The recording with other noise added to its measured motion."""
+        rng = np.random.default_rng(0)
+        for _ in range(_DRAWS):
+            outputs = dict(recording.outputs)
+            for m in self._motions[i]:
+                x = outputs[m.column].x
+                outputs[m.column] = replace(outputs[m.column], x=x + m.noise * rng.standard_normal(len(x)))
+            yield replace(recording, outputs=outputs)
+
+    def forces(self, i: int, bandwidth: float, motion: Mapping[str, Array]) -> tuple[float, float]:
+        """The rms force of the guides along a simulated motion of recording i, and of the other forces on the bodies.
+
+        Args:
+            motion: simulated columns, and their times ``t``.
+        """
+        pulls, others, t = [0.0], [0.0], motion["t"]
+        for m in self._motions[i]:
+            stiffness, damping = m.spring(bandwidth)
+            y, v = motion[f"{m.body}.y"], motion[f"{m.body}.v"]
+            pull = damping * (np.interp(t, m.t, m.v) - v)
+            if m.y is not None:
+                pull += stiffness * (np.interp(t, m.t, m.y) - y)
+            pulls.append(float(np.mean(pull**2)))
+            others.append(float(np.mean((m.inertia * np.gradient(v, t) - pull) ** 2)))
+        return float(np.sqrt(np.sum(pulls))), float(np.sqrt(np.sum(others)))
