@@ -178,28 +178,6 @@ def test_starts_that_were_given_up_on_their_way_are_no_disagreement():
     assert not any("few starts" in note for note in fit.notes), fit.notes
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"law": "lugre_sobczyk"}, "k_v: missing: give its value"),
-        ({"constants": {"F_q": 1.0}}, "F_q: law 'lugre' has no such constant"),
-        ({"constants": rig.TRUTH}, "there is nothing to fit"),
-        ({"terms": ("F_c_by_load",)}, "needs a column: (--)?load"),
-        ({"terms": ("delay",)}, "delay: a static fit looks for it"),
-        (
-            {"terms": ("sigma_2_by_direction",), "output": "velocity"},
-            "sigma_2_by_direction: has no place in a fit of the motion",
-        ),
-        ({"output": "velocity"}, "mass(: 0|.*0: a body that a force drives has a mass)"),
-        ({"unknown": {"F_s": (2.0, 1.0)}}, r"F_s\.high: 1.0: must be > low"),
-    ],
-)
-def test_what_cannot_be_fitted_is_refused(full, options, message):
-    law = options.pop("law", "lugre")
-    with pytest.raises(InputError, match=message):
-        fitted(full, law, mass=0.0, **options)
-
-
 def test_ctrl_c_leaves_what_was_found(full):
     shares = []
 

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.cli import _status
-from stribeck.errors import InputError
 from stribeck.identify.required import half_width, with_requirements
 from tests.identify.actuator.recorded import body, logs, record
 
@@ -55,29 +53,9 @@ def test_what_to_measure_stands_with_what_is_missing(columns, usual):
     assert (e.value, e.interval, e.range) == tuple(getattr(usual["F_c"], n) for n in ("value", "interval", "range"))
 
 
-def test_what_cannot_be_required_is_refused(columns, usual):
-    for share in (0.0, 0.6):
-        with pytest.raises(InputError, match="must be a half width"):
-            fitted(columns, require={"F_c": share})
-    with pytest.raises(InputError, match="F_x"):
-        with_requirements(usual, {"F_x": 0.1})
-
-
 def test_a_machine_is_judged_by_the_end_of_a_path(tmp_path):
     record(tmp_path / "run.csv", body(amplitude=5.0))
     path = logs(tmp_path, ["run.csv"], {"bodies.a.mass": {"low": 0.2, "high": 5.0}})
     found = stribeck.fit(body(), logs=path, require={"mass": 1e-9})
     assert found["mass"].state == "not identifiable"
     assert found.notes[0].startswith("bodies.a.mass is known within")
-
-
-@pytest.mark.thorough
-def test_the_command_ends_with_1_where_something_is_not_reached(columns, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    np.savetxt("log.csv", np.column_stack(list(columns.values())), delimiter=",", header="t,y,F", comments="")
-    words = ["fit", "log.csv", "--law", "stribeck_tanh", "--time", "t", "--position", "y", "--force", "F"]
-    assert _status([*words, "--require", "F_c=50%"]) == 0
-    assert _status([*words, "--require", "F_c=0.01%"]) == 1
-    assert "0.01 % is required" in " ".join(capsys.readouterr().out.split())
-    assert _status([*words, "--require", "F_c"]) == 2
-    assert "--require: 'F_c': must be NAME=SHARE" in capsys.readouterr().err

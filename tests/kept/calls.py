@@ -32,6 +32,7 @@ from stribeck.expressions import coq, emit, ops, pretty
 from stribeck.expressions.graph import constant, derivative, symbol, symbols
 from stribeck.expressions.intervals import Box, Evaluator, interval
 from stribeck.identify.actuator import read_logs
+from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.laws import builtin, overflow, trouble
 from stribeck.loops.boundary import Turned
 from stribeck.properties.prover.ring import Ring
@@ -245,22 +246,35 @@ def _():
 
 @kept("refused/logs")
 def _():
-    for name in ("axis_1.csv", "axis_2.csv"):
-        logs.write(name, Path(name))
-    tables = tomllib.loads((PLACES[0] / "axis.logs.toml").read_text())
+    inputs("axis.toml axis.logs.toml")
+    Path("few.csv").write_text("t,y,u\n0,0,0\n0.1,0,0\n")
+    Path("words.csv").write_text("t,y,u\n" + "0.1,much,0\n" * 9)
+    machine, tables = Scenario.load("axis.toml"), tomllib.loads(Path("axis.logs.toml").read_text())
     first, second = tables["log"]
-    shape = {"log": first | {"hold_out": True}, "unknown": tables["unknown"]}
-    for path in _places(shape):
-        for wrong in WRONG:
-            edited = _edited(shape, path, wrong)
-            if isinstance(edited.get("log"), dict):
-                edited["log"] = [edited["log"], second]
-            Path("l.toml").write_text(tomli_w.dumps(edited))
-            try:
-                read_logs("l.toml")
-                yield f"{_said(path, wrong)}: taken"
-            except InputError as error:
-                yield from (f"{_said(path, wrong)}: {x}" for x in error.problems)
+    read = {"a.y": {"column": "y", "unit": "mm", "gain": 1e3, "noise": 1e-5, "held": False}}
+    driven = {"loads.push.signal": {"column": "u", "held": True}}
+    told = {"outputs": read, "inputs": driven, "known": {"bodies.a.initial.y": 0.0}, "hold_out": False}
+    sought = {"low": 0.2, "high": 5.0, "start": 1.0, "prior": {"mean": 1.0, "deviation": 0.1}}
+    shape = {"log": {**first, **told}, "unknown": {**tables["unknown"], "bodies.a.mass": sought}}
+    wide = {"prior": {"mean": 1.0, "deviation": 0.25}}
+    files = [(("log", "file"), x) for x in ("none.csv", "few.csv", "words.csv", "x" * 300 + ".csv")]
+    names = ("log.3.bodies.a.mass", "initial.a.y", "outputs.b.y.offset", "outputs.a.y.wobble", "bodies.a.mas")
+    others = [(("unknown",), {n: {"low": 0.2, "high": 5.0}}) for n in names]
+    others += [
+        (("unknown",), {"bodies.a.mass": x}) for x in (wide, {"low": -1.0, "high": 5.0}, {"low": 2.0, "high": 1.0})
+    ]
+    others += [(("log", "hold_out"), True), (("log", "outputs"), {"a.q": "y"})]
+    tried = [(path, wrong) for path in _places(shape) for wrong in (*WRONG, 1e308, -1e308, 1e-320)]
+    for path, wrong in tried + files + others:
+        edited = _edited(shape, path, wrong)
+        if isinstance(edited.get("log"), dict):
+            edited["log"] = [edited["log"], second]
+        Path("l.toml").write_text(tomli_w.dumps(edited))
+        try:
+            coordinates(machine, read_logs("l.toml"))
+            yield f"{_said(path, wrong)}: taken"
+        except InputError as error:
+            yield from (f"{_said(path, wrong)}: {x}" for x in error.problems)
 
 
 @kept("refused/bam")

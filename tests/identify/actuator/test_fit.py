@@ -1,11 +1,9 @@
 """Machines whose numbers are known by construction: found, with intervals that hold them; or said not to be told."""
 
-import re
-
 import numpy as np
 import pytest
 
-from stribeck.errors import InputError, StribeckError
+from stribeck.errors import StribeckError
 from stribeck.identify.actuator import estimate as estimation
 from stribeck.identify.actuator import fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import coordinates
@@ -123,93 +121,6 @@ def test_a_machine_without_the_recorded_force_is_no_comparison(tmp_path):
     assert found.status == "done", found.reason
     assert "no friction" not in found.baselines
     assert not any("why" in each for each in found.baselines.values())
-
-
-SIZE = "must lie between -1e+30 and 1e+30"
-PRIOR = {"mean": 1.0, "deviation": 0.1}
-
-
-@pytest.mark.parametrize(
-    ("log", "mass", "told"),
-    [
-        ({"known": {"bodies.a.initial.v": 1e308}}, {}, f"log.0.known.bodies.a.initial.v: 1e+308: {SIZE}"),
-        ({}, {"high": 1e308}, f"unknown.bodies.a.mass.high: 1e+308: {SIZE}"),
-        ({}, {"prior": {**PRIOR, "deviation": 1e-320}}, "prior.deviation: 1e-320: must lie between 1e-30 and 1e+30"),
-        ({}, {"prior": {**PRIOR, "mean": -1e308}}, f"unknown.bodies.a.mass.prior.mean: -1e+308: {SIZE}"),
-        ({"time": 2.5}, {}, "log.0.time: 2.5: must be a column's name or a table, not a number"),
-        ({"outputs": {"a.y": [1]}}, {}, "log.0.outputs.a.y: [1]: must be a column's name or a table, not a list"),
-    ],
-)  # fmt: skip
-def test_a_number_whose_square_is_none_and_a_wrong_kind_are_refused_in_a_line(recordings, log, mass, told):
-    with pytest.raises(InputError) as error:
-        read_logs(logs(recordings, [{"file": "run0.csv", **log}], {MASS: {**WANTED[MASS], **mass}}))
-    (line,) = error.value.problems
-    assert line.endswith(told)
-
-
-def test_a_prior_that_reaches_what_cannot_be_says_whose_the_number_is(recordings):
-    path = logs(recordings, ["run0.csv"], {MASS: {"prior": {"mean": 1.0, "deviation": 0.25}}})
-    told = (
-        "unknown.bodies.a.mass: -0.5: must be a finite number > 0 "
-        "(low and high are 6 deviations from the prior's mean, unless given)"
-    )
-    with pytest.raises(InputError) as error:
-        fit_machine(machine(), path)
-    assert error.value.problems == [told]
-
-
-def test_mistakes_in_the_file_are_told_line_by_line(recordings):
-    entry = {
-        "file": "run0.csv", "outputs": {"a.q": "y", "a.v": {"column": "z", "unit": "furlong"}}, "known": {"bodies.a.mass": "x"},
-    }  # fmt: skip
-    with pytest.raises(InputError) as error:
-        read_logs(logs(recordings, [entry], {F_C: {"low": 2.0, "high": 1.0}, MASS: {"lo": 1.0}}))
-    text = "\n".join(error.value.problems)
-    for words in ("furlong", "known.bodies.a.mass", "must be > low", "lo: 1.0: unknown key"):
-        assert words in text
-    with pytest.raises(InputError, match=r"outputs\.a\.q: no such column"):
-        fit_machine(machine(), logs(recordings, [{"file": "run0.csv", "outputs": {"a.q": "y"}}], WANTED))
-    with pytest.raises(InputError, match=r"bodies\.a\.mas: no such number.*bodies\.a\.mass"):
-        fit_machine(machine(), logs(recordings, ["run0.csv"], {"bodies.a.mas": {"low": 1.0, "high": 2.0}}))
-
-
-RUN, BOUNDS = {"file": "run0.csv"}, {"low": 0.2, "high": 5.0}
-
-
-def measured(**column):
-    return RUN | {"outputs": {"a.y": {"column": "y", **column}}}
-
-
-@pytest.mark.parametrize(
-    ("entry", "wanted", "told"),
-    [
-        (measured(gain=0.0), WANTED, r"log\.0\.outputs\.a\.y\.gain: 0\.0: must be"),
-        (measured(noise=1e200), WANTED, r"noise: 1e\+200: must lie between"),
-        (measured(column="z"), WANTED, r"log\.0\.outputs\.a\.y: 'z': .*run0\.csv has no such column"),
-        (RUN, {MASS: {"low": 1.0}}, r"unknown\.bodies\.a\.mass\.high: missing"),
-        (RUN, {MASS: BOUNDS | {"start": 9.0}}, r"mass\.start: 9\.0: must be a number from low to high"),
-        (RUN, {MASS: {"low": 1e-200, "high": 1e200}}, r"mass\.high: 1e\+200: must lie"),
-        (RUN, {MASS: {"low": -1.0, "high": 5.0}}, r"unknown\.bodies\.a\.mass: "),
-        (RUN, {}, "unknown: missing"),
-        (RUN | {"hold_out": True}, WANTED, r"log\.0\.hold_out: true"),
-        ({"file": "none.csv"}, WANTED, r"log\.0\.file: .*none\.csv"),
-        ({"file": "few.csv"}, WANTED, r"log\.0\.file: 'few\.csv': has 2 rows"),
-        ({"file": "words.csv"}, WANTED, r"log\.0\.file: .*words\.csv: "),
-        ({"file": "x" * 300 + ".csv"}, WANTED, r"log\.0\.file: .*cannot be read"),
-        (RUN, {"log.3." + MASS: BOUNDS}, r"unknown\.log\.3\.bodies\.a\.mass: log\.3: there are 1 recordings"),
-        (RUN, {"initial.a.y": BOUNDS}, r"unknown\.initial\.a\.y: must begin with log"),
-        (RUN, {"outputs.b.y.offset": BOUNDS}, r"unknown\.outputs\.b\.y\.offset: b\.y: is not measured"),
-        (RUN, {"outputs.a.y.wobble": BOUNDS}, r"unknown\.outputs\.a\.y\.wobble: wobble: must be"),
-    ],
-    ids=lambda x: x if isinstance(x, str) else "",
-)
-def test_each_mistake_in_the_file_is_told_at_its_place(entry, wanted, told, recordings):
-    (recordings / "few.csv").write_text("t,y,u\n0,0,0\n0.1,0,0\n")
-    (recordings / "words.csv").write_text("t,y,u\n" + "0.1,much,0\n" * 9)
-    with pytest.raises(InputError) as error:
-        coordinates(Scenario(machine()), read_logs(logs(recordings, [entry], wanted)))
-    assert len(error.value.problems) == 1
-    assert re.search(told, error.value.problems[0])
 
 
 def test_gaps_are_told(recordings, tmp_path):

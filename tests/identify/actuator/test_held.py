@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from stribeck.errors import InputError
-from stribeck.identify.actuator import fit_machine, read_logs
+from stribeck.identify.actuator import fit_machine
 from tests.identify.actuator.recorded import NOISE, body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
@@ -32,22 +31,6 @@ def test_a_held_input_is_followed_as_held_and_told_where_it_is_not_said(tmp_path
     told = fit_machine(body(mass=1.2), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
     assert any("inputs held from sample to sample (held = true)" in n for n in told.notes), told.notes
     assert not any(told.estimates[name].state == "identified" for name in (F_C, MASS))
-
-
-def test_what_is_wrong_with_held_is_said(tmp_path):
-    recorded(tmp_path / "run.csv", 0.0)
-    entry = {
-        "file": "run.csv",
-        "outputs": {"a.y": {"column": "y", "held": True}},
-        "inputs": {"x": {"column": "u", "held": 1}},
-    }
-    with pytest.raises(InputError) as told:
-        read_logs(logs(tmp_path, [entry], WANTED))
-    lines = [line.partition(": ")[2] for line in told.value.problems]
-    assert lines == [
-        "log.0.outputs.a.y.held: true: must be said of an input: an output is a sample",
-        "log.0.inputs.x.held: 1: must be true or false, not a number",
-    ]
 
 
 @pytest.mark.thorough

@@ -111,49 +111,6 @@ def test_a_csv_file_without_a_head_has_numbered_columns(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("columns", "said"),
-    [
-        (ColumnNames({"position": "x", "force": "i"}), "^time: must be given"),
-        (ColumnNames({**NAMES, "position": "y"}), "^position: 'y': .* has no such column"),
-        (ColumnNames(NAMES, {"x": "kg"}), "^units: 'x=kg': no unit of position"),
-        (ColumnNames(NAMES, {"x": "counts"}), "^units: 'x=counts': must be rev/N"),
-        (ColumnNames(NAMES, {"q": "mm"}), "^units: 'q': no column of that name is used"),
-        (ColumnNames(NAMES, {"i": "A"}), "^force_gain: must be given"),
-        (ColumnNames(NAMES, {}, "nothing"), "^force_gain: 'nothing': must be a number"),
-        (ColumnNames(NAMES, {}, 0.0), "^force_gain: 0.0: must be a finite number other than 0"),
-    ],
-)
-def test_bad_columns_are_one_clear_line(columns, said, tmp_path):
-    with pytest.raises(InputError, match=said) as caught:
-        read(_csv(tmp_path / "log.csv", _rows()), columns)
-    assert len(caught.value.problems) == 1
-
-
-@pytest.mark.parametrize(
-    ("rows", "said"),
-    [
-        ([], "has a head but no rows"),
-        ([*_rows()[:300], "0.3,abc,1", *_rows()[301:]], "column 'x' holds text: 'abc'"),
-        (_rows()[:3], "has 3 rows; a fit needs 50"),
-        ([*_rows()[:200], *_rows()[100:]], "time goes backwards in row 201"),
-        (_rows(t=np.full(400, 2.0)), r"^time: log\.csv: 2 s in every row; must rise"),
-        (_rows(f=np.full(400, np.nan)), "400 of 400 cells are empty"),
-        (_rows(x=np.full(400, np.inf)), "400 of 400 cells are empty or not finite"),
-        (_rows(t=np.where(T > 0.1, np.inf, T)), "cells are empty or not finite"),
-        (
-            _rows(x=1e200 * X),
-            r"^position: log.csv: values up to 1e\+200 in SI units; the largest must lie between 1e-30 and",
-        ),
-        (_rows(f=1e-200 * F), r"^force: log.csv: values up to .*e-20. in SI units; .* \(is the unit right\?\)"),
-    ],
-)
-def test_bad_files_are_one_clear_line(rows, said, tmp_path):
-    with pytest.raises(InputError, match=said) as caught:
-        load_log([_csv(tmp_path / "log.csv", rows)], ColumnNames(NAMES))
-    assert len(caught.value.problems) == 1
-
-
-@pytest.mark.parametrize(
     "name", ["empty.csv", "zero.csv", "junk.mat", "junk.parquet", "junk.npz", "none.csv", "log.xls"]
 )
 def test_files_that_are_none_are_refused(name, tmp_path):

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck import InputError
 from stribeck.identify.core.states import EstimateState
-from stribeck.identify.log import Log
 from tests.identify.core.records import TRUTH, joined, record
 from tests.shared import SHARED
 
@@ -186,42 +184,6 @@ def test_emps_has_a_coulomb_level_that_is_identified():
     assert fit["F_c"].state is EstimateState.IDENTIFIED
     assert fit["F_c"].range[0] <= 20.394 <= fit["F_c"].range[1]
     assert fit["mass"].range[1] < 1.03 * fit["mass"].range[0]
-
-
-def _log(velocity, force, step=1e-3, **more):
-    t = np.arange(len(velocity)) * step
-    position = np.concatenate([[0.0], np.cumsum((velocity[1:] + velocity[:-1]) / 2) * step])
-    acceleration = np.gradient(velocity, step)
-    return Log(
-        t,
-        position,
-        velocity,
-        acceleration,
-        force(t, position, velocity, acceleration),
-        np.zeros(len(t), np.int32),
-        step=step,
-        **more,
-    )
-
-
-def _sweep(n=20000):
-    t = np.arange(n) * 1e-3
-    return 0.1 * np.sin(2 * np.pi * 0.37 * t) + 0.05 * np.sin(2 * np.pi * 0.91 * t + 1)
-
-
-@pytest.mark.parametrize(
-    ("velocity", "force", "said"),
-    [
-        (np.full(2000, 0.1), lambda t, y, v, a: 5 + 0 * t, "velocity: constant"),
-        (np.zeros(2000), lambda t, y, v, a: 5 + 0 * t, "velocity: 0 throughout"),
-        (_sweep(4000), lambda t, y, v, a: 0 * t, "force: 0 N throughout"),
-        (_sweep(4000), lambda t, y, v, a: -5 * np.sign(v) - 20 * v, "the sign is wrong"),
-    ],
-)
-def test_data_that_cannot_be_used_are_refused_in_a_line(velocity, force, said):
-    with pytest.raises(InputError, match=said) as caught:
-        stribeck.fit(_log(velocity, force), "coulomb_viscous")
-    assert len(caught.value.problems) == 1
 
 
 def test_a_filtered_start_from_rest_does_not_bias_the_prediction():
