@@ -51,12 +51,3 @@ def test_fmu(name, fmi, tmp_path):
     exact = stribeck.simulate(scenario)
     times = {"stop_time": scenario.end, "output_interval": scenario.output.step}
     close(fmpy.simulate_fmu(str(path), **times, output=["a.y", "a.v", "rub.F"]), exact)
-
-
-@pytest.mark.parametrize("target", ["mujoco", "isaaclab", "mjwarp", "newton"])
-@pytest.mark.parametrize("name", LAWS)
-def test_python(name, target, tmp_path):
-    """What it writes is Python."""
-    for file in stribeck.export(law(name), target, tmp_path / "law.py"):
-        if file.suffix == ".py":
-            compile(file.read_text(), file.name, "exec")

@@ -390,38 +390,17 @@ def test_state_is_kept_and_brought_back(slave):
     assert [other.get(n) for n in ("y", "v", "z", "F")] == at
 
 
-@pytest.fixture
-def second(folder):
-    """An instance of FMI 2.0."""
-    from fmpy.fmi2 import FMU2Slave
-
-    path = fmu("lugre_majorant", "body", 2, folder)
-    description = fmpy.read_model_description(path)
-    made = FMU2Slave(
-        guid=description.guid, unzipDirectory=fmpy.extract(path),
-        modelIdentifier=description.coSimulation.modelIdentifier,
-    )  # fmt: skip
-    made.instantiate()
-    made.setupExperiment()
-    made.enterInitializationMode()
-    made.exitInitializationMode()
-    return made, {v.name: v.valueReference for v in description.modelVariables}
-
-
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_directional_derivatives(fmi, slave, second):
+def test_directional_derivatives(fmi, folder):
     chosen, v, z = law("lugre_majorant"), 2e-3, 7e-6
-    if fmi == 3:
-        body = slave()
-        body.start()
-        made, ref, give = body.fmu, body.reference, body.fmu.setFloat64
-    else:
-        (made, ref), give = second, second[0].setReal
-    give([ref["v"], ref["z"]], [v, z])
+    body = Exchanged(fmu("lugre_majorant", "body", fmi, folder), fmi)
+    body.reach("end")
+    ref = {each.name: each.valueReference for each in body.of.modelVariables}
+    body.put([ref["v"], ref["z"]], [v, z])
     by_v, by_z = chosen.jacobian(v, z)
 
     def slope(unknown, **seed):
-        return made.getDirectionalDerivative([ref[unknown]], [ref[n] for n in seed], list(seed.values()))[0]
+        return body.fmu.getDirectionalDerivative([ref[unknown]], [ref[n] for n in seed], list(seed.values()))[0]
 
     assert slope("der(z)", v=1.0) == pytest.approx(by_v, rel=1e-12)
     assert slope("der(z)", z=1.0) == pytest.approx(by_z, rel=1e-12)

@@ -40,7 +40,7 @@ from stribeck.properties.prover.search import Budget, Prover
 from stribeck.scenario import schema
 from stribeck.simulation import c_source, wasm
 from stribeck.waveforms.pieces import pieces
-from tests.kept import logs, shown
+from tests.kept import shown
 from tests.kept.runner import EXACT, PLACES, Case, call, inputs
 from tests.properties.nasty import PROPERTIES
 from tests.properties.nasty import cases as nasty_cases

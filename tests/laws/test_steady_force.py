@@ -1,7 +1,5 @@
 """The steady friction force of every law, against bisection written apart, over 12 decades of speed."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -10,6 +8,7 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol
 from stribeck.laws import builtin
 from stribeck.laws.steady import steady_force
+from tests.reference.apart_parts import bristles
 from tests.simulation.rig import needs_compiler
 
 SPEEDS = np.geomspace(1e-9, 1e3, 49)
@@ -34,29 +33,13 @@ def constants(name, rng):
     return p
 
 
-def rate(name, p, v, z):
-    """dz/dt for v, z > 0, by the equations of the papers."""
-    level = p["F_c"] + (p["F_s"] - p["F_c"]) * math.exp(-((v / p["v_s"]) ** 2))
-    g = (p["F_c"] if name == "dahl" else level) / p["sigma_0"]
-    S = 2 / math.pi * math.atan(p["k_v"] * v) if "k_v" in p else 1.0
-    over = 0.0
-    if "z_ba" in p and z > p["z_ba"]:
-        x = min((z - p["z_ba"]) / (g - p["z_ba"]), 1.0)
-        over = x**3 * (10 - 15 * x + 6 * x * x) if name.endswith("majorant") else math.sin(math.pi / 2 * x) ** 2
-    elif "z_ba" not in p:
-        over = 1.0
-    drive = S**2 * v if name.endswith("sobczyk") else v
-    fall = {"sobczyk": v * S, "arctan": v * S, "majorant": v * S + 2 / (math.pi * p.get("k_v", 1.0))}
-    return drive - over * fall.get(name.rpartition("_")[2], v) * z / g
-
-
 def bisected(name, p, v):
     """The steady force by halving, to the last bit of z."""
     low, high = 0.0, p["F_s"] / p["sigma_0"]
-    while rate(name, p, v, high) > 0:
+    while bristles(name, p, v, high)[0] > 0:
         low, high = high, 2 * high
     while low < (middle := low + (high - low) / 2) < high:
-        low, high = (middle, high) if rate(name, p, v, middle) > 0 else (low, middle)
+        low, high = (middle, high) if bristles(name, p, v, middle)[0] > 0 else (low, middle)
     return p["sigma_0"] * high + (0.0 if name == "dahl" else p["sigma_2"] * v)
 
 

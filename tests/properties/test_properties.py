@@ -16,6 +16,7 @@ from stribeck.properties import NAMES, WORK, check
 from stribeck.properties.checked import Checked
 from stribeck.properties.storage import Storage, largest_speed, storage_interval
 from tests.properties import broken_laws
+from tests.reference.apart_parts import bristles
 
 TABLE_1 = {"sigma_0": 1e5, "sigma_1": 1e5**0.5, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
 NEEDS = {"lugre_arctan": ("k_v",), "lugre_sobczyk": ("k_v",), "lugre_majorant": ("k_v",), "elastoplastic": ("z_ba",),
@@ -143,15 +144,7 @@ def test_nothing_but_sigma_1_0_makes_arctan_passive():
     assert decided(law_with("lugre_arctan", sigma_2=1e4), "passive").holds is False
 
 
-# -- counterexamples, replayed with SciPy on equations written here ---------------------------------------------------
-
-
-def rate(name, v, z, p=TABLE_1, k_v=1e7):
-    g = (p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((v / p["v_s"]) ** 2))) / p["sigma_0"]
-    s = 2 / np.pi * np.arctan(k_v * v)
-    return {
-        "lugre": v - abs(v) / g * z, "lugre_arctan": v - v * s / g * z, "lugre_sobczyk": s**2 * v - v * s / g * z,
-    }[name]  # fmt: skip
+# -- counterexamples, replayed with SciPy on equations written apart ---------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -166,7 +159,7 @@ def test_a_cycle_draws_the_energy_that_it_states(name, v_max):
         assert v_max is None or abs(v) <= v_max
 
         def of(t, x, v=v):
-            dz = rate(name, v, x[0])
+            dz, _ = bristles(name, {**p, "k_v": 1e7}, v, x[0])
             return [dz, (p["sigma_0"] * x[0] + p["sigma_1"] * dz + p["sigma_2"] * v) * v]
 
         end = solve_ivp(of, (0, piece["duration"]), [z, energy], method="DOP853", rtol=1e-12, atol=[1e-20, 1e-20]).y[

@@ -4,7 +4,7 @@ Nothing of stribeck is used here, so that a mistake in its equations, code or so
 """
 
 from itertools import pairwise
-from math import floor, pi, sin, sqrt
+from math import floor, sqrt
 
 import numpy as np
 from scipy.integrate import odeint
@@ -34,26 +34,12 @@ def friction(law, p):
 
 def signal(table, t_end):
     """The breaks of a signal within (0, t_end), and from them a function: the piece's number -> (t -> value)."""
-    if table["kind"] == "sine":
-        amplitude, rate = table["amplitude"], 2 * pi * table["frequency"]
-        offset, phase = table.get("offset", 0.0), table.get("phase", 0.0)
-        return [], lambda piece: lambda t: offset + amplitude * sin(rate * t + phase)
-    if table["kind"] == "ramp":
-        return [], lambda piece: lambda t: table["rate"] * t
-    if table["kind"] == "step":
-        times, values = [table["time"]] * 2, [0.0, table["value"]]
-    else:
-        times, values = table["t"], table["value"]
-    breaks = sorted({t for t in times if 0 < t < t_end})
+    made = apart_parts.Signal(table)
+    breaks = sorted({t for t in made.knots if 0 < t < t_end})
 
     def line(piece):
-        begin = breaks[piece - 1] if piece else 0.0
-        after = next((i for i, t in enumerate(times) if t > begin), None)  # the first point behind the piece's start
-        if after is None or after == 0:
-            level = values[-1] if after is None else values[0]
-            return lambda t: level
-        t0, t1, a, b = times[after - 1], times[after], values[after - 1], values[after]
-        return lambda t: a + (b - a) * (t - t0) / (t1 - t0)
+        value = made.piece(breaks[piece - 1] if piece else 0.0)
+        return lambda t: value(t)[0]
 
     return breaks, line
 

@@ -78,20 +78,32 @@ def test_a_compiler_that_is_put_in_place_or_replaced_is_noticed(tmp_path, monkey
     assert compiler.find() is None
 
 
-def test_a_compiler_that_complains(use):
-    use("#!/bin/sh\necho 'note: thinking' >&2\necho 'system.c:1: fatal error: no\nmore' >&2\nexit 1\n")
+GARBAGE = '#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\necho garbage > "$2"\n'
+PLAIN = """#!/bin/sh
+for word; do [ "$word" = -mmove-max=128 ] && echo "error: unknown option" >&2 && exit 1; done
+echo "error: no space left" >&2; exit 1
+"""
+FAULTS = {
+    "complains": (
+        "#!/bin/sh\necho 'note: thinking' >&2\necho 'system.c:1: fatal error: no\nmore' >&2\nexit 1\n",
+        "compiling failed (mycc failed: system.c:1: fatal error: no): solving by WebAssembly",
+    ),
+    "fails without a word": ("#!/bin/sh\nexit 3\n", "exit status 3, no message"),
+    "complains in no known letters": ("#!/bin/sh\nprintf 'error: \\377\\376 bad\\n' >&2\nexit 1\n", "error"),
+    "complains of the plainest command": (PLAIN, "no space left"),
+    "writes nothing": ("#!/bin/sh\nexit 0\n", "mycc failed: it wrote no library"),
+    "writes garbage": (GARBAGE, "compiling failed ("),
+    "may not be run": ("#!/bin/sh\n", "cannot be run: Permission denied"),
+    "is no program": ("not a program", "cannot be run: Exec format"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_compiler_that(fault, use):
+    script, told = FAULTS[fault]
+    use(script, 0o644 if fault == "may not be run" else 0o755)
     (note,) = said("wasm")
-    assert note.startswith("compiling failed (mycc failed: system.c:1: fatal error: no): solving by WebAssembly")
-
-
-def test_a_compiler_that_fails_without_a_word(use):
-    use("#!/bin/sh\nexit 3\n")
-    assert "exit status 3, no message" in said("wasm")[0]
-
-
-def test_a_compiler_that_complains_in_no_known_letters(use):
-    use("#!/bin/sh\nprintf 'error: \\377\\376 bad\\n' >&2\nexit 1\n")
-    assert "error" in said("wasm")[0]
+    assert told in note
 
 
 def test_a_compiler_that_hangs(use, monkeypatch):
@@ -125,20 +137,9 @@ def test_what_a_compiler_started_ends_with_it(use, monkeypatch, tmp_path):
     pytest.fail("it goes on")
 
 
-def test_a_compiler_that_writes_nothing(use):
-    use("#!/bin/sh\nexit 0\n")
-    assert "mycc failed: it wrote no library" in said("wasm")[0]
-
-
-def test_a_compiler_that_writes_garbage(use):
-    use('#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\necho garbage > "$2"\n')
-    (note,) = said("wasm")
-    assert note.startswith("compiling failed (")
-
-
 @needs_compiler
 def test_garbage_in_the_cache_is_not_taken_for_a_library(use, monkeypatch, tmp_path):
-    use('#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\necho garbage > "$2"\n')
+    use(GARBAGE)
     said("wasm")
     assert len(said("wasm")) >= 1
     monkeypatch.delenv("STRIBECK_CC")
@@ -158,14 +159,6 @@ def test_a_compiler_that_builds_another_thing(use, tmp_path):
     assert note.startswith("compiling failed (")
 
 
-@pytest.mark.parametrize(
-    ("script", "mode", "word"), [("#!/bin/sh\n", 0o644, "Permission denied"), ("not a program", 0o755, "Exec format")]
-)
-def test_a_compiler_that_cannot_be_run(script, mode, word, use):
-    use(script, mode)
-    assert f"cannot be run: {word}" in said("wasm")[0]
-
-
 def test_a_compiler_that_is_not_there(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "/nowhere/cc")
     assert "/nowhere/cc cannot be run: No such file or directory" in said("wasm")[0]
@@ -182,15 +175,6 @@ def test_a_compiler_that_does_not_know_an_option(unknown, use):
     real = " ".join(compiler.find().command)
     use(f'#!/bin/sh\nfor word; do [ "$word" = {unknown} ] && echo "error: what?" >&2 && exit 1; done\n{real} "$@"\n')
     assert said("c") == []
-
-
-def test_what_a_compiler_says_of_the_plainest_command_is_told(use):
-    use("""#!/bin/sh
-for word; do [ "$word" = -mmove-max=128 ] && echo "error: unknown option" >&2 && exit 1; done
-echo "error: no space left" >&2; exit 1
-""")
-    (note,) = said("wasm")
-    assert "no space left" in note
 
 
 def test_copies_of_one_trajectory_are_narrow(use, tmp_path):

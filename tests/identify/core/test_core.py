@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.core import judging
 from stribeck.identify.core.choice import chosen
 from stribeck.identify.core.forms import in_words, ripple_waves
 from stribeck.identify.core.judging import judged
@@ -53,15 +52,6 @@ def test_an_open_end_is_none_in_json():
 def test_the_range_is_never_narrower_than_the_interval(plain):
     for e in judged(plain).values():
         assert e.range[0] <= e.interval[0] <= e.value <= e.interval[1] <= e.range[1]
-
-
-def test_the_range_is_the_interval_and_what_may_be_hidden_in_squares(plain, monkeypatch):
-    monkeypatch.setattr(judging, "_redrawn", lambda choice, value, *_: (*np.zeros((2, len(value))), [""] * len(value)))
-    monkeypatch.setattr(judging, "_hidden", lambda choice, slope: (np.full(len(slope), 0.3), [""] * len(slope)))
-    found = {n: e for n, e in judged(plain).items() if n not in plain.library.by_ratio}
-    assert len(found) >= 4
-    for e in found.values():
-        assert np.ptp(e.range) / 2 == pytest.approx(np.hypot(np.ptp(e.interval) / 2, 0.3))
 
 
 def test_levels_at_seen_speeds_are_estimates(plain):
