@@ -3,8 +3,10 @@
 import copy
 import json
 import re
+import tomllib
 import warnings
 import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -13,82 +15,10 @@ from stribeck import InputError, Scenario
 from stribeck.exports import TARGETS
 from stribeck.exports.fmu import binaries
 from stribeck.scenario import schema
-from tests.machine.machines import law, machine
+from tests.machine.machines import law
 
 WAVE = {"kind": "sine", "amplitude": 0.5, "frequency": 2.0}
-LOADS = [
-    {"force": {"gear": 1.0, "weight": -0.4}, "F_c": 0.1, "F_s": 0.2},
-    {"force": "gear", "against": "weight", "F_c": 0.01, "F_s": 0.02},
-]
-RIPPLE = {"amplitude": [0.05], "waves": [8.0], "phase": [0.2]}
-FACTORS = {"level": RIPPLE, "sigma_2": {"signal": {"kind": "points", "t": [0.0, 0.4], "value": [1.0, 1.5]}}}
-RUB = {"name": "lugre_majorant", "k_v": 1e5, "v_d": 0.1, "delta": 1.5, "parameters": law()["parameters"]}
-CONTROLLER = {
-    "kind": "cascade", "on": "drive", "measures": "rotor", "signal": WAVE, "K_p": 30.0, "K_v": 0.5, "T_i": 0.05,
-    "limit": 2.0, "feedforward": {"inertia": 1e-3},
-    "compensation": {"law": RUB, "speed": "measured", "share": 0.8, "lead": 1e-3},
-    "sampling": {"period": 1e-3, "delay": 5e-4, "resolution": 1e-5, "noise": 1e-5, "seed": 3, "bandwidth": 500.0},
-    "dither": {"kind": "sine", "amplitude": 0.1, "frequency": 80.0},
-}  # fmt: skip
-EVERY = machine(
-    {
-        "rotor": {"inertia": 1e-3, "initial": {"y": 0.1, "v": 0.2}},
-        "arm": {"inertia": 0.1},
-        "flange": {"inertia": 0.01, "tied_to": "arm", "ratio": 2.0},
-        "slide": {"kind": "laden", "mass": 2.0, "added": WAVE},
-        "belt": {"velocity": {"signal": WAVE}, "rotary": True},
-    },
-    0.4,
-    energy=False,
-    links={
-        "gear": {"from": "rotor", "to": "arm", "ratio": 0.1, "stiffness": 50.0, "damping": 0.2, "gap": 1e-3},
-        "stop": {
-            "kind": "spring",
-            "from": "slide",
-            "to": "ground",
-            "stiffness": 5.0,
-            "preload": 0.1,
-            "reach": 0.01,
-            "second": 30.0,
-        },
-    },
-    contacts={
-        "mesh": {
-            "from": "arm",
-            "to": "ground",
-            "ratio": 3.0,
-            "law": RUB,
-            "loads": LOADS,
-            "factors": FACTORS,
-            "initial": {"z": 2e-6},
-        },
-        "rub": {"from": "rotor", "to": "belt", "law": law(), "initial": {"z": 1e-6}},
-    },
-    loads={
-        "weight": {"on": "arm", "kind": "pendulum", "amplitude": 0.4, "phase": 0.1},
-        "cogging": {"on": "rotor", "kind": "ripple", **RIPPLE},
-        "detent": {"on": "slide", "kind": "by_position", "position": [-0.1, 0.2], "value": [0.3, -0.1]},
-        "push": {"on": "slide", "kind": "signal", "signal": WAVE, "gain": 2.0},
-    },
-    motors={
-        "drive": {"on": "rotor", "K": 0.1, "R": 1.0, "L": 1e-3, "voltage": 40.0, "current_time": 2e-3},
-        "second": {"on": "arm", "K": 0.1, "R": 1.0, "signal": WAVE},
-    },
-    controllers={
-        "axis": CONTROLLER,
-        "hold": {
-            "kind": "pid",
-            "on": "arm",
-            "signal": WAVE,
-            "K_p": 3.0,
-            "K_i": 2.0,
-            "K_d": 0.1,
-            "compensation": {"contact": "rub", "speed": "reference"},
-        },
-    },
-    sensors={"scale": {"kind": "encoder", "on": "slide", "resolution": 1e-4, "ratio": 2.0, "offset": 0.01}},
-)
-EVERY["solve"] |= {"rtol": 1e-8, "max_steps": 10**6, "atol": {"arm.y": 1e-9}}
+EVERY = tomllib.loads(Path(__file__).with_name("every_key.toml").read_text(encoding="utf-8"))
 
 
 def only(**names):

@@ -1,6 +1,7 @@
 """Whole machines in C and as FMUs against the simulation; laws of their contacts."""
 
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,34 +17,8 @@ from tests.exports.test_loads import RIG
 from tests.machine.machines import assert_balanced, edited, law, machine
 from tests.machine.test_servo import SAMPLED, SERVO, as_machine
 
-PULL = {"kind": "points", "t": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.1, 0.2, -0.2]}
-MOVE = {"kind": "point_to_point", "t": [0.1, 0.35, 0.45], "value": [0.0, 0.3, 0.1]}
 SAMPLING = {"period": 4e-3, "delay": 9e-3, "resolution": 1e-4, "noise": 1e-4, "seed": 3}
-EVERY = machine(  # of each kind of element one
-    {
-        "a": {"mass": 0.5, "initial": {"v": 0.1}}, "b": {"inertia": 0.02}, "c": {"mass": 0.1, "tied_to": "a", "ratio": -2.0},
-        "belt": {"velocity": {"signal": {"kind": "ramp", "rate": 0.3}}},
-    },
-    t_end=0.5,
-    links={
-        "k": {"from": "a", "to": "b", "ratio": 3.0, "stiffness": 40.0, "damping": 0.1, "gap": 0.01},
-        "far": {"from": {"signal": PULL}, "to": "a", "stiffness": 20.0},
-    },
-    contacts={
-        "s": {"from": "a", "to": "belt", "law": law(), "loads": [{"force": {"k": 1.0, "g": -0.5}, "F_c": 0.1, "F_s": 0.2}]},
-        "r": {"from": "b", "law": law("lugre"), "factors": {"sigma_2": {"signal": {"kind": "points", "t": [0], "value": [0.8]}}}},
-    },
-    loads={
-        "g": {"on": "b", "kind": "pendulum", "amplitude": 0.3},
-        "w": {"on": "a", "kind": "ripple", "amplitude": [0.1], "waves": [50]},
-    },
-    motors={"m": {"on": "b", "K": 0.5, "R": 1.0, "L": 0.01, "voltage": 3.0}},
-    controllers={
-        "u": {"kind": "cascade", "on": "m", "K_p": 20.0, "K_v": 0.2, "T_i": 0.1, "limit": 1.0, "signal": MOVE,
-              "sampling": SAMPLING},
-        "q": {"kind": "pid", "on": "a", "K_p": 20.0, "K_d": 2.0, "signal": MOVE},
-    },
-)  # fmt: skip
+EVERY = Path(__file__).with_name("every_kind.toml")
 
 
 @pytest.fixture(autouse=True)
@@ -53,7 +28,7 @@ def _this_platform_only(monkeypatch):
 
 @pytest.fixture(scope="module")
 def scenario():
-    return Scenario(EVERY)
+    return Scenario.load(EVERY)
 
 
 @pytest.fixture(scope="module")

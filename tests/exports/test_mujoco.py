@@ -1,6 +1,5 @@
 """The exported models in MuJoCo itself: its own LuGre, and the callback for every law, against Stribeck's simulation."""
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -114,24 +113,6 @@ def test_break_away(tmp_path):
         _, _, force = run(model, data, lambda t, y: 5 * t, 0.5)
         first = force[np.flatnonzero(np.diff(force) < 0)[0]]
         assert first == pytest.approx(1.31321, rel=within), (own, step)
-
-
-def dither(t, y):
-    return 0.4 + 0.25 * math.sin(2 * math.pi * 5 * t)
-
-
-@pytest.mark.thorough
-def test_drift_under_dither(tmp_path):
-    """theory.md: LuGre drifts by 0.24 mm in 16 s, the elasto-plastic laws not at all below sigma_0 z_ba."""
-    model, data, _ = load(LUGRE, tmp_path, 1e-3)
-    _, y, _ = run(model, data, dither, 16.0)
-    signal = {"kind": "sine", "offset": 0.4, "amplitude": 0.25, "frequency": 5.0}
-    reference = simulated(LUGRE, {"kind": "force", "signal": signal}, 16.0, 0.1)["y"][-1]
-    assert y[-1] == pytest.approx(reference, rel=0.01)
-    model, data, _ = load(ELASTIC, tmp_path, 1e-3)
-    _, y, _ = run(model, data, dither, 16.0)
-    assert abs(y[round(15.8 / 1e-3)] - y[round(7.8 / 1e-3)]) < 1e-15  # the same phase of the dither, 8 s apart
-    assert y.max() < 1e-5
 
 
 def test_constants_of_the_model_are_those_of_the_law(tmp_path):

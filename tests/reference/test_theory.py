@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from stribeck import Scenario, simulate
 from tests.simulation.rig import law_table, rig, solved
 
 LAWS = {
@@ -102,32 +101,9 @@ def test_the_smooth_elastoplastic_law_drifts():
     np.testing.assert_allclose(np.diff(y[3:]), 1.12e-6, rtol=0.05)
 
 
-@pytest.mark.parametrize(("k_v", "speed"), [(1e6, 12.7e-6), (1e7, 1.27e-6), (1e8, 0.127e-6)])
-def test_creep_under_a_held_load(k_v, speed):
-    held = {"kind": "points", "t": [0, 10], "value": [0, 0.95 * 1.5]}
-    assert solved(rig(law_table("lugre_sobczyk", k_v=k_v), "force", held, 100.0))["v"][-1] == pytest.approx(
-        speed, rel=0.005
-    )
-
-
 @pytest.mark.parametrize(("law", "error"), [("sobczyk_1e7", 6.5e-3), ("majorant", 7.0e-10)])
 def test_deviation_from_lugre_in_stick_slip(law, error):
     pull, spring = {"kind": "ramp", "rate": 0.1}, {"kind": "spring", "stiffness": 2.0}
     table = LAWS.get(law) or law_table("lugre_majorant", k_v=1e7)
     y, lugre = (solved(rig(one, spring, pull, 40.0, rows=4000, rtol=1e-11))["y"] for one in (table, "lugre"))
     assert np.max(np.abs(y - lugre)) == pytest.approx(error, rel=0.15)
-
-
-def test_energy_taken_from_the_smooth_law():
-    """Theory.md, section 2: charge slowly, unwind more slowly, and more comes out than went in."""
-    sweep = {"kind": "points", "t": [0, 3, 3, 60], "value": [1e-6, 1e-6, -1e-7, -1e-7]}
-    data = rig(law_table("lugre_sobczyk", k_v=1e7), "velocity", sweep, 60.0, rows=60000)
-    data["output"]["energy"] = True
-    free = simulate(Scenario(data))
-    i = int(np.argmax(free["z"] >= 1e-6))  # charged: turn back here
-    sweep["t"] = [0, free.t[i], free.t[i], 60]
-    solution = simulate(Scenario(data))
-    stop = i + int(np.argmax(solution["z"][i:] <= 0))
-    assert solution["E_in"][i] == pytest.approx(6.02e-8, rel=0.01)
-    assert solution["E_in"][i] - solution["E_in"][stop] == pytest.approx(1.838e-7, rel=0.01)
-    assert solution.t[stop] == pytest.approx(39, abs=0.6)

@@ -2,6 +2,7 @@
 
 import hashlib
 import importlib.util
+import json
 import platform
 import shutil
 import subprocess
@@ -91,28 +92,13 @@ def digest(scenario):
     return hashlib.sha256(np.ascontiguousarray(result.states).tobytes()).hexdigest()[:16]
 
 
-GOLDEN = {
-    "arm": "2ba9a9b7d0073d53",
-    "axis_hunts": "ed284801f2c45745",
-    "belt": "f94cc2f1b8e8f90d",
-    "break_away": "f2a155295cdbb90d",
-    "gear": "c38d9f889a6fb978",
-    "hysteresis": "9538387c83443781",
-    "joint_from_log": "0a312fa2e90f1b14",
-    "limit_cycle": "c3a2994562f9454a",
-    "machine": "e23cfa8ad8f56582",
-    "measured": "0419e49e185d61fe",
-    "presliding": "99d238f81ea73468",
-    "servo": "2a3bc4d21eb7211e",
-    "sine_force": "28ad6c587554b42a",
-    "stick_slip": "8360be3e3e1a6ea0",
-}
+BITS = json.loads(Path(__file__).with_name("bits.json").read_text(encoding="utf-8"))  # of each example
 
 
 @pytest.mark.parametrize("name", examples.names())
 def test_the_bits_are_the_same_on_every_machine(name):
     """A change of the solver or of the order of operations changes them: then they are written down anew."""
-    assert digest(Scenario.load(examples.path(name))) == GOLDEN[name]
+    assert digest(Scenario.load(examples.path(name))) == BITS[name]
 
 
 def sampled_with_noise():
