@@ -81,10 +81,11 @@ def test_its_slope_is_exact():
         assert float(slope(*law.p.numbers.values(), at)[0]) == pytest.approx(difference, rel=1e-4)
 
 
-@needs_compiler
 @pytest.mark.parametrize("name", ["elastoplastic", "elastoplastic_sobczyk", "elastoplastic_majorant"])
-@pytest.mark.parametrize("sampled", [False, True])
-def test_a_compensation_uses_it(name, sampled):
+@pytest.mark.parametrize(
+    ("sampled", "backend"), [pytest.param(False, "c", marks=needs_compiler), (True, "wasm"), (False, "wasm")]
+)
+def test_a_compensation_uses_it(name, sampled, backend, monkeypatch):
     """The machine's controller adds the law's steady force at the reference's speed, from 2 um/s to 2 rad/s."""
     own = {"k_v": 5e3} if "k_v" in builtin()[name].constants() else {}
     rub = {"name": name, "z_ba": 1e-3, **own, "parameters": COMPENSATOR}
@@ -100,6 +101,7 @@ def test_a_compensation_uses_it(name, sampled):
         "schema": 2, "bodies": {"arm": {"inertia": 1.0}}, "controllers": {"axis": controller},
         "solve": {"t_end": 0.7}, "output": {"step": 0.01},
     }  # fmt: skip
+    monkeypatch.setenv("STRIBECK_BACKEND", backend)
     found = stribeck.simulate(data)
     assert found.status == "done"
     law = stribeck.law(name, COMPENSATOR, z_ba=1e-3, **own)

@@ -69,22 +69,6 @@ def test_every_example(name, by_wasm):
     assert_same(compiled, other)
 
 
-def test_the_steady_force_within_a_controller(by_wasm):
-    """Its root is looked for in a loop."""
-    law = {"name": "elastoplastic_majorant", "k_v": 5e3, "z_ba": 1e-3, "parameters": {
-        "sigma_0": 25.0, "sigma_1": 0.05, "sigma_2": 4e-4, "F_c": 0.06, "F_s": 0.08, "v_s": 0.8}}  # fmt: skip
-    machine = {
-        "schema": 2, "bodies": {"rotor": {"inertia": 1e-4}}, "contacts": {"bearing": {"from": "rotor", "law": law}},
-        "controllers": {"axis": {
-            "kind": "pid", "on": "rotor", "measures": "rotor", "K_p": 5.0, "K_i": 0.0, "K_d": 0.02,
-            "signal": {"kind": "sine", "amplitude": 0.1, "frequency": 1.0},
-            "compensation": {"contact": "bearing", "speed": "reference"}}},
-        "solve": {"t_end": 0.5}, "output": {"step": 0.01},
-    }  # fmt: skip
-    scenario = Scenario(machine)
-    assert_same(simulate(scenario), by_wasm(scenario))
-
-
 def digest(scenario):
     """Of the states, held outputs and memory by WebAssembly."""
     system = wasm.system_module(scenario.system)
