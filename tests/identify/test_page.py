@@ -14,6 +14,7 @@ from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.formula import model_lines
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS, column
+from tests.pages import Page
 
 T = np.arange(2000) * 2e-3
 V = np.sin(3 * T) + 0.3 * np.sin(7.1 * T)
@@ -51,6 +52,17 @@ def test_the_formula_of_a_term_is_the_column_that_is_fitted():
             continue
         made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", re.sub(r"([\w)]) (?=[\w|])", r"\1 * ", term.factor)), known)
         assert np.allclose(column(name, log), made), name
+
+
+def test_the_page_has_the_formula_of_what_was_fitted(tmp_path):
+    _log, fit = fitted(["stiffness", "F_c_by_direction"], k_v=1e4)
+    lines = model_lines(fit)
+    assert lines[0].startswith("force = F + mass a + offset + stiffness y")
+    assert "F_c grows by F_c_by_direction sign(v)" in lines
+    assert any(line.startswith("F = ") and "F_c" in line for line in lines)
+    assert model_lines(fitted(stiffness=30.0)[1])[0] == lines[0]
+    fit.report(tmp_path / "report.html")
+    assert lines[0] in Page(tmp_path / "report.html").text
 
 
 @pytest.mark.pictures
