@@ -6,10 +6,10 @@ from collections.abc import Collection
 
 from stribeck.expressions.graph import ONE, ZERO, Expr, derivative, ordered, rewrite, substitute, symbol, symbols
 from stribeck.expressions.names import Names
-from stribeck.machine.equations import Equations
+from stribeck.machine.system import MachineSystem
 
 
-def collect(system: Equations, called: Names) -> tuple[dict[str, list[Expr]], list[bool]]:
+def collect(system: MachineSystem, called: Names) -> tuple[dict[str, list[Expr]], list[bool]]:
     """The system's expressions, and for each watched quantity whether it is not linear in states and time.
 
     They come as lists that are rewritten together:

@@ -45,7 +45,7 @@ from stribeck.expressions.graph import (
     ordered,
     symbols,
 )
-from stribeck.machine.equations import Equations
+from stribeck.machine.system import MachineSystem
 
 ADD, SUB, MUL, DIV = (OPS[name] for name in ("add", "sub", "mul", "div"))
 STAGES = 8
@@ -186,7 +186,7 @@ class Emitted:
         end: the first address that is free for others.
     """
 
-    def __init__(self, system: Equations, runtime: Mapping[str, int], rates: int, begin: int) -> None:
+    def __init__(self, system: MachineSystem, runtime: Mapping[str, int], rates: int, begin: int) -> None:
         self.system, self.runtime, self.rates = system, runtime, rates
         self.code = s = SystemCode(system, False)
         self.n = n = len(s.names)

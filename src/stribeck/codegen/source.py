@@ -14,7 +14,7 @@ from stribeck.errors import unbroken
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import ONE, ZERO, Expr, is_zero, ordered, symbol, symbols
 from stribeck.expressions.names import Names
-from stribeck.machine.equations import Equations
+from stribeck.machine.system import MachineSystem
 
 # Words of C, and names that the generated functions use themselves.
 _RESERVED = (
@@ -32,7 +32,7 @@ _RESERVED = (
 
 
 @lru_cache(maxsize=64)
-def source(system: Equations, lanes: bool = False) -> str:
+def source(system: MachineSystem, lanes: bool = False) -> str:
     """One C file for the system: compile it alone, as a shared library.
 
     With ``lanes`` it solves several trajectories at once, each in a lane of the widest vectors that it is compiled for.
@@ -40,7 +40,7 @@ def source(system: Equations, lanes: bool = False) -> str:
     return SystemCode(system, lanes).text()
 
 
-def with_columns(system: Equations, columns: Callable[[], dict[str, Expr]]) -> str:
+def with_columns(system: MachineSystem, columns: Callable[[], dict[str, Expr]]) -> str:
     """The C file of the system for a stand-alone program, with static functions only.
 
     A further function ``columns`` computes all output columns."""
@@ -52,7 +52,7 @@ def with_columns(system: Equations, columns: Callable[[], dict[str, Expr]]) -> s
     return f"{text}\n\n{code.function('Every column of the output.', 'columns', arguments, outputs)}\n"
 
 
-def parameter_names(system: Equations) -> list[str]:
+def parameter_names(system: MachineSystem) -> list[str]:
     """Names of the run-time constants in the generated code, in order."""
     return _unique([system.field(owner, name) for owner, name in system.parameters])
 
@@ -60,7 +60,7 @@ def parameter_names(system: Equations) -> list[str]:
 class SystemCode:
     """A system as C: its collected equations, with their names in the code."""
 
-    def __init__(self, system: Equations, lanes: bool, marks: str = "") -> None:
+    def __init__(self, system: MachineSystem, lanes: bool, marks: str = "") -> None:
         self.system, self.lanes, self.marks = system, lanes, marks or PORTABLE
         self.names = [state.name for state in system.states]
         self.c_names = _unique(self.names)

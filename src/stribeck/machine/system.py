@@ -20,7 +20,7 @@ from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.machine.assembly import Assembly
 from stribeck.machine.element import SECTIONS, Element
-from stribeck.machine.equations import Equations, Sample, Watch, Watched
+from stribeck.machine.equations import Sample, Watch, Watched
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import FileTable, Frozen, Key, joined
 
@@ -41,7 +41,7 @@ SIGNAL_ORDER = ("bodies", "links", "loads", "motors", "contacts", "controllers")
 
 
 @dataclass(frozen=True)
-class MachineSystem(Equations):
+class MachineSystem:
     """The structure of a machine as the code generator takes it: equal for machines that differ in numbers only."""
 
     elements: Elements  # of symbols
@@ -156,7 +156,7 @@ class MachineSystem(Equations):
         return "_".join((element, *inner, name))
 
     @cached_property
-    def piece_fields(self) -> tuple[str, ...]:  # type: ignore[override]
+    def piece_fields(self) -> tuple[str, ...]:
         """The numbers of all signals' pieces."""
         return tuple(joined(signal.name, name, "_") for signal in self.signals for name in signal.fields)
 
@@ -207,7 +207,7 @@ class MachineSystem(Equations):
         return [wrap(quantities[contact.name_of("F")]) for contact in self.contacts]
 
     def rates(self, called: Names | None = None) -> list[Expr]:
-        """The time derivatives of the states."""
+        """The time derivatives of the states. Here and below, ``called`` takes the names of intermediate results."""
         rates = self.assembly(called=called).rates
         return [rates[state.name] for state in self.states]
 

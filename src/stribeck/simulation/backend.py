@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from stribeck.codegen import source
 from stribeck.errors import BuildError, InputError, note
-from stribeck.machine.equations import Equations
+from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler, native
 from stribeck.simulation.result import Result
@@ -79,7 +79,7 @@ def solver(scenario: Scenario) -> Built:
     return Built(partial(wasm.solve, code, system), "wasm", new, perf_counter() - started)
 
 
-def lane_solver(system: Equations, threads: int) -> LaneSolver:
+def lane_solver(system: MachineSystem, threads: int) -> LaneSolver:
     """The solver of a system's lanes (simulation/lanes.py). C solves several lanes at once, in vectors.
 
     Raises:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.errors import BuildError
-from stribeck.machine.equations import Equations
+from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
@@ -174,7 +174,7 @@ def outcome(arrays: Arrays) -> Outcome:
     )
 
 
-def compiled(system: Equations) -> ctypes.CDLL:
+def compiled(system: MachineSystem) -> ctypes.CDLL:
     """The compiled library of a system, for lanes.
 
     Raises:

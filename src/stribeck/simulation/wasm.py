@@ -21,7 +21,7 @@ import numpy as np
 from stribeck.codegen.emitted import LINE, Added, Emitted
 from stribeck.codegen.webassembly import Module
 from stribeck.errors import BuildError
-from stribeck.machine.equations import Equations
+from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.engine import Compiled, Instance, identity
@@ -52,12 +52,12 @@ def _runtime() -> Module:
 
 
 @lru_cache(maxsize=64)
-def system_module(equations: Equations) -> System:
+def system_module(equations: MachineSystem) -> System:
     """Emit a system and join it with those functions of the runtime that it needs."""
     return with_functions(equations, {})
 
 
-def with_functions(equations: Equations, added: Mapping[str, Added]) -> System:
+def with_functions(equations: MachineSystem, added: Mapping[str, Added]) -> System:
     """The same with further exported functions, by name."""
     base = _runtime()
     emitted = Emitted(equations, base.exported, base.imports.index("rates"), base.constant("__heap_base"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stribeck.machine.equations import Equations
+from stribeck.machine.system import MachineSystem
 from stribeck.simulation import wasm
 from stribeck.simulation.lanes import LaneSolver, Outcome, Progress, lane_arrays, one_by_one, outcome
 from stribeck.simulation.native import Solving
@@ -10,7 +10,7 @@ from stribeck.simulation.promise import Tolerances
 from stribeck.simulation.variations import Variations
 
 
-def lane_solver(equations: Equations, threads: int) -> LaneSolver:
+def lane_solver(equations: MachineSystem, threads: int) -> LaneSolver:
     """The solver that integrates every lane once, each as a single run. The threads take lanes from one queue.
 
     Raises:
