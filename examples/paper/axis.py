@@ -55,7 +55,7 @@ def chapter(done: Done) -> Chapter:
         f"{100 * _SHARE:g} % of the law's steady curve added at the reference's speed it stays below {um['reference']}, "
         f"with the law as an observer at the measured speed below {um['measured']}.",
         "Too much of it pushes: if every friction parameter may err by a tenth, friction and compensation at the measured "
-        f"speed together push from share {over.worst_share:.3g} on. With 5 % more the slide, let go at {1e3 * over.starts:.3g} "
+        f"speed together push from share {over.worst_share:.3g} on. With 5 % more the slide, let go at {1e3 * over.speed:.3g} "
         f"mm/s with the controller off, runs up to {1e3 * over.ends:.3g} mm/s by itself.",
     )
     rows = [[_WORDS[kind], f"{1e6 * x:.3g}", f"{worst['none'] / x:.2f}"] for kind, x in worst.items()]

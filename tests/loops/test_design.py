@@ -50,13 +50,10 @@ def test_an_integral_hunts_against_stiction():
 
 
 def test_the_slowest_time_constant_is_that_of_the_linear_loop():
-    """m s^2 + (K_d + sigma_2) s + K_p, and with K_i the third order."""
+    """m s^2 + (K_d + sigma_2) s + K_p."""
     found = loop_of(Scenario(axis()))
     roots = np.roots([1.0, 20.0 + 15.0, 200.0])
     assert found.slowest == pytest.approx(1 / -roots.real.max(), rel=1e-3)
-    assert not found.unstable
-    found = loop_of(Scenario(axis(K_i=8000.0)))
-    assert found.unstable is bool((np.roots([1.0, 35.0, 200.0, 8000.0]).real > 0).any())
 
 
 @pytest.mark.thorough

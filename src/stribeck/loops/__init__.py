@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stribeck.arrays import Array
-from stribeck.errors import InputError, arg, read_pairs
+from stribeck.errors import InputError, arg, nearest, read_pairs
 from stribeck.loops import boundary, compensation
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
@@ -20,7 +18,7 @@ from stribeck.loops.loop import Loop, loop_of
 from stribeck.loops.lyapunov import cascade_of
 from stribeck.loops.moves import Moves, Tracked, errors, moves_of
 from stribeck.loops.servo import ServoDesign, design_servo
-from stribeck.loops.starts import Start, from_starts, starts_row
+from stribeck.loops.starts import Start, distinct_judgements, from_starts
 from stribeck.loops.uncertainty import friction_intervals, friction_samples
 from stribeck.scenario import Scenario
 from stribeck.scenario.counterpart import machine_path
@@ -93,7 +91,8 @@ class Design:
             "verdict": None if self.verdict == "failed" else self.verdict,
             "why": j.note or None,
             "limit_cycle": cycle if self.verdict == "hunting" else None,
-            **starts_row(self.starts, j),
+            "starts": [start.row() for start in self.starts],
+            "depends_on_the_start": len(distinct_judgements(self.starts, j)) > 1,
             "slowest_time_constant": self.loop.slowest,
             "held_signals": list(self.loop.held),
             "errors": self.errors,
@@ -134,64 +133,36 @@ def design(
         InputError: if the machine has no controller, or lacks a path or name; one line for each problem.
     """
     scenario = scenario_of(machine, None, None)
-    if cascade_of(scenario) is not None:
-        _refuse_for_a_servo(vary=vary, compensate=compensate, uncertainty=uncertainty, controller=controller)
-        return design_servo(scenario, v_max, tell)
+    if (cascade := cascade_of(scenario)) is not None:
+        given = {"vary": vary, "compensate": compensate, "uncertainty": uncertainty, "controller": controller}
+        if wrong := [arg(key) for key, value in given.items() if value]:
+            text = "must be left out: a servo is judged by its Lyapunov function"
+            raise InputError([f"{key}: {text}" for key in wrong])
+        return design_servo(scenario, cascade, v_max, tell)
     if v_max is not None:
         raise InputError(f"{arg('v_max')}: must be left out: only a servo (drive.kind = 'cascade') has such a proof")
     if seed < 0:
         raise InputError(f"{arg('seed')}: {seed}: must be a whole number >= 0")
     vary = [machine_path(scenario, x) for x in vary]
     loop = loop_of(scenario)
-    name = _controller(loop, controller)
-    ranges = _ranges(loop, vary)
-    file = Path(uncertainty) if uncertainty is not None else None
-    samples = friction_samples(friction_intervals(loop.scenario, file), seed)
+    name, ranges = _controller(loop, controller), _ranges(loop, vary)
+    samples = friction_samples(friction_intervals(loop.scenario, uncertainty), seed)
 
-    part = partial(_share_callback, tell)
+    def part(text: str) -> Callable[[float], None]:
+        return lambda share: None if tell is None else tell(share, text)
+
     judgement = judge(loop, tell=part("verdict"))[0]
     starts = from_starts(loop, name, part("other starts"))
-    if tell is not None:
-        tell(0.0, "tracking errors")
+    part("tracking errors")(0.0)
     tracked = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
-    compensations, excess_share, why_not = _compensations(loop, name, samples, compensate, tell)
-    return Design(
-        loop, name, judgement, tracked, lines, compensations, why_not, excess_share, starts, moves_of(loop, name)
-    )
-
-
-def _refuse_for_a_servo(**given: object) -> None:
-    """Raise `InputError` for arguments that a servo does not have."""
-    if wrong := [name for name, value in given.items() if value]:
-        raise InputError(
-            [f"{arg(name)}: must be left out: a servo is judged by its Lyapunov function" for name in wrong]
-        )
-
-
-def _compensations(
-    loop: Loop,
-    name: str,
-    samples: dict[str, Array],
-    compensate: bool,
-    tell: Tell | None,
-) -> tuple[list[compensation.CompensationResult], Excess | None, str]:
-    """The compared remedies, the share of over-compensation, and, if there are none, the reason."""
-    if not compensate:
-        return [], None, ""
-    try:
-        return (
-            compensation.compare(loop, name, samples, tell),
-            excess(loop.scenario, name, samples),
-            "",
-        )
-    except InputError as error:
-        return [], None, str(error)
-
-
-def _share_callback(tell: Tell | None, text: str) -> Callable[[float], None] | None:
-    """A progress callback for one part."""
-    return None if tell is None else lambda share: tell(share, text)
+    compensations, over, why_not = list[compensation.CompensationResult](), None, ""
+    if compensate:
+        try:
+            compensations, over = compensation.compare(loop, name, samples, tell), excess(loop.scenario, name, samples)
+        except InputError as error:
+            why_not = str(error)
+    return Design(loop, name, judgement, tracked, lines, compensations, why_not, over, starts, moves_of(loop, name))
 
 
 def _controller(loop: Loop, name: str | None) -> str:
@@ -202,9 +173,12 @@ def _controller(loop: Loop, name: str | None) -> str:
 
 
 def _ranges(loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:
+    known = list(loop.scenario.places)
+
     def read(text: str) -> tuple[str, boundary.Turned]:
         turned = boundary.Turned.parse(text)
-        boundary.known_path(loop, turned.path)
+        if turned.path not in known:
+            raise InputError(f"{arg('vary')}: {turned.path}: no number of the machine{nearest(turned.path, known)}")
         return turned.path, turned
 
     return list(read_pairs(read, vary, arg("vary")).values())

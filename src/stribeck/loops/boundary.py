@@ -13,7 +13,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import show
-from stribeck.errors import InputError, arg, nearest
+from stribeck.errors import InputError, arg
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, time_constant
 
@@ -43,8 +43,8 @@ class Turned:
     high: float
 
     @classmethod
-    def parse(cls, text: str, given: str = "vary") -> Turned:
-        """Read ``PATH=LOW:HIGH``; ``given`` is the argument that an error names.
+    def parse(cls, text: str) -> Turned:
+        """Read ``PATH=LOW:HIGH``.
 
         Raises:
             InputError: if the text is not of this form, or LOW is not below HIGH.
@@ -54,10 +54,10 @@ class Turned:
             low, high = (float(x) for x in ends.split(":"))
         except ValueError:
             raise InputError(
-                f"{arg(given)}: {show(text)}: must be PATH=LOW:HIGH, as controllers.axis.K_p=1:100"
+                f"{arg('vary')}: {show(text)}: must be PATH=LOW:HIGH, as controllers.axis.K_p=1:100"
             ) from None
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InputError(f"{arg(given)}: {show(text)}: LOW must be below HIGH, both finite")
+            raise InputError(f"{arg('vary')}: {show(text)}: LOW must be below HIGH, both finite")
         return cls(path, low, high)
 
     @property
@@ -128,24 +128,8 @@ class PathVerdicts:
     resolution: float
 
 
-def known_path(loop: Loop, path: str, given: str = "vary") -> None:
-    """Check that a path is a number of the machine; ``given`` is the argument that contains the path.
-
-    Raises:
-        InputError: if it is none; the message contains the nearest path.
-    """
-    known = list(loop.scenario.places)
-    if path not in known:
-        raise InputError(f"{arg(given)}: {path}: no number of the machine{nearest(path, known)}")
-
-
 def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> PathVerdicts:
-    """The verdict over a range of one number.
-
-    Raises:
-        InputError: if the path is no number of the machine.
-    """
-    known_path(loop, turned.path)
+    """The verdict over a range of one number."""
     scan = _Scan(loop, turned)
     scan.judge_at(turned.points(POINTS))
     scan.divide(tell, 0.1)
@@ -165,7 +149,7 @@ class _Scan:
         self.seen: dict[float, Judgement] = {}
         self.known = turned.points(_CONSTANTS)
         ends = [loop.scenario.with_changes({turned.path: float(x)}) for x in self.known]
-        self.constants = np.array([time_constant(end)[0] for end in ends])
+        self.constants = np.array([time_constant(end) for end in ends])
 
     @property
     def steps_left(self) -> int:
@@ -273,16 +257,13 @@ def _classify(turned: Turned, seen: dict[float, Judgement]) -> tuple[list[Bounda
         groups = [(groups[0][0], groups[-1][1])]
     for low, high in groups:
         below, above = seen[low].verdict, seen[high].verdict
-        if below != above and _is_narrow(low, high) and _verdicts_hold(seen, turned, low, high):
+        narrow = high - low <= _NARROW * max(abs(low), abs(high))
+        if below != above and narrow and _verdicts_hold(seen, turned, low, high):
             boundaries.append(Boundary(turned.path, (low + high) / 2, below, above, low, high))
         else:
             met = dict.fromkeys(seen[x].verdict for x in sorted(seen) if low < x < high)
             mixed.append(Mixed(turned.path, low, high, below, above, tuple(met)))
     return boundaries, mixed
-
-
-def _is_narrow(low: float, high: float) -> bool:
-    return high - low <= _NARROW * max(abs(low), abs(high))
 
 
 def _check_points(turned: Turned, low: float, high: float) -> Array:

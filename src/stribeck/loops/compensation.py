@@ -114,7 +114,7 @@ def with_compensation(scenario: Scenario, controller: str, contact: str, kind: s
     given, dither = table.pop("compensation", None) or {}, table.pop("dither", None)
     if kind == "dither":
         level = level_of(scenario, contact)
-        frequency = dither["frequency"] if dither else frequency_for(scenario, controller, time_constant(scenario)[0])
+        frequency = dither["frequency"] if dither else frequency_for(scenario, controller, time_constant(scenario))
         table["dither"] = {**(dither or {"kind": "sine"}), "amplitude": share * level, "frequency": frequency}
     elif kind != "none":
         law = given.get("law") or data["contacts"][contact]["law"]
@@ -141,10 +141,9 @@ def compare(
     """
     contact = contact_of(loop.scenario, controller)
     kinds = kinds_of(loop, controller, contact)
-    results, quiet_without = (
-        list[CompensationResult](),
-        np.array([j.quiet for j in judge(loop_without(loop, controller), samples, most_steps=MOST_STEPS)]),
-    )
+    results = list[CompensationResult]()
+    without = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, "none", 0.0))
+    quiet_without = np.array([j.quiet for j in judge(without, samples, most_steps=MOST_STEPS)])
     for i, kind in enumerate(kinds):
         if tell is not None:
             tell(i / len(kinds), f"compensation: {kind}")
@@ -159,11 +158,6 @@ def compare(
             largest = remedy.largest(_SHARES, _ROUNDS)
             results.append(_result(remedy, controller, kind, min(1.0, largest or 0.0), largest))
     return results
-
-
-def loop_without(loop: Loop, controller: str) -> Loop:
-    """The loop without any compensation of a controller."""
-    return replace(loop, scenario=with_compensation(loop.scenario, controller, "", "none", 0.0))
 
 
 @dataclass

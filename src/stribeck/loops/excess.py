@@ -32,7 +32,7 @@ class Excess:
         sample: the friction parameters of that sample, by path.
         counterexample: the machine released at ``speed`` with a share 5 % above ``worst_share`` and no other control; it
             accelerates by itself. None if such a machine cannot be made or does not accelerate.
-        starts, ends: the speed at the start and at the end of that run, m/s or rad/s.
+        ends: the speed at the end of that run, m/s or rad/s.
     """
 
     share: float
@@ -40,12 +40,11 @@ class Excess:
     speed: float
     sample: dict[str, float]
     counterexample: Scenario | None
-    starts: float
     ends: float
 
     def row(self) -> dict[str, object]:
         """The result as plain data, for JSON."""
-        run = None if self.counterexample is None else {"speed_at_first": self.starts, "speed_at_the_end": self.ends}
+        run = None if self.counterexample is None else {"speed_at_first": self.speed, "speed_at_the_end": self.ends}
         return {
             "share": self.share, "worst_share": self.worst_share, "speed": self.speed, "sample": self.sample,
             "counterexample": run, "how": "steady curves, at speeds tried; the run is simulated",
@@ -90,16 +89,13 @@ def _ratios(scenario: Scenario, contact: str, sample: dict[str, float], v: Array
 
 def _counterexample(
     compensated: Scenario, controller: str, contact: str, sample: dict[str, float], share: float, speed: float
-) -> tuple[Scenario | None, float, float]:
-    """The body released at a speed with only friction and compensation; its first and last speed."""
+) -> tuple[Scenario | None, float]:
+    """The body released at a speed with only friction and compensation; its last speed."""
     each = controller_of(compensated, controller)
-    gains, machine = _OFF.get(type(each)), compensated.elements
-    if gains is None:
-        return None, speed, speed
     data = deepcopy(compensated.with_changes(sample).data)
-    body = data["bodies"][each.measures]
-    if "tied_to" in body or "velocity" in body:
-        return None, speed, speed
+    gains, body = _OFF.get(type(each)), data["bodies"][each.measures]
+    if gains is None or "tied_to" in body or "velocity" in body:
+        return None, speed
     table = data["controllers"][controller]
     data["bodies"] = {each.measures: {**body, "initial": {"y": 0.0, "v": speed}}}
     data["contacts"] = {contact: data["contacts"][contact]}
@@ -113,11 +109,11 @@ def _counterexample(
     table["compensation"]["share"] = share
     data["contacts"][contact].pop("loads", None)
     inertia = body.get("mass", body.get("inertia", 1.0))
-    law = machine.laws[f"contacts.{contact}.law"]
+    law = compensated.elements.laws[f"contacts.{contact}.law"]
     end = 20 * inertia * speed / max(BEYOND * float(law.steady_force(speed)), 1e-300)
     data["name"] = f"{compensated.name}_overcompensated"
     data["solve"], data["output"] = {"t_end": end}, {"step": end / 400, "energy": True}
     counterexample = Scenario(data, folder=compensated.folder, trust=True)
     run = simulate_once(counterexample)
     last = float(run[f"{each.measures}.v"][-1])
-    return (counterexample if last > 1.5 * speed else None), speed, last
+    return (counterexample if last > 1.5 * speed else None), last

@@ -179,9 +179,9 @@ class _LaneRecord:
         self, loop: Loop, lanes: Ensemble, lane: int, tau: float, swing: dict[str, float], last: bool = False
     ) -> None:
         self.loop, self.lanes, self.lane, self.tau, self.swing, self.last = loop, lanes, lane, tau, swing, last
-        machine = loop.scenario.system
-        self.main = machine.leader(machine.controllers[0].body).name
-        self.moving = [b.name for b in machine.bodies if b.free]
+        machine = loop.scenario.elements
+        self.main = machine.leader(machine.system.controllers[0].body).name
+        self.moving = [b.name for b in machine.bodies.values() if b.free]
         reached = int(np.isfinite(self.column(f"{self.main}.y")).sum())
         self.reached = slice(0, reached)
         last_rows = _ROWS // 4 if last else _ROWS + 1  # if the run cannot be longer, only its end is judged
@@ -339,7 +339,7 @@ def rest_bands(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
     rest = {name: TRAVEL * max(x, loop.travel.get(name, 0.0)) for name, x in travel.items()}
     for each in machine.system.controllers:
         step = resolution_of(loop.scenario, each)
-        name = machine.system.leader(each.body).name
+        name = machine.leader(each.body).name
         if step and travel.get(name):
             for other, x in travel.items():
                 rest[other] = max(rest[other], step if other == name else step * x / travel[name])

@@ -33,21 +33,22 @@ class Loop:
 
     Attributes:
         scenario: the machine; a signal that never becomes constant is held from the file's ``t_end`` on.
-        rest: the time from which all signals are constant, s.
         slowest: the slowest time constant of the loop while all contacts slide, s.
         held: the tables of the signals that are held.
-        unstable: whether the loop is unstable while all contacts slide.
         given: the machine before any signal was held.
         travel: a lower bound of each body's travel, m or rad; the threshold of rest is a share of the travel.
     """
 
     scenario: Scenario
-    rest: float
     slowest: float
     held: tuple[str, ...]
-    unstable: bool
-    given: Scenario | None = None
+    given: Scenario
     travel: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def rest(self) -> float:
+        """The time from which all signals are constant, s."""
+        return max([0.0, *map(rests_at, self.scenario.elements.signals.values())])
 
     @cached_property
     def lean(self) -> Scenario:
@@ -71,9 +72,7 @@ def loop_of(scenario: Scenario) -> Loop:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")
     given = scenario
     scenario, held = with_rest(scenario)
-    rest = max([0.0, *(rests_at(signal) for signal in scenario.elements.signals.values())])
-    slowest, unstable = time_constant(scenario)
-    return Loop(scenario, rest, slowest, held, unstable, given)
+    return Loop(scenario, time_constant(scenario), held, given)
 
 
 def rests_at(signal: Signal) -> float:
@@ -127,17 +126,15 @@ def _held(signal: Signal, t_end: float) -> dict[str, object]:
     return {"kind": "points", "t": t.tolist(), "value": signal.at(t).tolist()}
 
 
-def time_constant(scenario: Scenario) -> tuple[float, bool]:
-    """The slowest time constant while all contacts slide, s, and whether a mode grows.
+def time_constant(scenario: Scenario) -> float:
+    """The slowest time constant while all contacts slide, s.
 
-    Both follow from the eigenvalues of the machine without limits, sampling and compensation. Its speeds are far above
+    It follows from the eigenvalues of the machine without limits, sampling and compensation. Its speeds are far above
     the Stribeck velocities, and its deflections are steady: the derivative of friction is its viscous part.
     """
     roots = np.linalg.eigvals(SlidingLoop(scenario).jacobian)
-    size = float(np.abs(roots).max(initial=0.0))
-    falling = -roots.real[roots.real < -_ZERO * size]
-    slowest = 1 / float(falling.min()) if len(falling) else 1.0
-    return slowest, bool((roots.real > 1e-8 * size).any())
+    falling = -roots.real[roots.real < -_ZERO * np.abs(roots).max(initial=0.0)]
+    return 1 / float(falling.min()) if len(falling) else 1.0
 
 
 class SlidingLoop:

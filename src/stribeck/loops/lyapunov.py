@@ -65,26 +65,16 @@ class Along:
         return float(max(np.max(np.diff(self.V), initial=0.0), 0.0))
 
     @property
-    def rise_times(self) -> list[Span]:
-        """Intervals in which V rises, as (first, last) times."""
-        return spans(self.t, self.rises)
-
-    @property
-    def excess_times(self) -> list[Span]:
-        """Intervals in which dV/dt is above its bound."""
-        return spans(self.t, self.excess)
-
-    @property
-    def saturated_times(self) -> list[Span]:
-        """Intervals in which the valve saturates."""
-        return spans(self.t, self.saturated)
+    def spans(self) -> dict[str, list[Span]]:
+        """Intervals in which V rises, dV/dt is above its bound, and the valve saturates, as (first, last) times."""
+        marked = {"rise_times": self.rises, "excess_times": self.excess, "saturated_times": self.saturated}
+        return {name: spans(self.t, rows) for name, rows in marked.items()}
 
     def summary(self) -> dict[str, object]:
         """The result as plain data, for JSON."""
         return {
             "V_0": float(self.V[0]), "V_end": float(self.V[-1]), "rises": int(self.rises.sum()),
-            "largest_rise": self.largest_rise, "rise_times": self.rise_times, "excess_times": self.excess_times,
-            "saturated_times": self.saturated_times,
+            "largest_rise": self.largest_rise, **self.spans,
         }  # fmt: skip
 
 

@@ -46,18 +46,14 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     each = controller_of(loop.scenario, controller)
     signal = given_signal(loop, each)
     last = rests_at(signal)
-    end = max(loop.scenario.solve.t_end, last) if last < np.inf else loop.scenario.solve.t_end
-    t = np.linspace(0.0, end, 4001)
+    t_end = loop.scenario.solve.t_end
+    t = np.linspace(0.0, max(t_end, last) if last < np.inf else t_end, 4001)
     r = signal.at(t)
     step = resolution_of(loop.scenario, each)
-    starts = loop.scenario.initial.get(f"{machine.system.leader(each.body).name}.y", 0.0)
-    begins = abs(float(r[0]) - starts) / 2 if each.measures == machine.system.leader(each.body).name else 0.0
-    amplitude = (
-        float(np.ptp(r)) / 2
-        or begins
-        or 1e3 * step
-        or machine.scales[machine.system.leader(each.body).name].length * 100
-    )
+    leader = machine.leader(each.body).name
+    starts = machine.initial.get(f"{leader}.y", 0.0)
+    begins = abs(float(r[0]) - starts) / 2 if each.body == leader else 0.0
+    amplitude = float(np.ptp(r)) / 2 or begins or 1e3 * step or machine.scales[leader].length * 100
     rates = np.abs(np.diff(r)) / (t[1] - t[0])
     fastest = float(np.quantile(rates, 0.98)) if not signal.smooth else float(rates.max())
     slow = amplitude / (10 * loop.slowest)
@@ -66,8 +62,7 @@ def moves_of(loop: Loop, controller: str) -> Moves:
 
 def given_signal(loop: Loop, each: Controller) -> Signal:
     """A controller's signal as in the file, not as it is held: its spline begins and ends at rest."""
-    machine = (loop.given or loop.scenario).elements
-    return next(signal for use, signal in machine.signals.items() if use.path == each.use.path)
+    return next(signal for use, signal in loop.given.elements.signals.items() if use.path == each.use.path)
 
 
 def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:
@@ -94,7 +89,8 @@ def reversal_errors(loop: Loop, controller: str, values: Mapping[str, ArrayLike]
     signal, end = signals_of(moves)["sine"]
     lanes = _simulate_lanes(loop, replaced(loop.lean, controller, signal), end, values)
     near = _after_reversals(lanes.t, moves.period)
-    errors = np.abs(_error(lanes.scenario, controller, lanes)[:, near]).max(axis=1)
+    y = lanes[f"{controller_of(lanes.scenario, controller).measures}.y"]
+    errors = np.abs((lanes[f"{controller}.r"] - y)[:, near]).max(axis=1)
     return np.where([reason is None for reason in lanes.reason], errors, np.nan)
 
 
@@ -112,9 +108,8 @@ def on_a_sine(loop: Loop, controller: str, values: Mapping[str, ArrayLike] | Non
     """Tracking of the standard sine, with the error after its reversals."""
     moves = moves_of(loop, controller)
     signal, end = signals_of(moves)["sine"]
-    return _track_first_lane(
-        _simulate_lanes(loop, replaced(loop.lean, controller, signal), end, values), controller, moves.period
-    )
+    lanes = _simulate_lanes(loop, replaced(loop.lean, controller, signal), end, values)
+    return _track_first_lane(lanes, controller, moves.period)
 
 
 def errors(loop: Loop, controller: str) -> dict[str, Tracked]:
@@ -122,15 +117,12 @@ def errors(loop: Loop, controller: str) -> dict[str, Tracked]:
 
     The values are peak, root mean square, error after reversals and at rest (m or rad), and settling time (s).
     """
-    tracked = {"file": _track_file_signal(loop, controller)}
     moves = moves_of(loop, controller)
-    tracked["sine"] = on_a_sine(loop, controller)
-    for name, (signal, end) in signals_of(moves).items():
-        if name == "sine":
-            continue
-        tracked[name] = move = _track_first_lane(
-            _simulate_lanes(loop, replaced(loop.lean, controller, signal), end), controller
-        )
+    tracked = {"file": _track_file_signal(loop, controller), "sine": on_a_sine(loop, controller)}
+    for name in ("slow_ramp", "step"):
+        signal, end = signals_of(moves)[name]
+        lanes = _simulate_lanes(loop, replaced(loop.lean, controller, signal), end)
+        tracked[name] = move = _track_first_lane(lanes, controller)
         t, e = move.t, move.r - move.y
         if name == "slow_ramp":
             turn = end / 3
@@ -158,7 +150,7 @@ def _track_file_signal(loop: Loop, controller: str) -> Tracked:
     e, rest = r - y, t >= loop.rest
     tolerance = _tolerance(loop, controller, moves_of(loop, controller).amplitude)
     moving = t, r, y
-    if loop.held and loop.given is not None:  # a held signal stops, which the file's does not
+    if loop.held:  # a held signal stops, which the file's does not
         moving = _reached_rows(_simulate_lanes(loop, loop.given, loop.given.solve.t_end), controller)
     row = {
         **_error_norms(moving[1] - moving[2]),
@@ -201,11 +193,6 @@ def _settling(t: Array, e: Array, tolerance: float) -> float | None:
 def _tolerance(loop: Loop, controller: str, amplitude: float) -> float:
     step = resolution_of(loop.scenario, controller_of(loop.scenario, controller))
     return max(2 * step, _SETTLED * amplitude)
-
-
-def _error(scenario: Scenario, controller: str, lanes: Ensemble) -> Array:
-    each = controller_of(scenario, controller)
-    return np.asarray(lanes[f"{controller}.r"] - lanes[f"{each.measures}.y"], float)
 
 
 def _after_reversals(t: Array, period: float) -> NDArray[np.bool_]:

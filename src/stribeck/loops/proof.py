@@ -18,7 +18,7 @@ from stribeck.laws.base import BristleLaw
 from stribeck.machine.pneumatic import cascade
 from stribeck.machine.pneumatic.cascade import Course
 from stribeck.machine.pneumatic.cylinder import Cylinder
-from stribeck.machine.pneumatic.observer import least_K_D, observe
+from stribeck.machine.pneumatic.observer import observe
 
 if TYPE_CHECKING:
     import sympy
@@ -43,8 +43,7 @@ class QuadraticForm:
     @property
     def derivative(self) -> sympy.Expr:
         """dV/dt."""
-        with needed("the proof of a servo's gains"):
-            import sympy
+        import sympy
 
         s, p_err, z_err = sympy.symbols(ERRORS, real=True)
         return -self.ss * s**2 - self.pp * p_err**2 - self.zz * z_err**2 - self.sz * s * z_err
@@ -52,8 +51,7 @@ class QuadraticForm:
     @property
     def exact(self) -> sympy.Expr:
         """(4 ss zz - sz^2)/w. If w > 0 and it is not negative, dV/dt <= 0 for all errors."""
-        with needed("the proof of a servo's gains"):
-            import sympy
+        import sympy
 
         return sympy.expand(sympy.cancel((4 * self.ss * self.zz - self.sz**2) / sympy.Symbol("w", real=True)))
 
@@ -63,8 +61,7 @@ class QuadraticForm:
 
         Neither may be negative. The second is divided by w.
         """
-        with needed("the proof of a servo's gains"):
-            import sympy
+        import sympy
 
         w = sympy.Symbol("w", real=True)
         return self.ss - self.sz / 2, sympy.expand(sympy.cancel((self.zz - self.sz / 2) / w))
@@ -123,18 +120,7 @@ def derive() -> QuadraticForm:
         for old, new in by_errors:
             rate = rate.subs(old, new)
         rates[name] = sympy.expand(sympy.expand(rate)).subs(sympy.Function("w")(v), sympy.Symbol("w", real=True))
-    form = _form(rates, cascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
-    _hold_against(form, c.K_D, least_K_D(c.K, p.sigma_0, p.sigma_1, sympy.Symbol("w", real=True)))
-    return form
-
-
-def _hold_against(form: QuadraticForm, K_D: sympy.Symbol, least: sympy.Expr) -> None:
-    """Verify the condition that exports print: at the ``least`` K_D, ``exact`` is 0, and it grows with K_D."""
-    import sympy
-
-    at_least, slope = sympy.expand(form.exact.subs(K_D, least)), sympy.diff(form.exact, K_D)
-    if at_least != 0 or not slope.is_positive:
-        raise StribeckError("the smallest K_D of the exports differs from that of dV/dt")
+    return _form(rates, cascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
 
 
 def _form(

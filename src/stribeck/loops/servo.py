@@ -11,7 +11,7 @@ import numpy as np
 from stribeck.constants import require_positive
 from stribeck.errors import InputError
 from stribeck.loops.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
-from stribeck.loops.lyapunov import Along, along, cascade_of, gains_of
+from stribeck.loops.lyapunov import Along, along, gains_of
 from stribeck.loops.proof import derive
 from stribeck.machine.elements.pressure_cascade import PressureCascade, not_linear
 from stribeck.scenario import Scenario
@@ -55,7 +55,7 @@ class ServoDesign:
     def to_dict(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""
         result: dict[str, object] = {
-            "scenario": self.solution.scenario.name, "derivative": str(derive().derivative), **self.gains.summary(),
+            "scenario": self.solution.scenario.name, "derivative": str(derive().derivative), **asdict(self.gains),
             "proof": {"proven": self.proof.proven, "boxes": self.proof.boxes, "reason": self.proof.reason or None},
             "not_covered": list(self.not_covered),
         }  # fmt: skip
@@ -68,12 +68,16 @@ class ServoDesign:
 
 
 def design_servo(
-    rig: Scenario, v_max: float | None = None, tell: Callable[[float, str], None] | None = None
+    rig: Scenario,
+    controller: PressureCascade,
+    v_max: float | None = None,
+    tell: Callable[[float, str], None] | None = None,
 ) -> ServoDesign:
     """Decide whether V decreases with the gains of a servo (``drive.kind = "cascade"``).
 
     Args:
         rig: the servo.
+        controller: its cascade.
         v_max: the largest speed of the proof, m/s; twice the peak speed of the simulation unless given.
         tell: called with the completed share of the simulation and a description of this step.
 
@@ -81,7 +85,10 @@ def design_servo(
         InputError: the observer's law is not linear in z, or ``v_max`` is no speed.
         StribeckError: SymPy is not installed.
     """
-    controller = check_servo(rig, v_max)
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
+    if text := not_linear(controller.observer_law):
+        raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
     solution = simulate(rig, progress=None if tell is None else lambda share: tell(share, "the servo's motion"))
     observer, d = controller.observer_law, controller.gains
     assert observer is not None
@@ -91,21 +98,6 @@ def design_servo(
         return ServoDesign(solution, verdict, proof, None, None, doubts(rig, controller))
     stays = _staying(rig, solution, speed)
     return ServoDesign(solution, verdict, proof, along(solution), stays, doubts(rig, controller))
-
-
-def check_servo(scenario: Scenario, v_max: float | None) -> PressureCascade:
-    """The controller of a servo to which the proof applies.
-
-    Raises:
-        InputError: as :func:`design_servo`.
-    """
-    if v_max is not None:
-        require_positive("v_max", v_max, "m/s")
-    if (controller := cascade_of(scenario)) is None:
-        raise InputError(f"drive.kind: {scenario.called.drive!r}: must be 'cascade': only a servo has such gains")
-    if text := not_linear(controller.observer_law):
-        raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
-    return controller
 
 
 def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:

@@ -68,11 +68,7 @@ def _along(result: ServoDesign) -> Chapter:
         f"V goes from {along.V[0]:.4g} to {along.V[-1]:.4g} J, rises by more than 1e-9 V(0) after {int(along.rises.sum())} "
         f"rows, by at most {along.largest_rise:.3g} J"
     ]
-    for what, spans in (
-        ("V rises", along.rise_times),
-        ("dV/dt above (19)", along.excess_times),
-        ("valve saturates", along.saturated_times),
-    ):
+    for what, spans in zip(("V rises", "dV/dt above (19)", "valve saturates"), along.spans.values(), strict=True):
         if spans:
             more = f" and {len(spans) - _SPANS} more" if len(spans) > _SPANS else ""
             facts.append(f"{what}: t = " + ", ".join(f"{a:g} to {b:g}" for a, b in spans[:_SPANS]) + f" s{more}")

@@ -49,7 +49,7 @@ def frequency_for(scenario: Scenario, controller: str, slowest: float) -> float:
     """
     machine = scenario.elements
     each = controller_of(scenario, controller)
-    sliding, name = SlidingLoop(scenario, controller), machine.system.leader(each.body).name
+    sliding, name = SlidingLoop(scenario, controller), machine.leader(each.body).name
     grid = _GRID / (2 * np.pi * slowest)
     answer = np.array([sliding.response(float(f)).get(name, 0.0) for f in grid])
     after = int(np.argmax(answer))

@@ -13,14 +13,8 @@ from stribeck.loops.loop import Loop, controller_of, rests_at
 from stribeck.loops.moves import Moves, moves_of
 from stribeck.scenario import Scenario
 
-_OFF = (
-    0.003,
-    0.01,
-    0.03,
-    0.1,
-    0.3,
-    1.0,
-)  # of the file's move, both ways: basins of cycles differ by orders of magnitude
+# Of the file's move, both ways: basins of cycles differ by orders of magnitude
+_OFF = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
 _FAST = (0.1, 0.3, 1.0)  # of its greatest speed, both ways: the upper decade, as slower starts stick at once
 # Of the file's move: one body that is not measured, alone; a link that is stretched in use by a part of it.
 _STRETCHED = 0.1
@@ -64,7 +58,7 @@ def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | Non
     held = _with_resting_signals(loop)
     machine = held.scenario.elements
     each = controller_of(held.scenario, controller)
-    main = machine.system.leader(each.body).name
+    main = machine.leader(each.body).name
     last = _final_value(loop, controller)
     travel_ratios = _travel_ratios(held.scenario, each.body)
     held = replace(held, travel={name: 2 * abs(share) * moves.amplitude for name, share in travel_ratios.items()})
@@ -73,7 +67,7 @@ def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | Non
     lanes |= {f"bodies.{name}.initial.v": [] for name in travel_ratios}
     for body, off, speed in start_points:
         for name, share in travel_ratios.items():
-            y = share * last + (share * off if body == main else off * share if body == name else 0.0)
+            y = share * last + (share * off if body in (main, name) else 0.0)
             lanes[f"bodies.{name}.initial.y"].append(y)
             lanes[f"bodies.{name}.initial.v"].append(share * speed)
     judgements = judge(held, {path: np.array(x) for path, x in lanes.items()}, tell)
@@ -107,9 +101,7 @@ def _with_resting_signals(loop: Loop) -> Loop:
     for each in machine.system.controllers:
         table = data["controllers"][each.name]
         table["signal"] = _constant_signal(str(table["signal"]["kind"]), _final_value(loop, each.name))
-    scenario = Scenario(data, folder=loop.scenario.folder, trust=True)
-    rest = max([0.0, *(rests_at(signal) for signal in scenario.elements.signals.values())])
-    return replace(loop, scenario=scenario, rest=rest)
+    return replace(loop, scenario=Scenario(data, folder=loop.scenario.folder, trust=True))
 
 
 def _constant_signal(kind: str, value: float) -> dict[str, object]:
@@ -131,11 +123,3 @@ def _travel_ratios(scenario: Scenario, measured: str) -> dict[str, float]:
     """Travel of each force-driven body over that of the measured one, with no link stretched; the leader's first."""
     bodies = scenario.system.elements.bodies
     return {name: x for name, x in scenario.elements.carried(measured).items() if bodies[name].velocity is None}
-
-
-def starts_row(starts: list[Start], judgement: Judgement) -> dict[str, object]:
-    """All starts as plain data, and whether the outcome depends on them."""
-    return {
-        "starts": [start.row() for start in starts],
-        "depends_on_the_start": len(distinct_judgements(starts, judgement)) > 1,
-    }

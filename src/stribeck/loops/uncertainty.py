@@ -18,7 +18,7 @@ VARIED = ("F_c", "F_s", "v_s", "sigma_0", "sigma_1", "sigma_2")
 _RANDOM = 8  # samples at random: as many again as four parameters have ends
 
 
-def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, float]]:
+def friction_intervals(scenario: Scenario, file: str | Path | None) -> dict[str, tuple[float, float]]:
     """The interval of each friction parameter by its path: from the file; without a file, 10 % both ways.
 
     The file is a parameters.toml as ``stribeck fit`` writes it: ``[parameters]`` with tables of value, low and high. Its
@@ -36,7 +36,7 @@ def friction_intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple
             path: (min(x * (1 - SHARE), x), max(x * (1 + SHARE), x))
             for path, x in nominal.items() if path.rpartition(".")[2] in VARIED and x
         }  # fmt: skip
-    table = read_toml(file).get("parameters")
+    table = read_toml(Path(file)).get("parameters")
     if not isinstance(table, dict) or not table:
         raise InputError(f"{arg('uncertainty')}: {show(str(file))}: has no table [parameters] with intervals")
     intervals: dict[str, tuple[float, float]] = {}

@@ -87,10 +87,6 @@ class MachineSystem:
         """The controllers of a force: not those that move a valve."""
         return tuple(x for x in self.elements.controllers.values() if not x.moves_valve)  # type: ignore[misc]
 
-    def leader(self, name: str) -> Body:
-        """The body whose coordinate a body has."""
-        return self.elements.leader(name)
-
     @property
     def by_element(self) -> bool:
         """Whether events have the element's name."""

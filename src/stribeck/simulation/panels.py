@@ -50,7 +50,11 @@ def choose_panels(machine: MachineSystem) -> tuple[Panel, ...]:
     followed = {each.measures: each.name for each in machine.controllers} | {x.on: x.name for x in valves}
     for body in machine.bodies:
         if body.tied_to is None:  # what is tied moves in proportion
-            tied = [other.name for other in machine.bodies if machine.leader(other.name) is body and other is not body]
+            tied = [
+                other.name
+                for other in machine.bodies
+                if machine.elements.leader(other.name) is body and other is not body
+            ]
             title = f"{body.name} (tied to it: {', '.join(tied)})" if tied else body.name
             controller = followed.get(body.name)
             reads = [x.name for x in machine.elements.sensors.values() if x.on == body.name]

@@ -12,7 +12,7 @@ from stribeck.expressions import ops
 from stribeck.laws import BristleLaw
 from stribeck.loops.gains import at_speed, decay, gain_verdict, prove
 from stribeck.loops.lyapunov import along, gains_of
-from stribeck.loops.proof import ERRORS, QuadraticForm, _form, _hold_against, derive
+from stribeck.loops.proof import ERRORS, _form, derive
 from stribeck.machine.pneumatic import observer
 from tests.machine.pneumatic.servos import servo, solved
 
@@ -92,12 +92,13 @@ def test_equations_that_do_not_fit_together_are_refused():
     for rate in (-s - p_err, -s * v):  # a product that the form has not, a state that does not cancel
         with pytest.raises(StribeckError, match="not the quadratic form"):
             _form({"s": rate}, s**2, errors, {v})
-    K_D, w = sympy.Symbol("K_D"), sympy.Symbol("w", real=True)
-    rising, falling = (QuadraticForm({}, side * (K_D - 1), w, w, sympy.Integer(0)) for side in (1, -1))
-    _hold_against(rising, K_D, sympy.Integer(1))
-    for wrong, least in ((rising, sympy.Integer(2)), (falling, sympy.Integer(1))):
-        with pytest.raises(StribeckError, match="the smallest K_D"):
-            _hold_against(wrong, K_D, least)
+
+
+def test_the_smallest_gain_that_exports_print_is_the_root_of_the_exact_condition():
+    K_D, K, sigma_0, sigma_1 = symbols("K_D K sigma_0 sigma_1")
+    exact = derive().exact
+    assert sympy.expand(exact.subs(K_D, observer.least_K_D(K, sigma_0, sigma_1, sympy.Symbol("w", real=True)))) == 0
+    assert sympy.diff(exact, K_D).is_positive
 
 
 def test_conditions_of_table_1():

@@ -84,7 +84,7 @@ def rows(block: Block) -> list[tuple[str, ...]]:
 def sizes(block: Block) -> dict[str, float]:
     """A natural size of each input and state."""
     machine = block.scenario.elements
-    body_scales = machine.scales[machine.system.leader(block.controller.body).name]
+    body_scales = machine.scales[machine.leader(block.controller.body).name]
     near = 10 * body_scales.length
     speed = 3 * body_scales.speed
     sampled = {

@@ -14,8 +14,7 @@ def files(block: Block) -> Content:
     """The block in C, the plugin around it, and a model that uses it."""
     machine, sampling = block.scenario.elements, f"{block.controller.path}.sampling"
     delay = machine.values.get((sampling, "delay"), 0.0)
-    body = machine.system.leader(block.controller.body)
-    heavy = machine.bodies[body.name].heavy
+    heavy = machine.leader(block.controller.body).heavy
     values = context(block) | {
         "delay": delay, "resolution": machine.values.get((sampling, "resolution"), 0.0),
         "joint": "hinge" if block.rotary else "slide",

@@ -119,7 +119,7 @@ class _Beginning:
 
     def _free(self, body: str) -> bool:
         machine = self.scenario.system
-        return body in machine.elements.bodies and machine.leader(body).velocity is None
+        return body in machine.elements.bodies and machine.elements.leader(body).velocity is None
 
     def _given(self, body: str, kind: str) -> bool:
         """Whether a body's initial state is given."""

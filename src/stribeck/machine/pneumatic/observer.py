@@ -28,8 +28,8 @@ START = {Z_HAT.name: 0.0, ETA.name: 0.0, **{scale.name: 1.0 for scale in SCALES}
 def least_K_D(K: Value, sigma_0: Value, sigma_1: Value, w: Value) -> Value:
     """The smallest gain on s, N s/m, with which V never grows.
 
-    The law is linear in z, and w = -d(dz/dt)/dz is at most ``w``. :func:`stribeck.loops.proof.derive` verifies the
-    formula with the loop's equations.
+    The law is linear in z, and w = -d(dz/dt)/dz is at most ``w``: the root of ``QuadraticForm.exact`` of
+    :func:`stribeck.loops.proof.derive`.
     """
     return K * sigma_1 * (sigma_1 * w / 4 - sigma_0)
 
