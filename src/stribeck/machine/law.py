@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,101 +30,81 @@ def unknown(table: Mapping[str, object], path: str, known: Iterable[str]) -> lis
     return problems
 
 
-class LawReader:
-    """Reads one table of a law.
+def read_law(table: object, path: str, reading: Reading) -> tuple[Law | None, list[Problem]]:
+    """The law of a table at a path, or None; and what is wrong with the table.
 
-    Args:
-        table: the table, or what stands in its place.
-        path: where it stands.
-        folder: where relative paths begin.
-        executes: whether a law in a file is executed; else all but the law itself is judged.
-        to_file: a path as the file has it.
+    Where a law in a file is not executed, all but the law itself is judged.
     """
+    problems: list[Problem] = []
+    if not isinstance(table, dict):
+        text = f"missing: the table [{path}] must be given (with name and parameters)"
+        return None, [(path, text if table is None else no_table(table))]
+    law = _named_law(table, path, reading, problems)
+    given = _parameters(table, path, law, reading.folder, problems)
+    parameters = given or {}
+    constants = {name: value for name, value in table.items() if name not in ("name", "parameters")}
+    paths = {name: f"{path}.parameters.{name}" for name in (*PARAMETERS, *parameters)}
+    paths |= {n: f"{path}.{n}" for n in constants}
+    for name in [name for name in constants if name in PARAMETERS or name in parameters]:
+        inside = f"{reading.to_file(path)}.parameters"
+        text = f"belongs in {inside}" if name in PARAMETERS else f"stands in {inside} too"
+        problems.append((f"{path}.{name}", f"{show(constants.pop(name))}: {text}"))
+    has = law.constants() if law is not None else {}
+    misspelt = {n: constants.pop(n) for n in list(constants) if n not in has and nearest(n, ("name", "parameters"))}
+    problems += unknown(misspelt, path, ("name", "parameters"))
+    if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
+        wrong = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
+        if ".py:" not in str(table.get("name")):
+            every = (name for each in laws.builtin().values() for name in each.constants())
+            problems += unknown(constants, path, ("name", "parameters", *every, *PARAMETERS))
+    else:
+        wrong = law.problems({**parameters, **constants})
+    if given is None:  # said already
+        wrong = [(name, text) for name, text in wrong if name not in PARAMETERS]
+    problems += [(paths.get(name, f"{path}.{name}"), text) for name, text in wrong]
+    if law is None or given is None or wrong:
+        return None, problems
+    read = law({**parameters, **constants})
+    if trouble := (in_a_file(table["name"]) and laws.trouble(read)) or laws.overflow(read):
+        return None, [*problems, (f"{path}.name", f"{show(table['name'])}: {trouble}")]
+    return read, problems
 
-    def __init__(
-        self, table: object, path: str, folder: Path, executes: bool = True, to_file: Callable[[str], str] = str
-    ) -> None:
-        self.table, self.path, self.folder, self.executes, self.to_file = table, path, folder, executes, to_file
-        self.problems: list[Problem] = []
-        self.law: Law | None = None
 
-    def read(self) -> Law | None:
-        """The law, or None; ``problems`` then says why."""
-        table, path = self.table, self.path
-        if isinstance(table, Law):
-            self.law = table
-            return table
-        if not isinstance(table, dict):
-            text = f"missing: the table [{path}] must be given (with name and parameters)"
-            self.problems.append((path, text if table is None else no_table(table)))
-            return None
-        law = self._named_law(table)
-        given = self._parameters(table, law)
-        parameters = given or {}
-        constants = {name: value for name, value in table.items() if name not in ("name", "parameters")}
-        paths = {name: f"{path}.parameters.{name}" for name in (*PARAMETERS, *parameters)}
-        paths |= {n: f"{path}.{n}" for n in constants}
-        for name in [name for name in constants if name in PARAMETERS or name in parameters]:
-            inside = f"{self.to_file(path)}.parameters"
-            text = f"belongs in {inside}" if name in PARAMETERS else f"stands in {inside} too"
-            self.problems.append((f"{path}.{name}", f"{show(constants.pop(name))}: {text}"))
-        has = law.constants() if law is not None else {}
-        misspelt = {n: constants.pop(n) for n in list(constants) if n not in has and nearest(n, ("name", "parameters"))}
-        self.problems += unknown(misspelt, path, ("name", "parameters"))
-        if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
-            problems = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
-            if ".py:" not in str(table.get("name")):
-                every = (name for each in laws.builtin().values() for name in each.constants())
-                self.problems += unknown(constants, path, ("name", "parameters", *every, *PARAMETERS))
-        else:
-            problems = law.problems({**parameters, **constants})
-        if given is None:  # said already
-            problems = [(name, text) for name, text in problems if name not in PARAMETERS]
-        self.problems += [(paths.get(name, f"{path}.{name}"), text) for name, text in problems]
-        if law is not None and given is not None and not problems:
-            self._evaluate(law({**parameters, **constants}), table["name"])
-        return self.law
+def _named_law(table: Mapping[str, object], path: str, reading: Reading, problems: list[Problem]) -> type[Law] | None:
+    if "name" not in table:
+        problems.append((f"{path}.name", "missing: must be given (the name of a law, or FILE.py:NAME)"))
+        return None
+    if in_a_file(table["name"]) and not reading.executes:
+        return None
+    try:
+        return laws.find(table["name"], reading.folder)
+    except InputError as error:
+        problems += [(f"{path}.name", text) for text in error.problems]
+        return None
 
-    def _evaluate(self, law: Law, name: str) -> None:
-        if trouble := (in_a_file(name) and laws.trouble(law)) or laws.overflow(law):
-            self.problems.append((f"{self.path}.name", f"{show(name)}: {trouble}"))
-        else:
-            self.law = law
 
-    def _named_law(self, table: Mapping[str, object]) -> type[Law] | None:
-        place = f"{self.path}.name"
-        if "name" not in table:
-            self.problems.append((place, "missing: must be given (the name of a law, or FILE.py:NAME)"))
-            return None
-        if in_a_file(table["name"]) and not self.executes:
-            return None
-        try:
-            return laws.find(table["name"], self.folder)
-        except InputError as error:
-            self.problems += [(place, text) for text in error.problems]
-            return None
-
-    def _parameters(self, table: Mapping[str, object], law: type[Law] | None) -> Mapping[str, object] | None:
-        """The machine's parameters; None where they are missing or cannot be read, which is then said."""
-        given, place = table.get("parameters"), f"{self.path}.parameters"
-        if given is None:
-            if law is not None and any(law.constants()[name].required for name in law.uses):
-                needs = f"law '{law.name}' needs {', '.join(law.uses)}"
-                text = f"missing: must be a table of numbers or the name of a set; {needs}"
-                self.problems.append((place, text))
-                return None
+def _parameters(
+    table: Mapping[str, object], path: str, law: type[Law] | None, folder: Path, problems: list[Problem]
+) -> Mapping[str, object] | None:
+    """The machine's parameters; None where they are missing or cannot be read, which is then said."""
+    given, place = table.get("parameters"), f"{path}.parameters"
+    if given is None:
+        if law is None or not any(law.constants()[name].required for name in law.uses):
             return {}
-        if isinstance(given, dict):
-            return dict(given)
-        if not isinstance(given, str):
-            text = f"must be a table of numbers or the name of a set, not {kind_of(given)}"
-            self.problems.append((place, f"{show(given)}: {text}"))
-            return None
-        try:
-            return laws.parameters_for(law, given, self.folder)
-        except InputError as error:
-            self.problems += [(place, text) for text in error.problems]
-            return None
+        needs = f"law '{law.name}' needs {', '.join(law.uses)}"
+        problems.append((place, f"missing: must be a table of numbers or the name of a set; {needs}"))
+        return None
+    if isinstance(given, dict):
+        return dict(given)
+    if not isinstance(given, str):
+        text = f"must be a table of numbers or the name of a set, not {kind_of(given)}"
+        problems.append((place, f"{show(given)}: {text}"))
+        return None
+    try:
+        return laws.parameters_for(law, given, folder)
+    except InputError as error:
+        problems += [(place, text) for text in error.problems]
+        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,10 +198,9 @@ class _Read:
             return Friction.from_law(value)
         reading = info.context or Reading()
         path = joined(reading.place, self.key)
-        reader = LawReader(value, path, reading.folder, reading.executes, reading.to_file)
-        law = reader.read()
-        if reader.problems:
-            below = ((place.removeprefix(path).lstrip("."), text) for place, text in reader.problems)
+        law, problems = read_law(value, path, reading)
+        if problems:
+            below = ((place.removeprefix(path).lstrip("."), text) for place, text in problems)
             raise problems_at([(tuple(key.split(".")) if key else (), text) for key, text in below])
         if law is None:
             return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from importlib import import_module
 
 from pydantic import ValidationError
 
@@ -32,37 +33,19 @@ _NAME = re.compile(r"[A-Za-z0-9_]+")
 _WHAT = {"bodies": "body"}  # one of a section, in words; else without its s
 
 
+# The module of each section's tables, and a class there: of bodies and controllers the kind that is defined last.
+_FAMILIES = {
+    "bodies": ("cylinder", "Piston"), "links": ("links", "Link"), "contacts": ("contacts", "Contact"),
+    "loads": ("loads", "Load"), "motors": ("motors", "Motor"), "controllers": ("pressure_cascade", "PressureCascade"),
+    "sensors": ("sensors", "Sensor"),
+}  # fmt: skip
+
+
 def family_of(section: str) -> type[Element]:
     """The class of the tables of a section; imported when a machine has one, for each costs some milliseconds of a start."""
-    if section == "bodies":
-        from stribeck.machine.elements.cylinder import Piston  # a further kind of body
-
-        assert issubclass(Piston.family, Body)
-        return Piston.family
-    if section == "links":
-        from stribeck.machine.elements.links import Link
-
-        return Link
-    if section == "contacts":
-        from stribeck.machine.elements.contacts import Contact
-
-        return Contact
-    if section == "loads":
-        from stribeck.machine.elements.loads import Load
-
-        return Load
-    if section == "motors":
-        from stribeck.machine.elements.motors import Motor
-
-        return Motor
-    if section == "sensors":
-        from stribeck.machine.elements.sensors import Sensor
-
-        return Sensor
-    from stribeck.machine.elements.pressure_cascade import PressureCascade  # a further kind of controller
-
-    assert issubclass(PressureCascade.family, Element)
-    return PressureCascade.family
+    module, name = _FAMILIES[section]
+    family: type[Element] = getattr(import_module(f"stribeck.machine.elements.{module}"), name).family
+    return family
 
 
 class Draft:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -9,7 +10,7 @@ from pydantic import Field
 
 from stribeck.constants import show
 from stribeck.expressions.graph import ZERO, Expr, symbol, wrap
-from stribeck.expressions.ops import Value
+from stribeck.expressions.ops import Value, both
 from stribeck.machine.element import Own, State
 from stribeck.machine.elements.bodies import Body
 from stribeck.machine.pneumatic.cylinder import Cylinder
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
 
 _C = Cylinder.constants
+_AT_COVER = 1e-6  # share of the stroke within which the piston is at a cover: well above the solver's error
 
 
 class Filled(FileTable):
@@ -77,11 +79,14 @@ class Piston(Body):
 
     def inside(self, y: Value) -> Value | None:
         """The equations end where the piston meets a cover."""
-        return Cylinder.inside(SimpleNamespace(**self.constants), y)
+        return both(y >= 0, y <= self.stroke)
 
     def ended(self, t: float, y: float, v: float) -> str | None:
         """At which cover the piston is."""
-        return Cylinder.ended(SimpleNamespace(**self.constants), t, y, v)
+        cover = 0.0 if v < 0 else self.stroke
+        if abs(y - cover) > _AT_COVER * self.stroke:
+            return None
+        return f"the piston reached the end of its stroke, y = {cover:g} m, at t = {t:.6g} s with v = {v:.4g} m/s"
 
     def state_scales(self, length: Value, speed: Value, force: Value) -> Own:
         """The pressures that make the friction force."""
@@ -90,8 +95,15 @@ class Piston(Body):
     def wrong(self) -> list[Problem]:
         """Keys that a piston does not have, a start outside the stroke, and invalid pressures."""
         more = [n for n in ("inertia", "tied_to", "ratio", "velocity", "rotary") if getattr(self, n) is not None]
-        problems = [
-            (n, f"{show(getattr(self, n))}: must be left out: this body is the piston of a cylinder") for n in more
-        ]
-        p = SimpleNamespace(**self.constants)
-        return problems or Cylinder.problems(p, dict(self.initial))
+        if more:
+            text = "must be left out: this body is the piston of a cylinder"
+            return [(n, f"{show(getattr(self, n))}: {text}") for n in more]
+        problems, room = list[Problem](), f"within the stroke, 0 to {self.stroke:g} m"
+        for name, highest in (("y", self.stroke), ("p_1", inf), ("p_2", inf)):
+            if not 0 <= (x := getattr(self.initial, name)) <= highest:
+                allowed = room if name == "y" else "an absolute pressure >= 0 Pa"
+                problems.append((f"initial.{name}", f"{show(x)}: must be {allowed}"))
+        if self.supply_pressure <= self.atmospheric_pressure:
+            text = f"must be above atmospheric_pressure ({self.atmospheric_pressure:g} Pa)"
+            problems.append(("supply_pressure", f"{show(self.supply_pressure)}: {text}"))
+        return problems

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import ClassVar
 
-from stribeck.constants import Column, Constant, show
-from stribeck.expressions.ops import Value, atan, both, clip, cos, sin, where
+from stribeck.constants import Column, Constant
+from stribeck.expressions.ops import Value, atan, clip, cos, sin, where
 
 Own = tuple[Value, ...]  # the pressures
 _LEAST_GAIN = 1.0  # Pa/s by opening, against a division by zero; an open valve gives some 1e6
-_AT_COVER = 1e-6  # share of the stroke within which the piston is at a cover: well above the solver's error
 
 
 class Cylinder:
     """A piston between two chambers of gas, which a valve fills from the supply and empties to the atmosphere."""
 
-    kind: ClassVar[str] = "pneumatic"
     takes: ClassVar[Column] = Column("u", "V", "valve voltage")
     states: ClassVar[tuple[Column, ...]] = (
         Column("p_1", "Pa", "pressure in chamber 1"), Column("p_2", "Pa", "pressure in chamber 2"),
@@ -49,32 +46,6 @@ class Cylinder:
         p_1, p_2 = x
         q_1, q_2 = Cylinder.flows(p, p_1, p_2, u, getattr(p, "supply_droop", 0.0))
         return Cylinder.pressure_rates(p, y, v, p_1, p_2, q_1, q_2)
-
-    @staticmethod
-    def inside(p: SimpleNamespace, y: Value) -> Value | None:
-        """Whether the piston is between the covers, where the equations are valid."""
-        return both(y >= 0, y <= p.stroke)
-
-    @staticmethod
-    def ended(p: SimpleNamespace, t: float, y: float, v: float) -> str | None:
-        """Why a run ends, if the piston is at a cover."""
-        cover = 0.0 if v < 0 else p.stroke
-        if abs(y - cover) > _AT_COVER * p.stroke:
-            return None
-        return f"the piston reached the end of its stroke, y = {cover:g} m, at t = {t:.6g} s with v = {v:.4g} m/s"
-
-    @staticmethod
-    def problems(p: SimpleNamespace, initial: Mapping[str, float]) -> list[tuple[str, str]]:
-        """Key and message of each invalid value: a start outside the stroke, impossible pressures."""
-        problems = []
-        for name, highest in (("y", p.stroke), ("p_1", float("inf")), ("p_2", float("inf"))):
-            if not 0 <= initial[name] <= highest:
-                allowed = f"within the stroke, 0 to {p.stroke:g} m" if name == "y" else "an absolute pressure >= 0 Pa"
-                problems.append((f"initial.{name}", f"{show(initial[name])}: must be {allowed}"))
-        if p.supply_pressure <= p.atmospheric_pressure:
-            text = f"must be above atmospheric_pressure ({p.atmospheric_pressure:g} Pa)"
-            problems.append(("supply_pressure", f"{show(p.supply_pressure)}: {text}"))
-        return problems
 
     @staticmethod
     def volumes(p: SimpleNamespace, y: Value) -> tuple[Value, Value]:
