@@ -8,7 +8,6 @@ import pytest
 from stribeck import InputError, Scenario, examples, simulate
 from stribeck.loops import design
 from stribeck.loops.loop import loop_of
-from stribeck.scenario.counterpart import as_machine, machine_path
 
 ENDS = {"limit_cycle": 4.0, "servo": 0.5, "break_away": 2.0, "hysteresis": 2.0, "stick_slip": 4.0}
 OTHERS = {"y": "body.y", "v": "body.v", "z": "contact.z", "F": "contact.F"}
@@ -27,7 +26,7 @@ def short(name):
 @pytest.mark.parametrize("name", ENDS)
 def test_the_motion_is_the_same(name, each_system_is_run_once):
     one = simulate(short(name))
-    many = simulate(as_machine(short(name)).with_changes({"output.energy": name != "servo"}))
+    many = simulate(short(name).as_machine().with_changes({"output.energy": name != "servo"}))
     assert (one.reason, many.reason) == (None, None)
     energy = {} if name == "servo" else {"E_dissipated": "E_dissipated"}
     for old, new in (OTHERS | DRIVEN.get(name, {}) | energy).items():
@@ -38,16 +37,16 @@ def test_the_motion_is_the_same(name, each_system_is_run_once):
 
 def test_a_machine_stays_as_it_is():
     machine = Scenario.load(examples.path("belt"))
-    assert as_machine(machine) is machine
+    assert machine.as_machine() is machine
 
 
 def test_paths():
     pid = Scenario(PID)
-    assert machine_path(pid, "law.parameters.F_c=1:2") == "contacts.contact.law.parameters.F_c=1:2"
-    assert machine_path(pid, "drive.K_p") == "controllers.controller.K_p"
-    assert machine_path(pid, "plant.mass") == "bodies.body.mass"
-    assert machine_path(pid, "plant.initial.z") == "contacts.contact.initial.z"
-    assert machine_path(pid, "K_p") == "K_p"
+    assert pid.path_in_machine("law.parameters.F_c=1:2") == "contacts.contact.law.parameters.F_c=1:2"
+    assert pid.path_in_machine("drive.K_p") == "controllers.controller.K_p"
+    assert pid.path_in_machine("plant.mass") == "bodies.body.mass"
+    assert pid.path_in_machine("plant.initial.z") == "contacts.contact.initial.z"
+    assert pid.path_in_machine("K_p") == "K_p"
 
 
 PID = {

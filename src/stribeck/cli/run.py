@@ -157,9 +157,8 @@ def _draw(scenario: Scenario, out: Path | None, json: bool) -> int:
     """Print the machine as a schematic; with --out also as DIR/machine.svg."""
     from stribeck.files import write_text
     from stribeck.scenario import schematic
-    from stribeck.scenario.counterpart import as_machine
 
-    machine, files = as_machine(scenario), list[str]()
+    machine, files = scenario.as_machine(), list[str]()
     with OutputFolder(out, writes=["machine.svg"]):
         if out is not None:
             files.append(str(out / "machine.svg"))

@@ -19,7 +19,7 @@ from stribeck.constants import Constant
 from stribeck.errors import InputError, StribeckNote
 from stribeck.explore.numbers import MOST_POINTS, Number, number_of, of_run
 from stribeck.scenario import Scenario
-from stribeck.scenario.declared import declared
+from stribeck.scenario.changes import value_at
 from stribeck.simulation.native import solver_input
 
 Arrays = dict[str, Array]
@@ -96,15 +96,8 @@ def _without_sets(scenario: Scenario) -> Scenario:
     """The scenario with the constants of its parameter sets written out."""
     paths = {scenario.called.to_file(path): law for path, law in scenario.elements.laws.items()}
     changes = {f"{path}.parameters.{n}": x for path, law in paths.items() for n, x in law.machine.items()}
-    named = {path: x for path, x in changes.items() if isinstance(_table_of(scenario.data, path), str)}
+    named = {p: x for p, x in changes.items() if isinstance(value_at(scenario.data, p.rpartition(".")[0]), str)}
     return scenario.with_changes(named) if named else scenario
-
-
-def _table_of(data: Mapping[str, object], path: str) -> object:
-    entry: object = data
-    for word in path.split(".")[:-1]:
-        entry = entry.get(word) if isinstance(entry, Mapping) else None
-    return entry
 
 
 def _leaves(table: object, path: str = "") -> Iterator[tuple[str, float]]:
@@ -131,7 +124,7 @@ def _declared_number(scenario: Scenario, path: str, value: float) -> Number:
 
 
 def _constant(scenario: Scenario, group: str, name: str) -> tuple[Constant, float]:
-    constant = declared(scenario, f"{group}.{name}")
+    constant = scenario.declared(f"{group}.{name}")
     if constant is not None:
         return constant, 1.0
     column, words = f"{group.split('.')[1]}.{name}" if "." in group else "", {"y": "position", "v": "velocity"}

@@ -21,7 +21,6 @@ from stribeck.loops.servo import ServoDesign, design_servo
 from stribeck.loops.starts import Start, distinct_judgements, from_starts
 from stribeck.loops.uncertainty import friction_intervals, friction_samples
 from stribeck.scenario import Scenario
-from stribeck.scenario.counterpart import machine_path
 from stribeck.scenario.objects import Machine, scenario_of
 
 if TYPE_CHECKING:
@@ -143,7 +142,7 @@ def design(
         raise InputError(f"{arg('v_max')}: must be left out: only a servo (drive.kind = 'cascade') has such a proof")
     if seed < 0:
         raise InputError(f"{arg('seed')}: {seed}: must be a whole number >= 0")
-    vary = [machine_path(scenario, x) for x in vary]
+    vary = [scenario.path_in_machine(x) for x in vary]
     loop = loop_of(scenario)
     name, ranges = _controller(loop, controller), _ranges(loop, vary)
     samples = friction_samples(friction_intervals(loop.scenario, uncertainty), seed)

@@ -17,7 +17,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
-from stribeck.scenario.counterpart import as_machine
+from stribeck.scenario.changes import value_at
 from stribeck.waveforms import KINDS, Signal, SumSignal
 from stribeck.waveforms.trajectories import Curve
 
@@ -67,7 +67,7 @@ def loop_of(scenario: Scenario) -> Loop:
     """
     if (kind := scenario.called.drive) not in ("", "pid"):
         raise InputError(f"drive.kind: {kind!r}: must be 'pid': this asks about a position controller's loop")
-    scenario = as_machine(scenario)
+    scenario = scenario.as_machine()
     if not scenario.system.controllers:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")
     given = scenario
@@ -100,18 +100,11 @@ def with_rest(scenario: Scenario) -> tuple[Scenario, tuple[str, ...]]:
         return scenario, ()
     data = deepcopy(scenario.data)
     for path, signal in endless.items():
-        table = _table(data, path)
+        table = value_at(data, path)
+        assert isinstance(table, dict)
         table.clear()
         table.update(_held(signal, scenario.solve.t_end))
     return Scenario(data, folder=scenario.folder, trust=True), tuple(endless)
-
-
-def _table(data: object, path: str) -> dict[str, object]:
-    for word in path.split("."):
-        assert isinstance(data, dict | list)
-        data = data[int(word)] if isinstance(data, list) else data[word]
-    assert isinstance(data, dict)
-    return data
 
 
 def _held(signal: Signal, t_end: float) -> dict[str, object]:

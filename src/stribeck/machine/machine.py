@@ -11,7 +11,6 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import Column
-from stribeck.errors import InputError
 from stribeck.expressions.ops import Value, smaller, sqrt
 from stribeck.laws.base import Law, Scales
 from stribeck.machine.element import GROUND, SECTIONS, Element
@@ -240,32 +239,6 @@ class Elements:
         given = [p.get("sigma_1"), p.get("sigma_2"), *(getattr(x, "K_d", None) for x in self.controllers.values())]
         return sum(x for x in given if x is not None) / (2 * sqrt(p["sigma_0"] * mass))
 
-    # -- the only one of its kind --------------------------------------------------------------------------------------
-
-    @property
-    def law(self) -> Law:
-        """The law of the only contact.
-
-        Raises:
-            InputError: there is no contact, or there are several.
-        """
-        if len(self.contacts) == 1:
-            return self.laws[next(iter(self.contacts.values())).law_path]
-        names = ", ".join(self.contacts) or "none"
-        raise InputError(f"contacts: {names}: there must be one contact for this, of a machine that has several")
-
-    @property
-    def signal(self) -> Signal:
-        """The only signal.
-
-        Raises:
-            InputError: there is none, or there are several.
-        """
-        if len(self.signals) == 1:
-            return next(iter(self.signals.values()))
-        names = ", ".join(use.path for use in self.signals) or "none"
-        raise InputError(f"signals: {names}: there must be one signal for this")
-
     # -- what a solver takes -------------------------------------------------------------------------------------------
 
     @cached_property
@@ -297,7 +270,10 @@ class Elements:
 
     def more_events(self, reached: float) -> list[tuple[float, int]]:
         """Events that no state tells, as far as a run came: where the only velocity is a signal, those of the signal."""
-        return signal_events(self.signal, self.contacts[""].level(), reached) if self.given_alone else []
+        if not self.given_alone:
+            return []
+        (signal,) = self.signals.values()
+        return signal_events(signal, self.contacts[""].level(), reached)
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], table: Pieces) -> dict[str, Value]:
         """Every column of the output by name, from the states and what controllers held at the times t."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from copy import copy
+from copy import copy, deepcopy
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.constants import kind_of, path_of, show
+from stribeck.constants import Constant, kind_of, path_of, show
 from stribeck.errors import InputError, arg, printable
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
@@ -23,11 +24,12 @@ from stribeck.parameter_sets.assignments import parse_assignment, parse_assignme
 from stribeck.scenario import tables
 from stribeck.scenario.changes import changed, plain_table, unfolds
 from stribeck.scenario.reader import Reader
-from stribeck.scenario.schema1 import Called
+from stribeck.scenario.schema1 import Called, ElementNames, translated
 from stribeck.scenario.tables import Output, Solve
 from stribeck.scenario.trust import named
 from stribeck.waveforms import Signal
 from stribeck.waveforms.pieces import Pieces
+from stribeck.waveforms.piecewise import OfSignal
 
 __all__ = ["Scenario", "parse_assignment", "parse_assignments"]
 
@@ -106,13 +108,18 @@ class Scenario:
     def load(
         cls, path: str | Path, changes: Mapping[str, object] | None = None, *, trust: bool | Collection[str] = False
     ) -> Scenario:
-        """The scenario in a TOML file, with the values at some paths replaced (``{"law.k_v": 1e6}``).
+        """Read the scenario or machine of a TOML file.
 
         A law in a file (``FILE.py:NAME``) is a program. It is executed last, if everything else is valid. It must be in the
         scenario's folder or below, unless ``changes`` name it or ``trust`` is given (docs/reference/scenario.md).
 
+        Args:
+            path: the file.
+            changes: values that replace those at paths of the file: ``{"law.k_v": 1e6}``.
+            trust: whether laws in files outside the scenario's folder may be executed; or names of such laws.
+
         Raises:
-            InputError: the file cannot be read, is not TOML, or is no valid scenario; one line for each problem.
+            InputError: if the file cannot be read, is not TOML, or is not a valid scenario; one line for each problem.
         """
         path = path_of(path, "path")
         data = read_toml(path)
@@ -173,7 +180,11 @@ class Scenario:
         Raises:
             InputError: the scenario is a machine with no contact, or with several.
         """
-        return self.elements.law
+        contacts = self.elements.contacts
+        if len(contacts) == 1:
+            return self.elements.laws[next(iter(contacts.values())).law_path]
+        names = ", ".join(contacts) or "none"
+        raise InputError(f"contacts: {names}: there must be one contact for this, of a machine that has several")
 
     @property
     def signal(self) -> Signal:
@@ -182,7 +193,11 @@ class Scenario:
         Raises:
             InputError: there is none, or there are several.
         """
-        return self.elements.signal
+        signals = self.elements.signals
+        if len(signals) == 1:
+            return next(iter(signals.values()))
+        names = ", ".join(use.path for use in signals) or "none"
+        raise InputError(f"signals: {names}: there must be one signal for this")
 
     @property
     def mass(self) -> float | None:
@@ -247,6 +262,37 @@ class Scenario:
         """Every number in which lanes can differ, by its path in the file (:attr:`Elements.places`)."""
         return {self.called.to_file(path): key for path, key in self.elements.places.items()}
 
+    def declared(self, path: str) -> Constant | None:
+        """The declaration of the number at a path, with the unit that it has there; None where no table declares it."""
+        words = self.called.to_machine(path).split(".")
+        cut = max((i for i, word in enumerate(words) if not word.isdigit()), default=0)
+        group, name = ".".join(words[:cut]), ".".join(words[cut:])
+        owner, key = group.removesuffix(".parameters"), name.replace(".", "_")
+        if owner in self.system.tables and key in self.system.tables[owner][0]:
+            return self.system.constant(owner, key)
+        for use, signal in self.elements.signals.items():
+            if name in signal.constants and group == use.path:
+                constant = signal.constants[name]
+                return replace(constant, unit="") if isinstance(constant, OfSignal) else constant
+        return None
+
+    def as_machine(self) -> Scenario:
+        """A law on a body (schema 1) as a file of schema 2: ``body``, ``contact``, and what moves the body; a machine itself."""
+        if not self.elements.unnamed:
+            return self
+        sections, _, _ = translated(deepcopy(self.data), self.rotary, ElementNames.by_drive(self.called.drive))
+        given = {
+            "schema": 2, "name": self.name, **sections,
+            "solve": {"t_end": self.solve.t_end}, "output": {"step": self.output.step},
+        }  # fmt: skip
+        return Scenario(given, folder=self.folder, trust=True)
+
+    def path_in_machine(self, path: str) -> str:
+        """A path of the file as :meth:`as_machine` has it."""
+        if not self.elements.unnamed:
+            return path
+        return translated(self.data, self.rotary, ElementNames.by_drive(self.called.drive))[1].to_machine(path)
+
     def atol(self, machine: Elements | None = None, rtol: Value = None) -> dict[str, Any]:
         """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
 
@@ -272,17 +318,4 @@ def _refuse(problems: list[Problem]) -> None:
         raise InputError([f"{path}: {text}" for path, text in problems])
 
 
-def load(
-    path: str | Path, changes: Mapping[str, object] | None = None, *, trust: bool | Collection[str] = False
-) -> Scenario:
-    """Read the scenario or machine of a TOML file.
-
-    Args:
-        path: the file.
-        changes: values that replace those at paths of the file: ``{"law.k_v": 1e6}``.
-        trust: whether laws in files (``FILE.py:NAME``) outside the scenario's folder may be executed; or names of such laws.
-
-    Raises:
-        InputError: if the file cannot be read, is not TOML, or is not a valid scenario; one line for each problem.
-    """
-    return Scenario.load(path, changes, trust=trust)
+load = Scenario.load

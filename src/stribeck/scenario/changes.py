@@ -67,7 +67,7 @@ def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: P
         _drop_foreign_constants(new, path.removesuffix(".name"), folder)
     if "drive.observer.name" in changes and isinstance(new.get("drive"), dict):
         _set(new, "drive.observer.name", changes["drive.observer.name"])
-        if isinstance(observer := _table_at(new, "drive.observer"), dict):
+        if isinstance(observer := value_at(new, "drive.observer"), dict):
             _drop_of_observer(observer, folder)
     for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
         if path in (*renamed, "drive.observer.name"):
@@ -105,11 +105,14 @@ def unfolds(path: str) -> bool:
     return f".{path}".startswith(f".law{_INSIDE}") or f".law{_INSIDE}" in path
 
 
-def _table_at(data: dict[str, object], path: str) -> object:
-    table: object = data
+def value_at(data: object, path: str) -> object:
+    """What stands at a path; a number in it counts the entries of a list. None where there is nothing."""
     for name in path.split("."):
-        table = table.get(name) if isinstance(table, dict) else None
-    return table
+        if isinstance(data, list) and name.isdecimal():
+            data = data[int(name)] if int(name) < len(data) else None
+        else:
+            data = data.get(name) if isinstance(data, Mapping) else None
+    return data
 
 
 def _unfold_parameters(data: dict[str, object], path: str, folder: Path, given: Container[str]) -> bool:
@@ -118,7 +121,7 @@ def _unfold_parameters(data: dict[str, object], path: str, folder: Path, given: 
     Args:
         given: parameters that are given beside the set.
     """
-    law = _table_at(data, path)
+    law = value_at(data, path)
     if not isinstance(law, dict) or not isinstance(law.get("parameters"), str):
         return True
     try:
@@ -161,29 +164,28 @@ def _drop_of_observer(table: dict[str, object], folder: Path) -> None:
         has = laws.find(table["name"], folder).constants() if table["name"] != "none" else {}
     except InputError:
         return  # named by the validation that follows
-    keep = ("name", "parameters") if has else ("name",)
-    for name in [name for name in table if name not in keep and name not in has]:
-        note(f"drive.observer.{name}: dropped: law '{table['name']}' has no such constant")
-        del table[name]
+    _drop("drive.observer", table, {"name", "parameters", *has} if has else {"name"}, table["name"])
 
 
 def _drop_foreign_constants(data: dict[str, object], path: str, folder: Path) -> None:
-    table, plant = _table_at(data, path), data.get("plant")
+    table, plant = value_at(data, path), data.get("plant")
     if not isinstance(table, dict):
         return
     try:
         law = laws.find(table["name"], folder)
     except InputError:
         return  # named by the validation that follows
-    parameters = table.get("parameters")
-    places = [(path, table, {"name", "parameters"})]
-    if isinstance(parameters, dict):
-        places.append((f"{path}.parameters", parameters, set(PARAMETERS)))
-    for where, place, keep in places:
-        for name in [name for name in place if name not in keep and name not in law.constants()]:
-            note(f"{where}.{name}: dropped: law '{law.name}' has no such constant")
-            del place[name]
+    _drop(path, table, {"name", "parameters", *law.constants()}, law.name)
+    if isinstance(parameters := table.get("parameters"), dict):
+        _drop(f"{path}.parameters", parameters, {*PARAMETERS, *law.constants()}, law.name)
     initial = plant.get("initial") if isinstance(plant, dict) else None
     if not law.has_z and isinstance(initial, dict) and "z" in initial:
         note(f"plant.initial.z: dropped: law '{law.name}' has no z")
         del initial["z"]
+
+
+def _drop(path: str, table: dict[str, object], known: set[str], law: object) -> None:
+    """Drop what is not known from the table at a path, with a note of each."""
+    for name in [name for name in table if name not in known]:
+        note(f"{path}.{name}: dropped: law '{law}' has no such constant")
+        del table[name]

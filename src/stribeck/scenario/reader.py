@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
+from sys import float_info
 from typing import TypeVar
 
 from pydantic import ValidationError
 
 from stribeck import platforms
-from stribeck.constants import kind_of, show
+from stribeck.constants import Column, kind_of, rotary_words, show
 from stribeck.errors import nearest
 from stribeck.machine.element import SECTIONS
 from stribeck.machine.law import unknown
 from stribeck.machine.machine import Elements
+from stribeck.machine.reading import Draft
 from stribeck.machine.table import FileTable, Problem, Reading, problems_of
 from stribeck.scenario import schema1, tables, trust
-from stribeck.scenario.machine import read_machine
 from stribeck.scenario.schema1 import Called
 from stribeck.scenario.tables import Output, Solve
 
@@ -79,10 +81,7 @@ class Reader:
             sections, self.called, problems = schema1.translated(self.data, schema1.turns(self.data, self.folder))
             self.problems += problems
         reading = Reading(self.folder, self.executes, unnamed=single, to_file=self.called.to_file)
-        solve = self.data.get("solve")
-        t_end = solve.get("t_end") if isinstance(solve, Mapping) else None
-        energy = self.output is not None and self.output.energy
-        self.elements, problems = read_machine(sections, reading, t_end, energy, self.called)
+        self.elements, problems = self._machine(sections, reading)
         reported = {path for path, _ in self.problems}
         self.problems += [(path, text) for path, text in problems if path not in reported]
         if self.elements is not None:
@@ -92,6 +91,38 @@ class Reader:
             order = {key: i for i, key in enumerate(known)}
             self.problems.sort(key=lambda problem: order.get(problem[0].partition(".")[0], -1))
         return self.problems
+
+    def _machine(self, sections: Mapping[str, object], reading: Reading) -> tuple[Elements | None, list[Problem]]:
+        """The machine, and all problems by the file's paths; None if there is one, or if a file of code was not executed."""
+        draft = Draft(sections, reading, energy := self.output is not None and self.output.energy)
+        by_path, solve, to_file = list(draft.problems), self.data.get("solve"), self.called.to_file
+        t_end = solve.get("t_end") if isinstance(solve, Mapping) else None
+        if (
+            isinstance(t_end, int | float) and 0 < t_end <= float_info.max
+        ):  # a whole number may be larger than any float
+            by_path += [problem for each in draft.machine for problem in each.until(draft.machine, float(t_end))]
+        problems = [(to_file(path), text) for path, text in by_path]
+        if energy:
+            pistons = [to_file(x.path) for x in draft.machine.bodies.values() if x.kind == "pneumatic"]
+            problems += [("output.energy", f"true: must be false with {x}, a pneumatic piston") for x in pistons]
+        if problems or not draft.whole:
+            return None, problems
+        elements = draft.machine
+        return replace(elements, listed=self._listed(elements) if elements.unnamed else ()), problems
+
+    def _listed(self, elements: Elements) -> tuple[tuple[Column, str], ...]:
+        """The columns of a file of schema 1, and their quantities.
+
+        They are the motion, the friction, the drive's columns and the body's own states; a servo has its own order."""
+        called = self.called
+        if called.order:
+            known = {c.name: c for each in elements for c in each.columns(elements)}
+            return tuple((known[name], name) for name in called.order if name in known)
+        columns = [c for each in (elements.bodies[""], elements.contacts[""]) for c in each.columns(elements)]
+        if elements.bodies[""].turns:
+            columns = [replace(c, meaning=rotary_words(c.meaning)) for c in columns]
+        y, v, *inner, z, F, _ = columns
+        return (*((c, c.name) for c in (y, v, z, F)), *called.columns, *((c, c.name) for c in inner))
 
     def _is_machine(self) -> bool:
         """Whether it is a machine file, also where its schema is wrong."""

@@ -91,6 +91,11 @@ class ElementNames:
     contact: str = ""
     mover: str = ""
 
+    @classmethod
+    def by_drive(cls, drive: str) -> ElementNames:
+        """Those of the machine that is the same."""
+        return cls("body", "contact", drive if drive in ("force", "spring") else "controller")
+
 
 def turns(data: Table, folder: Path) -> bool:
     """Whether the body of such a file turns: it says so, or its set of parameters does."""

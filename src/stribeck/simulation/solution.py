@@ -177,7 +177,7 @@ class Solution:
         """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
         machine = self.scenario.elements
         if machine.unnamed:
-            return {"law": _law_entry(machine.law)}
+            return {"law": _law_entry(self.scenario.law)}
         named = {name: machine.laws[contact.law_path] for name, contact in machine.contacts.items()}
         return {"contacts": {name: {"law": _law_entry(law)} for name, law in named.items()}}
 

@@ -18,7 +18,6 @@ from stribeck.machine.machine import INITIAL, Elements, signal_events
 from stribeck.machine.signal import SignalUse
 from stribeck.machine.table import Key
 from stribeck.scenario import Scenario
-from stribeck.scenario.declared import declared
 from stribeck.waveforms import Signal
 from stribeck.waveforms.pieces import Pieces
 
@@ -215,7 +214,7 @@ class Variations:
         """The error of each lane's values, worded as in the validation of a scenario; None for a valid lane."""
         problems: list[str | None] = [None] * len(self)
         for path, x in self.values.items():
-            constant = declared(self.scenario, path) or Constant("", "")
+            constant = self.scenario.declared(path) or Constant("", "")
             for lane, value in enumerate(x.tolist()):
                 if text := constant.problem(value):
                     problems[lane] = problems[lane] or f"{path}: {value}: {text}"

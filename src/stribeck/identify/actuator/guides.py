@@ -49,7 +49,7 @@ def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
     bodies = scenario.system.elements.bodies
     for column, channel in recording.outputs.items():
         name, _, what = column.rpartition(".")
-        if name not in bodies or scenario.system.leader(name).velocity is not None:
+        if name not in bodies or scenario.elements.leader(name).velocity is not None:
             continue
         if what not in ("y", "v") or (what == "v" and f"{name}.y" in recording.outputs):
             continue
