@@ -6,7 +6,7 @@ import os
 import platform
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypedDict, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from stribeck.cli.options import Json, command
 from stribeck.cli.output import tell
@@ -14,8 +14,6 @@ from stribeck.errors import BuildError, error_text, one_line
 
 if TYPE_CHECKING:
     from stribeck.mouth.document import Document
-
-T = TypeVar("T")
 
 _PACKAGES = (
     "numpy", "pydantic", "typer", "rich", "matplotlib", "jinja2", "pyarrow", "python-flint", "sympy", "scipy", "pandas",
@@ -25,31 +23,8 @@ _ANSWERS_WITHIN = 5.0  # s, for a compiler to say its version: one that is asked
 _AGREES = 1e-6  # of the peaks: what is promised of y and v
 
 
-class CompilerFound(TypedDict):
-    """The C compiler, if there is one."""
-
-    command: str | None
-    version: str | None
-
-
-class CacheFound(TypedDict):
-    """Where compiled systems are kept."""
-
-    folder: str
-    writable: bool
-    systems: int
-    bytes: int
-
-
-class SelfTest(TypedDict):
-    """The agreement of two solutions, or the reason why they could not be compared."""
-
-    passed: bool
-    solver: str | None
-    deviation: float | None
-    milliseconds: float | None
-    against: str | None
-    reason: str | None
+T = TypeVar("T")
+Found = dict[str, object]
 
 
 @command("doctor", "stribeck doctor --json")
@@ -57,33 +32,28 @@ def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""
     import stribeck
 
-    backend, why_none = _tried(_backend, "")
-    compiler, trouble = _tried(_compiler, CompilerFound(command=None, version=None))
-    cache, unknown = _tried(_cache, CacheFound(folder="", writable=False, systems=0, bytes=0))
-    untested = SelfTest(passed=False, solver=None, deviation=None, milliseconds=None, against=None, reason=None)
-    test, reason = _tried(_self_test, untested)
-    if reason:
-        test["reason"] = reason
+    backend, solver = _tried(_backend, lambda why: (None, f"none: {why}"))
+    compiler, c = _tried(_compiler, lambda why: ({"command": None, "version": None}, why))
+    cache, kept = _tried(
+        _cache, lambda why: ({"folder": "", "writable": False, "systems": 0, "bytes": 0}, f"unknown: {why}")
+    )
+    untested: Found = dict.fromkeys(("passed", "solver", "deviation", "milliseconds", "against", "reason"))
+    test, lead = _tried(
+        _self_test, lambda why: ({**untested, "passed": False, "reason": why}, f"self-test FAILED: {why}")
+    )
     packages = {name: _version(name) for name in _PACKAGES}
     python = f"{platform.python_version()} ({sys.executable})"
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
     data = {
         "stribeck": stribeck.__version__, "python": python, "machine": machine, "packages": packages, "compiler": compiler,
-        "backend": backend or None, "cache": cache, "self_test": test,
+        "backend": backend, "cache": cache, "self_test": test,
     }  # fmt: skip
-    none = trouble or "none: WebAssembly solves instead, about 1.4 times slower"
-    state = "writable" if cache["writable"] else "NOT writable: every process compiles anew"
-    kept = f"{cache['folder']}, {state}, {cache['systems']} systems, {cache['bytes'] / 1e6:.1f} MB"
     rows = {
         "python": python, "machine": machine,
         "packages": ", ".join(f"{name} {version or 'not installed'}" for name, version in packages.items()),
-        "compiler": none if compiler["command"] is None else f"{compiler['command']}: {compiler['version']}",
-        "backend": {"c": "C", "wasm": "WebAssembly"}.get(backend, f"none: {why_none}"),
-        "cache": f"unknown: {unknown}" if unknown else kept,
+        "compiler": c, "backend": solver, "cache": kept,
     }  # fmt: skip
-    tell(
-        lambda: _document(f"stribeck {stribeck.__version__}", _self_test_line(test), rows), data if json else None, None
-    )
+    tell(lambda: _document(f"stribeck {stribeck.__version__}", lead, rows), data if json else None, None)
     return 0 if test["passed"] else 1
 
 
@@ -95,12 +65,12 @@ def _document(title: str, lead: str, rows: dict[str, str]) -> Document:
     return Document(title, lead, (), [Chapter("installation", "Installation", tables=[table])])
 
 
-def _tried(what: Callable[[], T], otherwise: T) -> tuple[T, str]:
-    """What is found; or the other thing, and what went wrong: this command is for installations in which anything may."""
+def _tried(what: Callable[[], tuple[T, str]], otherwise: Callable[[str], tuple[T, str]]) -> tuple[T, str]:
+    """What is found, and its words; or the same of what went wrong: in the installations that need this command anything may."""
     try:
-        return what(), ""
+        return what()
     except Exception as error:
-        return otherwise, one_line(error_text(error))
+        return otherwise(one_line(error_text(error)))
 
 
 def _version(name: str) -> str | None:
@@ -112,13 +82,14 @@ def _version(name: str) -> str | None:
         return None
 
 
-def _backend() -> str:
+def _backend() -> tuple[str | None, str]:
     from stribeck.simulation import backend
 
-    return backend.chosen()
+    chosen = backend.chosen()
+    return chosen, {"c": "C", "wasm": "WebAssembly"}[chosen]
 
 
-def _compiler() -> CompilerFound:
+def _compiler() -> tuple[Found, str]:
     from pathlib import Path
     from tempfile import gettempdir
 
@@ -126,31 +97,31 @@ def _compiler() -> CompilerFound:
 
     cc = compiler.find()
     if cc is None:
-        return {"command": None, "version": None}
+        return {"command": None, "version": None}, "none: WebAssembly solves instead, about 1.4 times slower"
+    command = " ".join(cc.command)
     try:
         asked = compiler.called([*cc.command, "--version"], cc.command[0], _ANSWERS_WITHIN, Path(gettempdir()))
         lines = (asked.stdout or asked.stderr).splitlines()
-        first = lines[0] if lines else "does not answer to --version"
+        version = one_line(lines[0] if lines else "does not answer to --version")
     except BuildError as error:
-        first = str(error)
-    return {"command": " ".join(cc.command), "version": one_line(first)}
+        version = one_line(str(error))
+    return {"command": command, "version": version}, f"{command}: {version}"
 
 
-def _cache() -> CacheFound:
+def _cache() -> tuple[Found, str]:
     from stribeck.files import trouble
     from stribeck.simulation import cache
 
     folder = cache.folder()
     files = [*folder.glob("*.so"), *folder.glob("*.cwasm")] if folder.is_dir() else []
-    return {
-        "folder": str(folder),
-        "writable": trouble(folder, folder=True) is None and cache.distrusted(folder) is None,
-        "systems": len(files),
-        "bytes": sum(file.stat().st_size for file in files),
-    }
+    writable = trouble(folder, folder=True) is None and cache.distrusted(folder) is None
+    size = sum(file.stat().st_size for file in files)
+    state = "writable" if writable else "NOT writable: every process compiles anew"
+    found: Found = {"folder": str(folder), "writable": writable, "systems": len(files), "bytes": size}
+    return found, f"{folder}, {state}, {len(files)} systems, {size / 1e6:.1f} MB"
 
 
-def _self_test() -> SelfTest:
+def _self_test() -> tuple[Found, str]:
     """The shortest of the paper's scenarios must agree with WebAssembly's solution, within 1e-6 of the peaks.
 
     If WebAssembly is the backend, the reference is a solution at a far smaller tolerance."""
@@ -169,14 +140,10 @@ def _self_test() -> SelfTest:
     else:
         other, against = simulate(scenario.with_changes({"solve.rtol": 1e-11})), "itself at rtol = 1e-11"
     worst = max(float(np.max(np.abs(solution[n] - other[n])) / other.peaks[n]) for n in ("y", "v"))
-    return {
-        "passed": solution.status == other.status == "done" and worst < _AGREES, "solver": solution.stats["solver"],
-        "deviation": worst, "milliseconds": 1e3 * solution.stats["seconds"], "against": against, "reason": None,
+    passed, solver = solution.status == other.status == "done" and worst < _AGREES, solution.stats["solver"]
+    ms = 1e3 * solution.stats["seconds"]
+    found: Found = {
+        "passed": passed, "solver": solver, "deviation": worst, "milliseconds": ms, "against": against, "reason": None,
     }  # fmt: skip
-
-
-def _self_test_line(t: SelfTest) -> str:
-    verdict = "passed" if t["passed"] else "FAILED"
-    if t["deviation"] is None:
-        return f"self-test {verdict}: {t['reason']}"
-    return f"self-test {verdict}: {t['solver']} {t['milliseconds']:.1f} ms, {t['deviation']:.1e} of the peaks from {t['against']}"
+    verdict = "passed" if passed else "FAILED"
+    return found, f"self-test {verdict}: {solver} {ms:.1f} ms, {worst:.1e} of the peaks from {against}"
