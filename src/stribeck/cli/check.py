@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import Json, Out, Trust, Undetermined, command, load_scenario, output_path
+from stribeck.cli.options import Json, Out, Trust, Undetermined, command, flag, load_scenario, output_path, setting
 from stribeck.cli.output import OutputFolder, check_file, command_line, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, arg, check_all, note, read_pairs
@@ -26,46 +26,64 @@ _DEFAULT_SET = "canudas1995"
 STEEPNESS = "Steepness"
 
 
-def _tolerance(metavar: str, text: str) -> typer.models.OptionInfo:
-    """An option of the tolerances."""
-    option: typer.models.OptionInfo = typer.Option(metavar=metavar, rich_help_panel=STEEPNESS, help=text)
-    return option
-
-
 @dataclass(frozen=True)
 class SteepnessOptions:
     """Errors that are allowed, and what belongs to them: the smallest k_v that meets them is found."""
 
     creep: Annotated[
         float | None,
-        _tolerance("M/S", "Find the smallest k_v whose creep under a constant load is at most this (m/s)."),
+        setting(
+            "--creep",
+            "M/S",
+            "Find the smallest k_v whose creep under a constant load is at most this (m/s).",
+            STEEPNESS,
+        ),
     ] = None
     share: Annotated[
         float | None,
-        _tolerance("X", "Load of --creep and --presliding-error, as a share of F_s; 0.95 unless given."),
+        setting(
+            "--share", "X", "Load of --creep and --presliding-error, as a share of F_s; 0.95 unless given.", STEEPNESS
+        ),
     ] = None
     steady_error: Annotated[
-        float | None, _tolerance("X", "Find k_v for this relative error of the steady force at --speed.")
+        float | None,
+        setting("--steady-error", "X", "Find k_v for this relative error of the steady force at --speed.", STEEPNESS),
     ] = None
-    speed: Annotated[float | None, _tolerance("M/S", "Speed at which --steady-error is evaluated (m/s).")] = None
+    speed: Annotated[
+        float | None, setting("--speed", "M/S", "Speed at which --steady-error is evaluated (m/s).", STEEPNESS)
+    ] = None
     presliding_error: Annotated[
-        float | None, _tolerance("X", "Find k_v for this error of the presliding position, relative to its peak.")
+        float | None,
+        setting(
+            "--presliding-error",
+            "X",
+            "Find k_v for this error of the presliding position, relative to its peak.",
+            STEEPNESS,
+        ),
     ] = None
-    force_rate: Annotated[float | None, _tolerance("N/S", "Rate of the force of --presliding-error (N/s).")] = None
+    force_rate: Annotated[
+        float | None, setting("--force-rate", "N/S", "Rate of the force of --presliding-error (N/s).", STEEPNESS)
+    ] = None
     position_error: Annotated[
-        float | None, _tolerance("M", "Find k_v for this error of the position in --scenario (m).")
+        float | None,
+        setting("--position-error", "M", "Find k_v for this error of the position in --scenario (m).", STEEPNESS),
     ] = None
     scenario: Annotated[
         Path | None,
-        _tolerance(
-            "FILE", "Scenario of --position-error; its constants except k_v are used unless --parameters is given."
+        setting(
+            "--scenario",
+            "FILE",
+            "Scenario of --position-error; its constants except k_v are used unless --parameters is given.",
+            STEEPNESS,
         ),
     ] = None
     sample_time: Annotated[
-        float | None, _tolerance("S", "Find k_v with which explicit Euler is stable at this step (s).")
+        float | None,
+        setting("--sample-time", "S", "Find k_v with which explicit Euler is stable at this step (s).", STEEPNESS),
     ] = None
     mass: Annotated[
-        float | None, _tolerance("KG", "Mass of the body for --presliding-error (kg); negligible unless given.")
+        float | None,
+        setting("--mass", "KG", "Mass of the body for --presliding-error (kg); negligible unless given.", STEEPNESS),
     ] = None
 
     def given(self) -> dict[str, object]:
@@ -81,27 +99,27 @@ def check(
     ],
     tolerances: SteepnessOptions,
     parameters: Annotated[
-        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="Built-in parameter set or TOML file.")
+        str | None, setting("--parameters", "NAME or FILE", "Built-in parameter set or TOML file.")
     ] = None,
     set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Set a constant, such as k_v=1e7; may be repeated.")
+        list[str] | None, setting("--set", "KEY=VALUE", "Set a constant, such as k_v=1e7; may be repeated.")
     ] = None,
     v_max: Annotated[
-        float | None, typer.Option("--v-max", metavar="V", help="Check passivity for |v| <= V (m/s); every speed unless given.")
+        float | None, setting("--v-max", "V", "Check passivity for |v| <= V (m/s); every speed unless given.")
     ] = None,
     level: Annotated[
         str | None,
-        typer.Option(metavar="LOW:HIGH", help="Let F_c and F_s vary in any way between LOW and HIGH times their values."),
+        setting("--level", "LOW:HIGH", "Let F_c and F_s vary in any way between LOW and HIGH times their values."),
     ] = None,
     force: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=MAX", help="Bound of a link's force in a machine (N or N m); unbounded unless given."),
+        setting("--force", "NAME=MAX", "Bound of a link's force in a machine (N or N m); unbounded unless given."),
     ] = None,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Check each proof by an independent program, and replay each counterexample.")
+        bool, flag("--verify", "Check each proof by an independent program, and replay each counterexample.")
     ] = False,
     certificate: Annotated[
-        Path | None, typer.Option(metavar="FILE", parser=output_path, help="Write the proofs to this JSON file.")
+        Path | None, setting("--certificate", "FILE", "Write the proofs to this JSON file.", parser=output_path)
     ] = None,
     out: Out = None,
     trust: Trust = False,

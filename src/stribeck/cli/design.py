@@ -8,9 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from stribeck.cli.options import ADVANCED, ControllerName, Json, Out, ScenarioOptions, command
+from stribeck.cli.options import ADVANCED, ControllerName, Json, Out, ScenarioOptions, command, flag, setting
 from stribeck.cli.output import OutputFolder, command_line, failed, tell
 from stribeck.cli.progress import stages
 
@@ -24,16 +22,16 @@ def design(
     source: ScenarioOptions,
     vary: Annotated[
         list[str] | None,
-        typer.Option("--vary", metavar="PATH=LOW:HIGH", help="Find the values at which the verdict changes; may be repeated."),
+        setting("--vary", "PATH=LOW:HIGH", "Find the values at which the verdict changes; may be repeated."),
     ] = None,
     compensate: Annotated[
-        bool, typer.Option("--compensate", help="Compare remedies: feedforward, observer, inner loop, dither.")
+        bool, flag("--compensate", "Compare remedies: feedforward, observer, inner loop, dither.")
     ] = False,
     uncertainty: Annotated[
         Path | None,
-        typer.Option(
-            "--uncertainty", metavar="parameters.toml",
-            help="Friction intervals for --compensate, from a fit; 10 % both ways unless given.",
+        setting(
+            "--uncertainty", "parameters.toml",
+            "Friction intervals for --compensate, from a fit; 10 % both ways unless given.",
         ),
     ] = None,
     controller: ControllerName = None,
@@ -41,14 +39,14 @@ def design(
     json: Json = False,
     v_max: Annotated[
         float | None,
-        typer.Option(
-            "--v-max", metavar="V", rich_help_panel=ADVANCED,
-            help="Largest speed of a servo's proof (m/s); twice the largest simulated speed unless given.",
+        setting(
+            "--v-max", "V", "Largest speed of a servo's proof (m/s); twice the largest simulated speed unless given.",
+            ADVANCED,
         ),
     ] = None,
     seed: Annotated[
         int,
-        typer.Option("--seed", metavar="N", rich_help_panel=ADVANCED, help="Seed of the random friction samples."),
+        setting("--seed", "N", "Seed of the random friction samples.", ADVANCED),
     ] = 0,
 ) -> int:  # fmt: skip
     """Report whether an axis hunts, and by how much.

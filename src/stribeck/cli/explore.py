@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import Json, Set, Trust, Undetermined, command, output_path
+from stribeck.cli.options import Json, Set, Trust, Undetermined, command, output_path, setting
 from stribeck.cli.output import check_file, command_line, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError
@@ -27,11 +27,11 @@ def explore(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE.html", parser=output_path, help="Page to write; NAME.html unless given."),
+        setting("--out", "FILE.html", "Page to write; NAME.html unless given.", parser=output_path),
     ] = None,
     law: Annotated[
         list[str] | None,
-        typer.Option("--law", metavar="NAME", help="Law to offer beside the scenario's own; every law unless given."),
+        setting("--law", "NAME", "Law to offer beside the scenario's own; every law unless given."),
     ] = None,
     set_: Set = None,
     trust: Trust = False,

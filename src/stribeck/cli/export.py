@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,8 +15,10 @@ from stribeck.cli.options import (
     Trust,
     Undetermined,
     command,
+    flag,
     load_scenario,
     output_path,
+    setting,
 )
 from stribeck.cli.output import check_file, print_json, wrote
 from stribeck.cli.progress import progress
@@ -24,7 +26,6 @@ from stribeck.errors import InputError, note
 
 if TYPE_CHECKING:
     from stribeck.laws.base import Law
-    from stribeck.parameter_sets.assignments import Toml
     from stribeck.scenario import Scenario
 
 
@@ -34,23 +35,20 @@ class PartOptions:
 
     part: Annotated[
         str | None,
-        typer.Option(
+        setting(
             "--part",
-            metavar="PART",
-            help="law, body, observer, controller, compensator or machine; law unless given (machine for a machine file).",
+            "PART",
+            "law, body, observer, controller, compensator or machine; law unless given (machine for a machine file).",
         ),
     ] = None
     scenario: Annotated[
         Path | None,
-        typer.Option(
-            "--scenario",
-            metavar="FILE",
-            rich_help_panel=ADVANCED,
-            help="Scenario that gives mass, controller, and the law unless LAW is given.",
+        setting(
+            "--scenario", "FILE", "Scenario that gives mass, controller, and the law unless LAW is given.", ADVANCED
         ),
     ] = None
     contact: Annotated[
-        str | None, typer.Option("--contact", metavar="NAME", help="Contact of the machine whose friction is exported.")
+        str | None, setting("--contact", "NAME", "Contact of the machine whose friction is exported.")
     ] = None
     controller: ControllerName = None
 
@@ -61,24 +59,17 @@ class ToolOptions:
 
     step: Annotated[
         float | None,
-        typer.Option(
-            "--step",
-            metavar="S",
-            rich_help_panel=ADVANCED,
-            help="Time step of the target (s); the loss of accuracy is reported.",
-        ),
+        setting("--step", "S", "Time step of the target (s); the loss of accuracy is reported.", ADVANCED),
     ] = None
-    self_test: Annotated[
-        bool, typer.Option("--self-test", rich_help_panel=ADVANCED, help="Add a program that tests the C.")
-    ] = False
-    fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="FMI version of an FMU: 3 or 2.")] = 3
+    self_test: Annotated[bool, flag("--self-test", "Add a program that tests the C.", ADVANCED)] = False
+    fmi: Annotated[int, setting("--fmi", "VERSION", "FMI version of an FMU: 3 or 2.")] = 3
     platforms: Annotated[
         str,
-        typer.Option(
+        setting(
             "--platforms",
-            metavar="here|all",
-            rich_help_panel=ADVANCED,
-            help="Binaries of an FMU: here, or all for Windows and macOS too (takes minutes at first).",
+            "here|all",
+            "Binaries of an FMU: here, or all for Windows and macOS too (takes minutes at first).",
+            ADVANCED,
         ),
     ] = "here"
 
@@ -87,14 +78,12 @@ class ToolOptions:
 def export(
     target: Annotated[
         str,
-        typer.Option(
-            "--target", metavar="NAME", help="c, fmu, isaaclab, mjwarp, mujoco, mujoco_plugin, newton or table."
-        ),
+        setting("--target", "NAME", "c, fmu, isaaclab, mjwarp, mujoco, mujoco_plugin, newton or table."),
     ],
     out: Annotated[
         Path,
-        typer.Option(
-            "--out", metavar="PATH", parser=output_path, help="Folder for c, mujoco and mujoco_plugin; a file for other targets."
+        setting(
+            "--out", "PATH", "Folder for c, mujoco and mujoco_plugin; a file for other targets.", parser=output_path
         ),
     ],
     selection: PartOptions,
@@ -106,19 +95,18 @@ def export(
             help="Law, FILE.py:NAME, or a machine file; the scenario's law unless given.",
         ),
     ] = None,
-    parameters: Annotated[
-        str | None, typer.Option("--parameters", metavar="SET", help="Built-in parameter set or TOML file.")
-    ] = None,
+    parameters: Annotated[str | None, setting("--parameters", "SET", "Built-in parameter set or TOML file.")] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Set a constant, such as k_v=1e7 (of a machine: links.gear.gap=0)."),
+        setting("--set", "KEY=VALUE", "Set a constant, such as k_v=1e7 (of a machine: links.gear.gap=0)."),
     ] = None,
     trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,
-) -> int:  # fmt: skip
+) -> int:
     """Write a law, a controller or a machine for another tool. --target names the tool."""
     from stribeck.exports import TARGETS
+    from stribeck.exports import export as write
 
     scenario = selection.scenario
     if law is not None and law.endswith(".toml"):
@@ -129,7 +117,11 @@ def export(
         named = (str(scenario or ""), (law or "").rpartition(":")[0], parameters or "")
         check_file("--out", out, *map(Path, named), parents=True)
     chosen = _chosen(law, parameters, set_ or [], scenario, selection, trust)
-    files = _write(chosen, target, out, selection.controller, tool)
+    with progress(f"export to {target}"):
+        files = write(
+            chosen.law, target, out, part=chosen.part, scenario=chosen.scenario, origin=chosen.origin,
+            controller=selection.controller, contact=selection.contact, **asdict(tool),
+        )  # fmt: skip
     if json:
         names = [str(file) for file in files]
         print_json(_summary(chosen.law, chosen.scenario) | {"target": target, "part": chosen.part, "files": names})
@@ -146,7 +138,6 @@ class _Chosen:
     law: Law | None
     scenario: Scenario | None
     origin: str
-    contact: str | None
 
 
 def _chosen(
@@ -176,7 +167,10 @@ def _chosen(
         part = "machine" if whole else "law"
     chosen: Law | None = None
     if part == "machine" or part in SAMPLED:
-        _refuse_of_a_law(part, {"LAW": law, "--parameters": parameters, "--contact": selection.contact})
+        of_a_law = {"LAW": law, "--parameters": parameters, "--contact": selection.contact}
+        text = f"must be left out: part '{part}' takes all from the file"
+        if wrong := [f"{n}: {x!r}: {text}" for n, x in of_a_law.items() if x]:
+            raise InputError(wrong)
         rig = load_scenario(scenario, assignments, trust) if scenario is not None else None
     else:
         rig = load_scenario(scenario, [], trust) if scenario is not None else None
@@ -184,18 +178,7 @@ def _chosen(
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
-    return _Chosen(part, chosen, rig, origin, selection.contact)
-
-
-def _write(chosen: _Chosen, target: str, out: Path, controller: str | None, tool: ToolOptions) -> list[Path]:
-    """Write the files of the target."""
-    from stribeck.exports import export as write
-
-    with progress(f"export to {target}"):
-        return write(
-            chosen.law, target, out, part=chosen.part, scenario=chosen.scenario, step=tool.step, self_test=tool.self_test,
-            origin=chosen.origin, fmi=tool.fmi, controller=controller, contact=chosen.contact, platforms=tool.platforms,
-        )  # fmt: skip
+    return _Chosen(part, chosen, rig, origin)
 
 
 def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
@@ -206,16 +189,6 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
     return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.elements.values.items()}}
 
 
-def _refuse_of_a_law(part: str, given: dict[str, str | None]) -> None:
-    """Refuse what is ``given`` of a law where everything is taken from a machine.
-
-    Raises:
-        InputError: a line for each.
-    """
-    if wrong := [f"{n}: {x!r}: must be left out: part '{part}' takes all from the file" for n, x in given.items() if x]:
-        raise InputError(wrong)
-
-
 def _law(
     name: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None, contact: str | None
 ) -> Law:
@@ -224,8 +197,9 @@ def _law(
     from stribeck import laws, parameter_sets
     from stribeck.exports import contact_law
     from stribeck.scenario import parse_assignments
+    from stribeck.simulation.comparison import law_path
 
-    own_law, rotary_body = _contact_law(rig, contact) if rig is not None else (None, False)
+    own_law = rig.elements.laws[rig.called.to_machine(law_path(rig, contact))] if rig is not None else None
     if name is not None:
         kind = laws.find(name)
     elif own_law is not None:
@@ -242,10 +216,12 @@ def _law(
             if kind is not type(own_law):
                 text = f"need the contact's own law {own_law.name!r}, not {name!r}"
                 raise InputError(f"{', '.join(whole.beside)}: {text}")
-            return _at_contact(whole, given)
+            if problems := whole.problems({**whole.machine, **whole.p.numbers, **whole.p.words, **given}):
+                raise InputError([f"{key}: {text}" for key, text in problems])
+            return whole.replace(**given)
         constants = kind.own_constants()
         values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in constants}
-        rotary = rotary_body
+        rotary = own_law.rotary
     if problems := kind.problems({**values, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])
     law = kind({**values, **given}, rotary)
@@ -255,18 +231,3 @@ def _law(
         if gap := laws.gap(law):
             note(f"law '{law.name}': {gap}")
     return law
-
-
-def _at_contact(law: Law, given: dict[str, Toml]) -> Law:
-    """The friction of a contact with loads or factors, with what --set adds."""
-    if problems := law.problems({**law.machine, **law.p.numbers, **law.p.words, **given}):
-        raise InputError([f"{key}: {text}" for key, text in problems])
-    return law.replace(**given)
-
-
-def _contact_law(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
-    """The law of a scenario, of a machine that of a contact, and whether it turns there."""
-    from stribeck.simulation.comparison import law_path
-
-    law = rig.elements.laws[rig.called.to_machine(law_path(rig, contact))]
-    return law, law.rotary

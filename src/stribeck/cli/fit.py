@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stribeck.cli import record
-from stribeck.cli.options import ADVANCED, Json, Out, command
+from stribeck.cli.options import ADVANCED, Json, Out, command, flag, setting
 from stribeck.cli.output import OutputFolder, command_line, tell
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, check_all, read_pairs
@@ -22,97 +22,93 @@ if TYPE_CHECKING:
     from stribeck.mouth.document import Document
 
 
-def _advanced(name: str, metavar: str, text: str) -> typer.models.OptionInfo:
-    """An option that few need."""
-    option: typer.models.OptionInfo = typer.Option(name, metavar=metavar, rich_help_panel=ADVANCED, help=text)
-    return option
-
-
 @dataclass(frozen=True)
 class How:
     """Options of a fit of a law to a log."""
 
     term: Annotated[
         list[str] | None,
-        typer.Option(
-            "--term", metavar="TERM", help="Further term of the force, such as stiffness, or delay; may be repeated."
-        ),
+        setting("--term", "TERM", "Further term of the force, such as stiffness, or delay; may be repeated."),
     ] = None
-    mass: Annotated[float | None, _advanced("--mass", "M", "Mass (kg, or kg m^2); fitted unless given.")] = None
+    mass: Annotated[float | None, setting("--mass", "M", "Mass (kg, or kg m^2); fitted unless given.", ADVANCED)] = None
     method: Annotated[
         str | None,
-        _advanced(
-            "--method", "METHOD", "static or dynamic (by simulation); dynamic for laws with bristles unless given."
+        setting(
+            "--method",
+            "METHOD",
+            "static or dynamic (by simulation); dynamic for laws with bristles unless given.",
+            ADVANCED,
         ),
     ] = None
     set_: Annotated[
         list[str] | None,
-        _advanced("--set", "KEY=VALUE", "Give a constant instead of fitting it, such as k_v=1e6; may be repeated."),
+        setting(
+            "--set", "KEY=VALUE", "Give a constant instead of fitting it, such as k_v=1e6; may be repeated.", ADVANCED
+        ),
     ] = None
     free: Annotated[
         list[str] | None,
-        _advanced("--free", "KEY", "Fit a constant that has a default, such as k_v; may be repeated."),
+        setting("--free", "KEY", "Fit a constant that has a default, such as k_v; may be repeated.", ADVANCED),
     ] = None
     no_forms: Annotated[
         bool,
-        typer.Option(
-            "--no-forms",
-            rich_help_panel=ADVANCED,
-            help="Fit the law alone, without forms (further terms for missing effects; static).",
-        ),
+        flag("--no-forms", "Fit the law alone, without forms (further terms for missing effects; static).", ADVANCED),
     ] = False
     no_weight: Annotated[
         bool,
-        typer.Option("--no-weight", rich_help_panel=ADVANCED, help="Leave out the weight of a rotary joint (static)."),
+        flag("--no-weight", "Leave out the weight of a rotary joint (static).", ADVANCED),
     ] = False
     filter_: Annotated[
         str | None,
-        _advanced(
+        setting(
             "--filter",
             "published",
             "Use the published inverse-dynamics procedure: Butterworth filter, decimation, the law alone (static).",
+            ADVANCED,
         ),
     ] = None
     speed: Annotated[
-        list[float] | None, _advanced("--speed", "M/S", "Also estimate the friction at this speed (m/s; static).")
+        list[float] | None,
+        setting("--speed", "M/S", "Also estimate the friction at this speed (m/s; static).", ADVANCED),
     ] = None
     cutoff: Annotated[
         float | None,
-        _advanced(
+        setting(
             "--cutoff",
             "HZ",
             "Cut-off frequency of the motion's filter (Hz); chosen from the data unless given; 0: no filter.",
+            ADVANCED,
         ),
     ] = None
     starts: Annotated[
         int,
-        typer.Option(
-            "--starts", metavar="N", rich_help_panel=ADVANCED, min=1, help="Number of starts of a fit by simulation."
-        ),
+        setting("--starts", "N", "Number of starts of a fit by simulation.", ADVANCED, min=1),
     ] = 20
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", rich_help_panel=ADVANCED, min=0, help="Seed of the starts.")
-    ] = 0
+    seed: Annotated[int, setting("--seed", "N", "Seed of the starts.", ADVANCED, min=0)] = 0
     output: Annotated[
         str,
-        _advanced("--output", "WHAT", "Measured signal that a simulation must match: force, velocity or position."),
+        setting(
+            "--output", "WHAT", "Measured signal that a simulation must match: force, velocity or position.", ADVANCED
+        ),
     ] = "force"
     unknown: Annotated[
         list[str] | None,
-        _advanced(
+        setting(
             "--unknown",
             "NAME=LOW:HIGH",
             "Search range of a parameter; with --logs a further unknown, by path; may be repeated.",
+            ADVANCED,
         ),
     ] = None
 
     require: Annotated[
         list[str] | None,
-        _advanced(
+        setting(
             "--require",
             "NAME=SHARE",
             "Half width of the model range that is required, such as F_c=5%. Otherwise the notes say what to measure, and the "
             "exit status is 1; may be repeated.",
+            ADVANCED,
         ),
     ] = None
 
@@ -134,31 +130,25 @@ def fit(
     data: record.Data = None,
     law: Annotated[
         list[str] | None,
-        typer.Option("--law", metavar="NAME", help="Law to fit; of several, or without it, the best is chosen."),
+        setting("--law", "NAME", "Law to fit; of several, or without it, the best is chosen."),
     ] = None,
     logs: Annotated[
         Path | None,
-        typer.Option("--logs", metavar="LOGS.toml", help="Recordings and unknowns of the machine DATA."),
+        setting("--logs", "LOGS.toml", "Recordings and unknowns of the machine DATA."),
     ] = None,
     plan: Annotated[
         str | None,
-        typer.Option(
+        setting(
             "--plan",
-            metavar="stroke=M,speed=M/S,force=N[,deflection=M]",
-            help="Print a measurement plan within these limits of the rig. deflection: F_c/sigma_0, if known.",
+            "stroke=M,speed=M/S,force=N[,deflection=M]",
+            "Print a measurement plan within these limits of the rig. deflection: F_c/sigma_0, if known.",
         ),
     ] = None,
     simulate: Annotated[
         bool,
-        typer.Option(
-            "--simulate",
-            rich_help_panel=ADVANCED,
-            help="With --plan and --out: also write a synthetic log (of --law, --set, --seed).",
-        ),
+        flag("--simulate", "With --plan and --out: also write a synthetic log (of --law, --set, --seed).", ADVANCED),
     ] = False,
-    verbose: Annotated[
-        bool, typer.Option("--verbose", rich_help_panel=ADVANCED, help="Print every note, not only the first five.")
-    ] = False,
+    verbose: Annotated[bool, flag("--verbose", "Print every note, not only the first five.", ADVANCED)] = False,
     out: Out = None,
     json: Json = False,
 ) -> int:

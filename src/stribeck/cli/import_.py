@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.options import command, output_path
+from stribeck.cli.options import command, output_path, setting
 from stribeck.cli.output import check_file, wrote
 from stribeck.constants import show
 from stribeck.errors import InputError
@@ -19,7 +19,7 @@ def import_(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read.")],
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE", parser=output_path, help="File to write; printed unless given."),
+        setting("--out", "FILE", "File to write; printed unless given.", parser=output_path),
     ] = None,
 ) -> int:
     """Convert a machine from another program's file."""

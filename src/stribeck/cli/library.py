@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import Json, command, output_path
+from stribeck.cli.options import Json, command, output_path, setting
 from stribeck.cli.output import check_file, print_json
 from stribeck.errors import InputError
 
@@ -23,9 +23,7 @@ def library(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "--out", metavar="FILE.toml", parser=output_path, help="Write the named machine as a scenario file."
-        ),
+        setting("--out", "FILE.toml", "Write the named machine as a scenario file.", parser=output_path),
     ] = None,
     json: Json = False,
 ) -> int:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.options import command, output_path
+from stribeck.cli.options import command, flag, output_path, setting
 from stribeck.cli.output import check_file, wrote
 from stribeck.errors import InputError, printable
 
@@ -43,12 +43,12 @@ def new(
     ] = "my_rig",
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE", parser=output_path, help="File to write; NAME.toml unless given."),
+        setting("--out", "FILE", "File to write; NAME.toml unless given.", parser=output_path),
     ] = None,
-    show_list: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
+    show_list: Annotated[bool, flag("--list", "List the built-in examples.")] = False,
     schema: Annotated[
         bool,
-        typer.Option("--schema", help="Write the JSON Schema, with which editors complete and check scenario files."),
+        flag("--schema", "Write the JSON Schema, with which editors complete and check scenario files."),
     ] = False,
 ) -> int:
     """Write a commented scenario file to start from."""

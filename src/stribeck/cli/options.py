@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 import typer
 from typer.core import TyperCommand
+from typer.models import OptionInfo
 
 import stribeck
 from stribeck.errors import InputError, check_all
@@ -85,6 +86,21 @@ def _spread(function: Callable[..., int]) -> Callable[..., int]:
     return called
 
 
+def setting(
+    name: str, metavar: str, text: str, panel: str | None = None, *, min: int | None = None,
+    parser: Callable[[str], object] | None = None,
+) -> OptionInfo:  # fmt: skip
+    """An option with a value: what stands for it, its help, and the section of --help."""
+    option: OptionInfo = typer.Option(name, metavar=metavar, help=text, rich_help_panel=panel, min=min, parser=parser)
+    return option
+
+
+def flag(name: str, text: str, panel: str | None = None) -> OptionInfo:
+    """An option without a value."""
+    option: OptionInfo = typer.Option(name, help=text, rich_help_panel=panel)
+    return option
+
+
 def not_empty(text: str) -> str:
     """Where a command writes: an empty path would be the current folder."""
     if not str(text):
@@ -99,20 +115,16 @@ def output_path(text: str) -> Path:
 
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", parser=output_path, help="Folder for the results; created if missing."),
+    setting("--out", "DIR", "Folder for the results; created if missing.", parser=output_path),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print the result as one JSON object.")]
+Json = Annotated[bool, flag("--json", "Print the result as one JSON object.")]
 ControllerName = Annotated[
     str | None,
-    typer.Option("--controller", metavar="NAME", help="Name of the controller; needed if the machine has several."),
+    setting("--controller", "NAME", "Name of the controller; needed if the machine has several."),
 ]
 Trust = Annotated[
     bool,
-    typer.Option(
-        "--trust",
-        rich_help_panel=ADVANCED,
-        help="Allow the scenario to run laws (FILE.py:NAME) from outside its folder.",
-    ),
+    flag("--trust", "Allow the scenario to run laws (FILE.py:NAME) from outside its folder.", ADVANCED),
 ]
 
 
@@ -152,7 +164,7 @@ Backend = Annotated[
 ]  # fmt: skip
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),
+    setting("--set", "PATH=VALUE", "Replace a value, such as law.k_v=1e6; may be repeated."),
 ]
 
 

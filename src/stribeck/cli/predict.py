@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.options import ADVANCED, Json, Out, Trust, Undetermined, command, given_options, load_scenario
+from stribeck.cli.options import (
+    ADVANCED,
+    Json,
+    Out,
+    Trust,
+    Undetermined,
+    command,
+    given_options,
+    load_scenario,
+    setting,
+)
 from stribeck.cli.output import OutputFolder, command_line, failed, tell
 from stribeck.cli.progress import progress
 from stribeck.cli.record import ColumnsAsFitted, Keywords
@@ -22,31 +32,26 @@ def predict(
     context: typer.Context,
     data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="Record that the fit has not used.")],
     columns: ColumnsAsFitted,
-    fit: Annotated[
-        Path | None, typer.Option("--fit", metavar="DIR", help="Folder that 'stribeck fit --out' wrote.")
-    ] = None,
+    fit: Annotated[Path | None, setting("--fit", "DIR", "Folder that 'stribeck fit --out' wrote.")] = None,
     machine: Annotated[
         Path | None,
-        typer.Option("--machine", metavar="FILE.toml", help="Simulate this machine file instead of a fit."),
+        setting("--machine", "FILE.toml", "Simulate this machine file instead of a fit."),
     ] = None,
     cutoff: Annotated[
         float | None,
-        typer.Option(
-            "--cutoff", metavar="HZ", rich_help_panel=ADVANCED,
-            help="Cut-off frequency of the motion's filter (Hz); as in the fit unless given.",
+        setting(
+            "--cutoff", "HZ", "Cut-off frequency of the motion's filter (Hz); as in the fit unless given.", ADVANCED
         ),
     ] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option(
-            "--set", metavar="PATH=VALUE", rich_help_panel=ADVANCED, help="With --machine: replace a value of the file."
-        ),
+        setting("--set", "PATH=VALUE", "With --machine: replace a value of the file.", ADVANCED),
     ] = None,
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
     _undetermined: Undetermined = False,
-) -> int:  # fmt: skip
+) -> int:
     """Predict another recording with a fit or a machine file. Print the error; with --out, also write an overlay and a report."""
     from stribeck.scenario import parse_assignments
 

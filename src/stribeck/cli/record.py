@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stribeck.cli.options import ADVANCED
+from stribeck.cli.options import ADVANCED, setting
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, read_pairs
 
@@ -25,38 +25,29 @@ Data = Annotated[
 ]
 
 
-def _column(name: str, text: str, panel: str | None = None) -> typer.models.OptionInfo:
-    """An option that names a column."""
-    option: typer.models.OptionInfo = typer.Option(name, metavar="COL", rich_help_panel=panel, help=text)
-    return option
-
-
 @dataclass(frozen=True)
 class Columns:
     """The columns of a record by their roles, and their units."""
 
-    time: Annotated[str | None, _column("--time", "Column of the time.")] = None
-    position: Annotated[str | None, _column("--position", "Column of the position.")] = None
-    velocity: Annotated[str | None, _column("--velocity", "Column of the velocity.")] = None
-    force: Annotated[str | None, _column("--force", "Column of the driving force, torque or current.")] = None
+    time: Annotated[str | None, setting("--time", "COL", "Column of the time.")] = None
+    position: Annotated[str | None, setting("--position", "COL", "Column of the position.")] = None
+    velocity: Annotated[str | None, setting("--velocity", "COL", "Column of the velocity.")] = None
+    force: Annotated[str | None, setting("--force", "COL", "Column of the driving force, torque or current.")] = None
     force_gain: Annotated[
         str | None,
-        typer.Option(
-            "--force-gain", metavar="X",
-            help="Force per unit of the force column, such as N/A; or a constant of the file; 1 unless given.",
+        setting(
+            "--force-gain",
+            "X",
+            "Force per unit of the force column, such as N/A; or a constant of the file; 1 unless given.",
         ),
-    ] = None  # fmt: skip
-    unit: Annotated[
-        list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given.")
     ] = None
+    unit: Annotated[list[str] | None, setting("--unit", "COL=UNIT", "Unit of a column; SI unless given.")] = None
     counts: Annotated[
         int | None,
-        typer.Option(
-            "--counts", metavar="N", rich_help_panel=ADVANCED, help="Encoder counts per turn, for the unit counts."
-        ),
+        setting("--counts", "N", "Encoder counts per turn, for the unit counts.", ADVANCED),
     ] = None
-    load: Annotated[str | None, _column("--load", "Column of the normal load.", ADVANCED)] = None
-    pressure: Annotated[str | None, _column("--pressure", "Column of the pressure.", ADVANCED)] = None
+    load: Annotated[str | None, setting("--load", "COL", "Column of the normal load.", ADVANCED)] = None
+    pressure: Annotated[str | None, setting("--pressure", "COL", "Column of the pressure.", ADVANCED)] = None
 
     def read(self) -> ColumnNames:
         """The columns, each by its role, and their units, each given as ``COL=UNIT``.
@@ -84,24 +75,26 @@ class Columns:
 class ColumnsOfALog(Columns):
     """The columns of a log that is fitted."""
 
-    acceleration: Annotated[str | None, _column("--acceleration", "Column of the acceleration.", ADVANCED)] = None
-    run: Annotated[str | None, _column("--run", "Column of the run number.", ADVANCED)] = None
+    acceleration: Annotated[str | None, setting("--acceleration", "COL", "Column of the acceleration.", ADVANCED)] = (
+        None
+    )
+    run: Annotated[str | None, setting("--run", "COL", "Column of the run number.", ADVANCED)] = None
 
 
 @dataclass(frozen=True)
 class ColumnsAsFitted(Columns):
     """The columns of a record that is predicted: as in the fit, unless given."""
 
-    time: Annotated[str | None, _column("--time", "Column of the time; columns are as in the fit unless given.")] = None
+    time: Annotated[
+        str | None, setting("--time", "COL", "Column of the time; columns are as in the fit unless given.")
+    ] = None
     force_gain: Annotated[
         str | None,
-        typer.Option(
-            "--force-gain", metavar="X", help="Force per unit of the force column; as in the fit unless given."
-        ),
+        setting("--force-gain", "X", "Force per unit of the force column; as in the fit unless given."),
     ] = None
     command: Annotated[
         str | None,
-        _column("--command", "With --machine: column that drove the rig; replaces the file's signal.", ADVANCED),
+        setting("--command", "COL", "With --machine: column that drove the rig; replaces the file's signal.", ADVANCED),
     ] = None
 
 

@@ -7,9 +7,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from stribeck.cli.options import Json, Out, ScenarioOptions, command, output_path
+from stribeck.cli.options import Json, Out, ScenarioOptions, command, flag, output_path, setting
 from stribeck.cli.output import OutputFolder, check_file, command_line, failed, print_json, tell, wrote
 from stribeck.cli.progress import progress
 from stribeck.errors import InputError, StribeckNote, read_pairs
@@ -26,27 +24,24 @@ def run(
     source: ScenarioOptions,
     law: Annotated[
         list[str] | None,
-        typer.Option(
-            "--law", metavar="NAME[:KEY=VALUE,...]",
-            help="Use this law instead of the file's; given again, the laws are compared with the first.",
+        setting(
+            "--law",
+            "NAME[:KEY=VALUE,...]",
+            "Use this law instead of the file's; given again, the laws are compared with the first.",
         ),
     ] = None,
     contact: Annotated[
         str | None,
-        typer.Option(
-            "--contact", metavar="NAME", help="Contact whose law --law replaces; needed if there are several."
-        ),
+        setting("--contact", "NAME", "Contact whose law --law replaces; needed if there are several."),
     ] = None,
-    draw: Annotated[
-        bool, typer.Option("--show", help="Draw the machine instead of running it.")
-    ] = False,
+    draw: Annotated[bool, flag("--show", "Draw the machine instead of running it.")] = False,
     keep_c: Annotated[
         Path | None,
-        typer.Option("--keep-c", metavar="FILE", parser=output_path, help="Write the generated C to this file."),
+        setting("--keep-c", "FILE", "Write the generated C to this file.", parser=output_path),
     ] = None,
     out: Out = None,
     json: Json = False,
-) -> int:  # fmt: skip
+) -> int:
     """Simulate a scenario or a machine. Without --out, print the summary and write nothing."""
     laws = law or []
     given = source.load(lambda: read_pairs(_law, laws, "--law"))

@@ -7,9 +7,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, not_empty
+from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, flag, not_empty, setting
 from stribeck.cli.output import OutputFolder, tell
 from stribeck.cli.progress import rate
 from stribeck.errors import InputError, check_all
@@ -23,33 +21,27 @@ def sweep(
     source: ScenarioOptions,
     out: Annotated[
         str,
-        typer.Option(
-            "--out", metavar="DIR", parser=not_empty, help="Folder for the results, or a URL that fsspec knows."
-        ),
+        setting("--out", "DIR", "Folder for the results, or a URL that fsspec knows.", parser=not_empty),
     ],
     vary: Annotated[
         list[str] | None,
-        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="Parameter and its range; may be repeated."),
+        setting("--vary", "PATH=FIRST:LAST:COUNT[:log]", "Parameter and its range; may be repeated."),
     ] = None,
     samples: Annotated[
-        int | None, typer.Option("--samples", metavar="N", help="Draw N random points of the ranges instead of their grid.")
+        int | None, setting("--samples", "N", "Draw N random points of the ranges instead of their grid.")
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Seed of the random points.", min=0)] = 0,
-    summary: Annotated[
-        bool, typer.Option("--summary", help="Write one row for each simulation instead of its trajectory.")
-    ] = False,
+    seed: Annotated[int, setting("--seed", "S", "Seed of the random points.", min=0)] = 0,
+    summary: Annotated[bool, flag("--summary", "Write one row for each simulation instead of its trajectory.")] = False,
     cluster: Annotated[
         str | None,
-        typer.Option("--cluster", metavar="HOST:PORT", help="Dask scheduler whose workers run the simulations."),
+        setting("--cluster", "HOST:PORT", "Dask scheduler whose workers run the simulations."),
     ] = None,
     threads: Annotated[
         int | None,
-        typer.Option(
-            "--threads", metavar="N", min=1, rich_help_panel=ADVANCED, help="Number of threads; all cores unless given."
-        ),
+        setting("--threads", "N", "Number of threads; all cores unless given.", ADVANCED, min=1),
     ] = None,
     json: Json = False,
-) -> int:  # fmt: skip
+) -> int:
     """Simulate a scenario over ranges of its parameters. The same command continues after an interruption."""
     from time import perf_counter
 
