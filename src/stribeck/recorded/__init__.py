@@ -44,7 +44,6 @@ Numbers = NDArray[Any]  # of any type
 _WIDEST = 1000  # columns of a matrix: more are an image or a result, not signals
 _NUMBERS = ("int", "uint", "float", "double", "halffloat", "decimal", "bool")  # Arrow's types that are numbers
 _LINE_END = re.compile(r"\r\n?|\n")  # as readers of rows have it: other marks of Unicode are part of a line
-_LINKS = 16  # HDF5 follows no more soft links to one object
 _HEAD = 1 << 16  # bytes of an array's file in which its shape stands; NumPy takes heads of 10 000
 _SCALARS = 1  # size of a variable that is a constant of the file, not a column
 
@@ -471,7 +470,7 @@ def _mat(path: Path) -> Source:
 
 
 def _hdf5(path: Path) -> dict[str, Later]:
-    """The variables of a MAT file of version 7.3. Links to other files are not opened.
+    """The variables of a MAT file of version 7.3. Links, of which MATLAB writes none, are not followed.
 
     The file holds the transpose of what MATLAB shows, text as numbers, and the shape of an array in place of an empty one.
     """
@@ -481,26 +480,6 @@ def _hdf5(path: Path) -> dict[str, Later]:
     def read(name: str) -> Numbers:
         with h5py.File(path) as file:
             return np.asarray(file[name][()]).T
-
-    def resolved(file: h5py.File, name: str) -> tuple[object, str]:
-        """The target of a name in the file, and the reason if there is none within the file."""
-        node, parts, links = file, [name], list[str]()
-        while parts:
-            part = parts.pop(0)
-            link = node.get(part, getlink=True) if isinstance(node, h5py.Group) else None
-            if isinstance(link, h5py.HardLink):
-                node = node[part]
-            elif isinstance(link, h5py.SoftLink):
-                links.append(link.path)
-                node = file if link.path.startswith("/") else node
-                parts = [p for p in link.path.split("/") if p not in ("", ".")] + parts
-            elif isinstance(link, h5py.ExternalLink):
-                return None, "lies in another file (an external link)"
-            else:
-                return None, f"is a link to {links[-1]!r}, which the file does not have"
-            if len(links) > _LINKS:
-                return None, f"is the first of more than {_LINKS} links"
-        return node, ""
 
     def kind_of(x: h5py.Dataset) -> str:
         """The kind of its numbers; MATLAB's complex ones have two fields, and attributes say what is none."""
@@ -513,10 +492,12 @@ def _hdf5(path: Path) -> dict[str, Later]:
         for name in file:
             if not isinstance(name, str):  # bytes that are no text, which nobody can name
                 continue
-            x, refused = resolved(file, name)
-            if refused:
+            link = file.get(name, getlink=True)
+            if not isinstance(link, h5py.HardLink):
+                outside = isinstance(link, h5py.ExternalLink)
+                refused = "lies in another file (an external link)" if outside else f"is a link to {link.path!r}"
                 variables[name] = Later((2,), "f", partial(read, name), refused)
-            elif isinstance(x, h5py.Dataset):
+            elif isinstance(x := file[name], h5py.Dataset):
                 elsewhere = "a virtual dataset" if x.is_virtual else "external storage" if x.external else ""
                 refused = f"lies in another file ({elsewhere})" if elsewhere else ""
                 if not refused and x.size and x.id.get_space_status() != h5py.h5d.SPACE_STATUS_ALLOCATED:
