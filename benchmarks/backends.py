@@ -14,7 +14,7 @@ import tempfile
 from functools import partial
 
 import numpy as np
-from measure import machine, options, say, spread, table, timed, write
+from measure import finish, in_turn, options, say, spread
 
 from stribeck import Scenario, examples
 from stribeck.codegen import source
@@ -50,10 +50,8 @@ def main() -> None:
         results = {backend: solve() for backend, solve in by.items()}
         peak = np.maximum(np.abs(results["c"].states).max(0), 1e-300)
         off = float((np.abs(results["wasm"].states - results["c"].states).max(0) / peak).max())
-        ratios = []
-        for _ in range(given.repetitions):
-            seconds = {backend: timed(solve).cpu for backend, solve in by.items()}
-            ratios.append(seconds["wasm"] / seconds["c"])
+        taken = in_turn(by, given.repetitions)
+        ratios = [wasm.cpu / c.cpu for wasm, c in zip(taken["wasm"], taken["c"], strict=True)]
         first = {}
         for backend in by:
             with tempfile.TemporaryDirectory() as folder:
@@ -61,22 +59,8 @@ def main() -> None:
             first[backend] = {"first": cold, "again": warm}
         lines.append({"example": name, "ratio": spread(ratios), "off": off, "process": first})
     mean = math.exp(statistics.fmean(math.log(line["ratio"]["median"]) for line in lines))
-    head = [
-        "example",
-        "WebAssembly / C",
-        "off, of the peak",
-        "first C, s",
-        "first WebAssembly, s",
-        "again C",
-        "again W",
-    ]
-    rows = [
-        [line["example"], f"{line['ratio']['median']:.2f}", f"{line['off']:.0e}"]
-        + [f"{line['process'][b][k]:.2f}" for k in ("first", "again") for b in ("c", "wasm")]
-        for line in lines
-    ]
-    print(f"{table(head, rows)}\n\ngeometric mean of the ratios: {mean:.2f}")
-    write(given.out, {"machine": machine(), "geometric_mean": mean, "examples": lines})
+    print(f"geometric mean of the ratios: {mean:.2f}")
+    finish(given, {"geometric_mean": mean, "examples": lines})
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from typing import Any
 
 import coverage_records as records
 import numpy as np
-from measure import machine, options, say, write
+from measure import finish, options, say, write
 
 import stribeck
 from stribeck.identify.actuator import Logs, fit_machine
@@ -163,7 +163,8 @@ def main() -> None:
             found = list(pool.map(partial(experiment, name), range(given.first, given.first + given.count)))
             kept["cases"][name] = counted(found)
             say(f"{name}: {kept['cases'][name]}")
-            write(given.out, {"machine": machine(), **{n: x for n, x in kept.items() if n != "machine"}})
+            write(given.out, {**kept, "machine": given.machine})
+    finish(given, {"cases": kept["cases"]})
 
 
 if __name__ == "__main__":

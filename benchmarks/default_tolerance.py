@@ -10,13 +10,12 @@ ones, in a second column. Steps are counted, as times on a busy machine tell lit
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import machine, options, say, timed, write
+from measure import finish, options, say, timed
 
 import stribeck
 
@@ -66,7 +65,7 @@ def main() -> None:
             rows.append({**row, "seconds": seconds, **errors(found, reference)})
         if k % 20 == 19:
             say(f"{k + 1} of {given.count}")
-    result: dict[str, Any] = {"machine": machine(), "seed": given.seed, "count": given.count, "table": []}
+    result: dict[str, Any] = {"seed": given.seed, "count": given.count, "table": []}
     for rtol in RTOLS:
         of = [r for r in rows if r["rtol"] == rtol]
         line: dict[str, Any] = {"rtol": rtol, "scenarios": len(of), "steps": float(np.median([r["steps"] for r in of]))}
@@ -77,8 +76,7 @@ def main() -> None:
             line[f"{name}_99_above"] = sum(r[f"{name}_99"] > limit for r in of)
         line["worst"] = {name: max(of, key=lambda r: float(r[name])) for name in PROMISED}
         result["table"].append(line)
-        say(json.dumps(line))
-    write(given.out, result)
+    finish(given, result)
 
 
 if __name__ == "__main__":

@@ -11,9 +11,7 @@ from __future__ import annotations
 import ctypes
 import json
 import math
-import subprocess
 import sys
-import tempfile
 import time
 from copy import deepcopy
 from functools import cache
@@ -21,7 +19,7 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from measure import machine, options, write
+from measure import compiled, finish, options, say
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
@@ -146,9 +144,7 @@ class Apart(ctypes.Structure):
 @cache
 def solver() -> ctypes.CDLL:
     """The compiled design_attack.c."""
-    source, library = Path(__file__).with_suffix(".c"), Path(tempfile.mkdtemp()) / "design_attack.so"
-    subprocess.run(["gcc", "-O3", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"], check=True)
-    return ctypes.CDLL(str(library))
+    return compiled(Path(__file__).with_suffix(".c"), "-O3")
 
 
 def against_scipy(data: Data, seconds: float) -> float:
@@ -245,7 +241,7 @@ def verdicts(kind: str, data: Data, vary: str, random: np.random.Generator) -> l
         )  # fmt: skip
         if not rows[-1]["agrees"]:
             rows[-1] |= {"machine": each.data, "start": each.start, "chance": by_chance(each, got, moved / slowest)}
-        print(json.dumps(rows[-1]), flush=True)
+        say(json.dumps(rows[-1]))
     return rows
 
 
@@ -298,33 +294,23 @@ def compensation(random: np.random.Generator, sampled: bool = False) -> list[Dat
         rows.append(
             {"kind": c.kind, "share": c.share, "said": said, "found": got, "agrees": bool(abs(got / said - 1) <= 0.2)}
         )
-        print(json.dumps(rows[-1]), flush=True)
+        say(json.dumps(rows[-1]))
     return rows
 
 
 def main() -> None:
-    """Run both, print rows as they come, and write them."""
+    """Run both; rows are said as they come."""
     given = options(__doc__, "design_attack", machines=(20, 1), axes=(3, 1), seed=1)
     random, begun = np.random.default_rng(given.seed), time.process_time()
+    factors = [row for i in range(given.axes) for row in compensation(random, sampled=bool(i % 2))]
     rows: list[Data] = []
-    factors: list[Data] = []
     differences: list[float] = []
-
-    def keep() -> None:
-        about = {"machine": machine(), "seed": given.seed, "seconds": round(time.process_time() - begun)}
-        write(given.out, {**about, "difference_to_scipy": differences, "verdicts": rows, "factors": factors})
-
-    for i in range(given.axes):
-        factors += compensation(random, sampled=bool(i % 2))
-        keep()
     for kind, data, vary in machines(random, given.machines):
         differences.append(against_scipy(data, CHUNK * loop_of(stribeck.Scenario(data)).slowest))
         rows += verdicts(kind, data, vary, random)
-        keep()
-    chance = sum(r.get("chance", False) for r in rows)
-    print(f"{sum(r['agrees'] for r in rows)} of {len(rows)} verdicts agree, {chance} are decided by chance; "
-          f"{sum(r['agrees'] for r in factors)} of {len(factors)} factors within 20 %; the simulator apart differs from "
-          f"SciPy by at most {max(differences, default=0.0):.1g} of the travel")  # fmt: skip
+    print(f"the simulator apart differs from SciPy by at most {max(differences, default=0.0):.1g} of the travel")
+    about = {"seed": given.seed, "seconds": round(time.process_time() - begun), "difference_to_scipy": differences}
+    finish(given, {**about, "verdicts": rows, "factors": factors})
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import json
 import math
-import subprocess
 import tempfile
 from collections.abc import Callable, Iterator
 from importlib import metadata
@@ -15,7 +14,7 @@ from typing import Any
 import in_mujoco
 import mujoco
 import numpy as np
-from measure import machine, options, table, write
+from measure import compiled, finish, options, say
 
 import stribeck
 
@@ -39,9 +38,7 @@ class Exported:
     def __init__(self, name: str) -> None:
         folder = Path(tempfile.mkdtemp())
         stribeck.export(LAWS[name], "c", folder)
-        flags = ["-std=c99", "-O2", "-fPIC", "-shared"]
-        subprocess.run(["cc", *flags, f"{name}.c", "-o", "law.so", "-lm"], cwd=folder, check=True)
-        library = ctypes.CDLL(str(folder / "law.so"))
+        library = compiled(folder / f"{name}.c", "-std=c99")
         real, pointer = ctypes.c_double, ctypes.c_void_p
         self.step, self.body_step = library[f"{name}_step"], library[f"{name}_body_step"]
         self.step.argtypes = [pointer, pointer, real, real, pointer]
@@ -115,22 +112,9 @@ def main() -> None:
     rows = []
     for row in measure():
         rows.append(row)
-        print(row, flush=True)
-    head = ("law", "way", "step (ms)", "stick-slip error (m)", "energy lost", "drift (m)")
-    lines = [
-        [
-            r["law"],
-            r["way"],
-            f"{1e3 * r['step']:g}",
-            f"{r['stick_slip_max_error']:.2g}",
-            f"{r['energy_lost']:.2g}",
-            f"{r['drift']:.2g}",
-        ]
-        for r in rows
-    ]
-    print(table(head, lines))
-    result = {"machine": machine(), "mujoco": metadata.version("mujoco"), "rows": rows}
-    write(given.out, json.loads(json.dumps(result), parse_constant=lambda word: None))
+        say(str(row))
+    result = {"mujoco": metadata.version("mujoco"), "rows": rows}
+    finish(given, json.loads(json.dumps(result), parse_constant=lambda word: None))
 
 
 if __name__ == "__main__":

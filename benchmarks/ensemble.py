@@ -19,7 +19,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from measure import Seconds, keep, kept, machine, options, say, spread, table, timed, version, write
+from measure import Seconds, finish, keep, kept, options, say, spread, timed, version
 from numpy.typing import NDArray
 from peers import MOST_STEPS, diffrax_rows
 from problems import stick_slip
@@ -342,7 +342,6 @@ def ratios(slow: Way, fast: Way, clock: str) -> list[float]:
 
 def benchmark(repetitions: int, quick: bool) -> dict[str, Any]:
     """Find the tolerances, and measure."""
-    about_machine = machine()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["STRIBECK_CACHE"] = folder
         listed, missing = ways(quick)
@@ -362,7 +361,6 @@ def benchmark(repetitions: int, quick: bool) -> dict[str, Any]:
             say(f"repetition {repetition + 1} of {repetitions}")
     return {
         "benchmark": f"ensemble: {LANES} x {SECONDS:g} s of stick-slip, k_v and F_s varied",
-        "machine": about_machine,
         "error_limit": LIMIT,
         "rows": PROBLEM.scenario.rows,
         "threads": threads_of_this_machine(),
@@ -372,41 +370,10 @@ def benchmark(repetitions: int, quick: bool) -> dict[str, Any]:
     }
 
 
-def report(results: dict[str, Any]) -> str:
-    """The results as plain text."""
-    rows = []
-    for line in results["solvers"]:
-        cpu, wall, rate, ratio = (
-            line[key]["median"]
-            for key in ("cpu_milliseconds", "wall_milliseconds", "trajectories_per_second", "cpu_ratio_to_scalar_loop")
-        )
-        rows.append(
-            (
-                line["solver"], str(line["lanes"]), f"{cpu:.3g}", f"{wall:.3g}", f"{rate:.4g}", f"{ratio:.3g}",
-                f"{line['error']:.1e}", f"{line['worst_error']:.1e}", f"{line['rtol']:.1e}",
-            )
-        )  # fmt: skip
-    head = (
-        "solver",
-        "lanes",
-        "cpu ms/lane",
-        "wall ms/lane",
-        "lanes/s",
-        "scalar loop/cpu",
-        "error/range",
-        "worst",
-        "rtol",
-    )
-    missing = "".join(f"{name}: not measured: {reason}\n" for name, reason in results["not_measured"].items())
-    return f"{results['benchmark']}\n\n{table(head, rows)}\n{missing}"
-
-
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
     given = options(__doc__, "ensemble", repetitions=(5, 1))
-    results = benchmark(given.repetitions, given.quick)
-    write(given.out, results)
-    print(report(results))
+    finish(given, benchmark(given.repetitions, given.quick))
 
 
 if __name__ == "__main__":

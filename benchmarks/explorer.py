@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from measure import machine, options, say, spread, table, write
+from measure import finish, options, say, spread
 
 _SIZES = {"desk, 1280 x 1000": (1280, 1000, False), "phone, 390 x 844": (390, 844, True)}
 
@@ -111,32 +111,17 @@ def benchmark(repetitions: int) -> dict[str, Any]:
     from stribeck import Scenario, examples
     from stribeck.explore import explore
 
-    about = machine()
     with tempfile.TemporaryDirectory() as folder:
         page = explore(Scenario.load(examples.path("stick_slip")), Path(folder) / "page.html", ())
         say(f"the page: {page.stat().st_size / 1e6:.2f} MB")
         cases = {name: drags(page, size, repetitions) for name, size in _SIZES.items()}
-    return {"benchmark": "the explorer", "machine": about, "cases": cases}
-
-
-def report(results: dict[str, Any]) -> str:
-    """The results as plain text."""
-    rows = []
-    for name, case in results["cases"].items():
-        solved, drawn, cpu = (case[key] for key in ("solved_ms", "drawn_ms", "main_thread_cpu_ms"))
-        quartiles = f"{drawn['q1']:.0f} - {drawn['q3']:.0f}"
-        rows.append((name, f"{solved['median']:.0f}", f"{drawn['median']:.0f}", quartiles, f"{cpu['median']:.0f}"))
-    head = ("window", "solved, ms", "drawn, ms", "quartiles", "cpu ms")
-    load = results["machine"].get("load")
-    return f"{results['benchmark']} (load {load})\n\n{table(head, rows)}"
+    return {"benchmark": "the explorer", "cases": cases}
 
 
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
     given = options(__doc__, "explorer", repetitions=(20, 3))
-    results = benchmark(given.repetitions)
-    write(given.out, results)
-    print(report(results))
+    finish(given, benchmark(given.repetitions))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from typing import Any
 
 import coverage_records as records
 import numpy as np
-from measure import environment, machine, options, say, table, write
+from measure import environment, finish, options, say
 
 from stribeck import fit
 from stribeck.identify.actuator import Logs, fit_machine
@@ -135,8 +135,7 @@ def main() -> None:
             rows.append({"fit": name, "processor_s": round(spent, 1), "wall_s": round(time.perf_counter() - wall, 1),
                          "memory_gb": round(memory, 2) if isinstance(memory, float) else ""})  # fmt: skip
             say(str(rows[-1]))
-    print(table(("fit", "processor, s", "wall, s", "memory, GB"), [[str(x) for x in row.values()] for row in rows]))
-    write(given.out, {"machine": machine(), "fits": rows})
+    finish(given, {"fits": rows})
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import math
 import re
-import subprocess
 import tempfile
 from collections.abc import Callable, Iterator
 from functools import lru_cache
@@ -16,7 +15,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from measure import machine, options, write
+from measure import compiled, finish, options, say
 
 import stribeck
 from stribeck.exports import export
@@ -61,10 +60,7 @@ def in_c() -> ctypes.CDLL:
     export(stribeck.law("lugre", "canudas1995"), "c", folder)
     (folder / "callback.c").write_text(code.replace("lugre_majorant", "lugre"))
     (library,) = home.glob("libmujoco.so.*")
-    flags = ["-O2", "-shared", "-fPIC", f"-I{home / 'include'}", f"-Wl,-rpath,{home}", "-o", "callback.so"]
-    command = ["cc", *flags, "callback.c", "lugre.c", str(library), "-lm"]
-    subprocess.run(command, check=True, cwd=folder)
-    return ctypes.CDLL(str(folder / "callback.so"))
+    return compiled(folder / "callback.c", f"-I{home / 'include'}", f"-Wl,-rpath,{home}", "lugre.c", str(library))
 
 
 def run(model: Any, data: Any, push: Callable[[float, float], float], t_end: float) -> tuple[Any, ...]:
@@ -131,22 +127,16 @@ def main() -> None:
     """Print a table, and write the results."""
     given = options(__doc__, "in_mujoco")
     known = references()
-    print(f"{'':24} step     stick-slip, max error of y   break-away, error   drift in 16 s, error   us a step")
     rows = []
     for row in measure():
         rows.append(row)
-        print(
-            f"{row['way']:10} {row['integrator']:13} {row['step'] * 1e3:4g} ms  {row['stick_slip_max_error']:22.3g} m  "
-            f"{row['break_away_error']:16.3g} N  {row['drift_error'] * 1e3:17.3g} mm  {row['microseconds_a_step']:9.3g}",
-            flush=True,
-        )
+        say(str(row))
     reference = {
         "stick_slip_peak": known["stick_slip"].peaks["y"],
         "break_away": first_maximum(known["break_away"]["F"]),
         "drift": float(known["dither"]["y"][-1]),
     }
-    result = {"machine": machine(), "mujoco": metadata.version("mujoco"), "reference": reference, "rows": rows}
-    write(given.out, result)
+    finish(given, {"mujoco": metadata.version("mujoco"), "reference": reference, "rows": rows})
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from measure import RESULTS, first_line, machine, options, table, write
+from measure import RESULTS, finish, first_line, options
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
@@ -153,7 +153,6 @@ def rows_of(name: str, cases: dict[str, Any], count: Any) -> list[dict[str, Any]
         for target, (flags, single) in TARGETS.items():
             found = count(what, flags, single)
             rows.append({name: case, "target": target, "mean": round(sum(found) / len(found)), "most": max(found)})
-    print(table((name, "target", "mean", "most"), [[str(x) for x in row.values()] for row in rows]))
     return rows
 
 
@@ -161,11 +160,11 @@ def main() -> None:
     """Print two tables, and write the results, those of laws also where the exporter reads them."""
     given = options(__doc__, "arm_instructions")
     compiler, qemu = first_line(["arm-none-eabi-gcc", "--version"]), first_line(["qemu-arm", "--version"])
-    about = {"machine": machine(), "gcc": compiler, "qemu": qemu, "flags": " ".join(FLAGS)}
+    about = {"gcc": compiler, "qemu": qemu, "flags": " ".join(FLAGS)}
     rows = rows_of("law", {" ".join((law.name, *law.form.words)): law for law in forms()}, counts)
-    write(given.out, {**about, "rows": rows})
+    finish(given, {**about, "rows": rows})
     controllers = rows_of("controller", {case: case for case in CASES}, controller_counts)
-    write(given.out.with_stem("controller_instructions"), {**about, "rows": controllers})
+    finish(given, {**about, "rows": controllers}, stem="controller_instructions")
     if given.out == RESULTS / "arm_instructions.json":
         by_law: dict[str, dict[str, list[int]]] = {}
         for r in rows:

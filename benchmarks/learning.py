@@ -7,7 +7,6 @@ CUDA graph as their users do, JAX and PyTorch are waited for once at the end.
 from __future__ import annotations
 
 import importlib.util
-import json
 import tempfile
 from importlib import metadata
 from pathlib import Path
@@ -20,7 +19,7 @@ import mujoco_warp
 import numpy as np
 import torch
 import warp as wp
-from measure import machine, options, write
+from measure import finish, options, say
 
 import stribeck
 from stribeck.exports import export
@@ -307,7 +306,7 @@ def speeds_on_a_gpu(makers: dict[str, Any], count: int, worlds: int, rounds: int
 
 def main() -> None:
     """Print a table, and write the results."""
-    given = options(__doc__, "learning", seconds=(100.0, 4.0), only="", device="cpu")  # held; engines with this name
+    given = options(__doc__, "learning", seconds=(100.0, 4.0), device="cpu")  # held; cuda
     wp.config.quiet = True
     on_gpu = given.device == "cuda"
     if on_gpu:
@@ -316,28 +315,22 @@ def main() -> None:
     jax.config.update("jax_default_device", jax.devices("gpu" if on_gpu else "cpu")[0])
     torch.set_num_threads(1)  # its threads wait by turning: on a busy machine that is most of their time
     rows = []
-    chosen = {name: make for name, make in ENGINES.items() if given.only in name}
-    for name, make in chosen.items():
+    for name, make in ENGINES.items():
         row: dict[str, Any] = {"engine": name}
         for step in STEPS:
             seconds = given.seconds if "this law" in name else min(10.0, given.seconds)  # theirs creep evenly
             row[f"{step:g}"] = {**behaviour(make, step, seconds), "held": seconds}
         rows.append(row)
-        print(json.dumps(row), flush=True)
-    many = {name: make for name, make in chosen.items() if name != "MuJoCo, frictionloss"}
-    if not given.only:
-        many["Warp kernel alone, this law"] = lambda step, worlds: Kernel(step, worlds)
+        say(str(row))
+    many = {name: make for name, make in ENGINES.items() if name != "MuJoCo, frictionloss"}
+    many["Warp kernel alone, this law"] = lambda step, worlds: Kernel(step, worlds)
     packages = ("mujoco", "mujoco-warp", "mujoco-mjx", "newton", "warp-lang", "torch", "jax")
-    result = {"machine": machine(), "versions": {n: metadata.version(n) for n in packages}, "constants": CONSTANTS}
-    result["rows"] = rows
+    result = {"versions": {n: metadata.version(n) for n in packages}, "constants": CONSTANTS, "rows": rows}
     if on_gpu:
-        result["gpu"] = torch.cuda.get_device_name()
-        result["steps_a_second"] = {str(n): speeds_on_a_gpu(many, 100, n) for n in ON_A_GPU}
-        print(json.dumps(result["steps_a_second"]), flush=True)
+        speed = {str(n): speeds_on_a_gpu(many, 100, n) for n in ON_A_GPU}
+        finish(given, {**result, "gpu": torch.cuda.get_device_name(), "steps_a_second": speed}, stem="learning_gpu")
     else:
-        result |= {"worlds": WORLDS, "steps_a_processor_second": speeds(many, 20)}
-        print(json.dumps(result["steps_a_processor_second"]), flush=True)
-    write(given.out.with_stem("learning_gpu") if on_gpu else given.out, result)
+        finish(given, {**result, "worlds": WORLDS, "steps_a_processor_second": speeds(many, 20)})
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from math import atan, exp, pi
 from typing import Any
 
 import numpy as np
-from measure import machine, options, say, spread, table, timed, write
+from measure import finish, in_turn, options, say, spread, timed
 from numpy.typing import NDArray
 from scipy.integrate import odeint, solve_ivp
 
@@ -264,15 +264,12 @@ def tolerance(name: str, way: Callable[[float], np.ndarray], exact: np.ndarray) 
 def measured(
     ways: dict[str, tuple[Callable[[float], np.ndarray], float, float]], repetitions: int
 ) -> list[dict[str, Any]]:
-    """Each way at its tolerance, one after the other in every round; processor seconds, and the ratios of each round."""
-    seconds: dict[str, list[float]] = {name: [] for name in ways}
-    for _ in range(repetitions):
-        for name, (way, rtol, _) in ways.items():
-            seconds[name].append(timed(lambda w=way, r=rtol: w(r)).cpu)
-    first = next(iter(ways))
+    """Each way at its tolerance, in turn; processor seconds, and the ratios of each round."""
+    taken = in_turn({name: partial(way, rtol) for name, (way, rtol, _) in ways.items()}, repetitions)
+    seconds = {name: np.array([s.cpu for s in x]) for name, x in taken.items()}
     return [
-        {"solver": name, "rtol": rtol, "error": reached, "seconds": spread(seconds[name]),
-         "against_stribeck": float(np.median(np.array(seconds[name]) / np.array(seconds[first])))}
+        {"solver": name, "rtol": rtol, "error": reached, "seconds": spread(seconds[name].tolist()),
+         "against_stribeck": float(np.median(seconds[name] / seconds["stribeck"]))}
         for name, (_, rtol, reached) in ways.items()
     ]  # fmt: skip
 
@@ -348,20 +345,7 @@ def main() -> None:
     given = options(__doc__, "machines", repetitions=(15, 2))
     drive_rows = two_masses(given.repetitions)
     chain_rows = chains((2, 4) if given.repetitions <= 2 else (2, 4, 8, 16), given.repetitions)
-    print(f"Two-mass drive, 2 s, error of y and v at most {ERROR:g} of the peak:")
-    head = ("solver", "rtol", "error", "ms", "against stribeck")
-    print(table(head, [
-        (r["solver"], f"{r['rtol']:g}", f"{r['error']:.1e}", f"{1e3 * r['seconds']['median']:.2f}",
-         f"{r['against_stribeck']:.1f}")
-        for r in drive_rows
-    ]))  # fmt: skip
-    print("Chains of bodies, a contact each, 1 s, at the same error:")
-    print(table(("bodies", "states", "write C, s", "compile, s", "solver", "rtol", "ms", "against stribeck"), [
-        (str(r["bodies"]), str(r["states"]), f"{r['write_s']:.2f}", f"{r['compile_s']:.2f}", x["solver"], f"{x['rtol']:g}",
-         f"{1e3 * x['seconds']['median']:.2f}", f"{x['against_stribeck']:.1f}")
-        for r in chain_rows for x in r["solvers"]
-    ]))  # fmt: skip
-    write(given.out, {"machine": machine(), "two_masses": drive_rows, "chains": chain_rows})
+    finish(given, {"two_masses": drive_rows, "chains": chain_rows}, "machines", "chains")
 
 
 if __name__ == "__main__":

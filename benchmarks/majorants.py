@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from time import process_time
+from functools import partial
 from typing import Any
 
 import numpy as np
-from measure import machine, options, spread, table, write
+from measure import finish, in_turn, options, spread
 
 from stribeck import Scenario, examples, simulate
 
@@ -31,10 +31,6 @@ def under(name: str) -> dict[str, Scenario]:
     }
 
 
-def _cell(result: dict[str, float]) -> str:
-    return f"{result['cpu_over_lugre']:.2f}, {result['deviation_of_peak']:.1e}"
-
-
 def main() -> None:
     """Print a table and write the results."""
     given = options(__doc__, "majorants", repetitions=(9, 1))
@@ -42,26 +38,18 @@ def main() -> None:
     for name in SCENARIOS:
         scenarios = under(name)
         y = {label: simulate(s.with_changes({"solve.rtol": 1e-11}))["y"] for label, s in scenarios.items()}
-        seconds: dict[str, list[float]] = {label: [] for label in scenarios}
-        for scenario in scenarios.values():
-            simulate(scenario)
-        for _ in range(given.repetitions):
-            for label, scenario in scenarios.items():
-                started = process_time()
-                simulate(scenario)
-                seconds[label].append(process_time() - started)
-        lugre = spread(seconds["lugre"])["median"]
+        runs = {label: partial(simulate, scenario) for label, scenario in scenarios.items()}
+        in_turn(runs, 1)
+        taken = in_turn(runs, given.repetitions)
+        seconds = {label: spread([s.cpu for s in x])["median"] for label, x in taken.items()}
         found[name] = {
             label: {
-                "cpu_over_lugre": spread(seconds[label])["median"] / lugre,
+                "cpu_over_lugre": seconds[label] / seconds["lugre"],
                 "deviation_of_peak": float(np.max(np.abs(y[label] - y["lugre"])) / np.max(np.abs(y["lugre"]))),
             }
             for label in scenarios
         }
-    rows = [[label, *(_cell(found[name][label]) for name in SCENARIOS)] for label in VARIANTS]
-    print(f"k_v = {STEEPNESS:g} s/m: CPU time over lugre's, largest deviation of y over its peak")
-    print(table(["law", *SCENARIOS], rows))
-    write(given.out, {"machine": machine(), "steepness": STEEPNESS, "repetitions": given.repetitions, "results": found})
+    finish(given, {"steepness": STEEPNESS, "repetitions": given.repetitions, "results": found})
 
 
 if __name__ == "__main__":

@@ -1,15 +1,18 @@
-"""What the benchmarks share: clocks, medians and quartiles, the machine, plain tables, and files of results."""
+"""What the benchmarks share: clocks, medians and quartiles, the machine, options, and files of results with their tables."""
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import os
 import platform
+import random
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -42,6 +45,14 @@ def environment(**more: str) -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"} | more
 
 
+def compiled(source: Path, *more: str) -> ctypes.CDLL:
+    """A file of C as a library; ``more``: options of the compiler and further files, beside the first."""
+    library = Path(tempfile.mkdtemp()) / f"{source.stem}.so"
+    command = ["cc", "-O2", "-shared", "-fPIC", "-o", str(library), source.name, *more, "-lm"]
+    subprocess.run(command, cwd=source.parent, check=True)
+    return ctypes.CDLL(str(library))
+
+
 def say(text: str) -> None:
     """Progress, on standard error."""
     print(text, file=sys.stderr, flush=True)
@@ -65,6 +76,7 @@ def options(about: str | None, name: str, **defaults: Any) -> argparse.Namespace
         if getattr(given, key) is None:
             usual, quick = value if isinstance(value, tuple) else (value, value)
             setattr(given, key, quick if given.quick else usual)
+    given.name, given.machine = name, machine()  # its load is that before anything is measured
     return given
 
 
@@ -125,19 +137,23 @@ def keep(name: str, rtol: float, atol: float) -> None:
     write(KEPT, {**kept(), name: {"rtol": rtol, "atol": atol}})
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A plain table: the first column to the left, the others to the right but the last."""
-    widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
-    last = len(head) - 1
+def in_turn(ways: Mapping[str, Callable[[], object]], repetitions: int) -> dict[str, list[Seconds]]:
+    """What each call takes: in every repetition each has its turn, in random order."""
+    taken: dict[str, list[Seconds]] = {name: [] for name in ways}
+    for _ in range(repetitions):
+        for name in random.sample(list(ways), len(ways)):
+            taken[name].append(timed(ways[name]))
+    return taken
 
-    def line(row: Sequence[str]) -> str:
-        cells = [
-            cell.ljust(width) if i in (0, last) else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        return "  ".join(cells).rstrip()
 
-    return "\n".join([line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)])
+def finish(given: argparse.Namespace, results: dict[str, Any], *tables: str, stem: str = "") -> None:
+    """Write the results, and print their tables as the pages of docs/evidence show them; ``stem``: of another file."""
+    results = {"machine": given.machine, **results}
+    write(given.out.with_stem(stem) if stem else given.out, results)
+    sys.path.insert(0, str(Path(__file__).parents[1] / "docs" / "_ext"))
+    from evidence import table
+
+    print(*(f"{table(name, results)}\n" for name in tables or (stem or given.name,)), sep="\n")
 
 
 def write(path: Path, results: dict[str, Any]) -> None:

@@ -13,9 +13,7 @@ from __future__ import annotations
 import ctypes
 import re
 import statistics
-import subprocess
 import sys
-import tempfile
 import time
 import warnings
 from collections import Counter
@@ -23,10 +21,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import machine, options, timed, write
+from measure import compiled, finish, options, timed
 
 import stribeck
 from stribeck import examples
+from stribeck.laws import builtin
 from stribeck.simulation import native
 from stribeck.simulation import promise as of_promise
 
@@ -42,14 +41,6 @@ FIELDS = (
 PROMISED = {"y": 1e-6, "v": 1e-6, "F": 1e-4}
 ROWS, MOST_STEPS, TOLERANCES = 201, 20_000, (1e-12, 1e-10)
 Case = dict[str, Any]
-
-
-def compiled() -> ctypes.CDLL:
-    """The reference solver."""
-    folder = Path(tempfile.mkdtemp())
-    source, library = Path(__file__).with_suffix(".c"), folder / "promise.so"
-    subprocess.run(["gcc", "-O2", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"], check=True)
-    return ctypes.CDLL(str(library))
 
 
 def random_case(rng: np.random.Generator) -> Case:
@@ -78,7 +69,7 @@ def random_case(rng: np.random.Generator) -> Case:
 
 def scenario_of(p: Case) -> dict[str, Any]:
     """The same for Stribeck."""
-    names = _constants(p["law"])
+    names = builtin()[p["law"]].constants()
     machine_names = ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")
     law = {"name": p["law"], **{n: p[n] for n in ("k_v", "z_ba") if n in names}}
     law["parameters"] = {n: p[n] for n in machine_names}
@@ -94,12 +85,6 @@ def scenario_of(p: Case) -> dict[str, Any]:
         "drive": {"kind": p["drive"], **drive, "signal": {"kind": p["signal"], **signal}},
         "solve": {"t_end": p["t_end"]}, "output": {"step": p["t_end"] / (ROWS - 1)},
     }  # fmt: skip
-
-
-def _constants(name: str) -> set[str]:
-    from stribeck.laws import builtin
-
-    return set(builtin()[name].constants())
 
 
 def reference(
@@ -175,7 +160,11 @@ def cost(repetitions: int) -> dict[str, float]:
 def main() -> None:
     """Count."""
     given = options(__doc__, "promise", count=(600, 20), seed=1, minutes=15.0)
-    library, rng, begun = compiled(), np.random.default_rng(given.seed), time.process_time()
+    library, rng, begun = (
+        compiled(Path(__file__).with_suffix(".c")),
+        np.random.default_rng(given.seed),
+        time.process_time(),
+    )
     counts: Counter[str] = Counter()
     worst: dict[str, float] = dict.fromkeys(PROMISED, 0.0)
     wrong: list[Case] = []
@@ -192,9 +181,9 @@ def main() -> None:
             print(i, what, errors, p, flush=True)
     ratios = cost(5 if given.quick else 200)
     mean = statistics.geometric_mean(ratios.values())
-    print(dict(counts), "worst that was kept:", worst, f"cost of the promise: {mean:.3f}")
-    about = {"machine": machine(), "seed": given.seed, "counts": dict(counts)}
-    write(given.out, {**about, "worst_kept": worst, "not_kept": wrong, "cost": {**ratios, "geometric mean": mean}})
+    print(f"cost of the promise: {mean:.3f}")
+    about = {"seed": given.seed, "counts": dict(counts), "worst_kept": worst, "not_kept": wrong}
+    finish(given, {**about, "cost": {**ratios, "geometric mean": mean}})
     sys.exit(1 if counts["broken"] else 0)
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import random
 import tomllib
 from copy import deepcopy
+from functools import partial
 from math import pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import machine, options, say, spread, table, timed, write
+from measure import finish, in_turn, options, say, spread
 
 from stribeck import Scenario, simulate
 from stribeck.examples import path
@@ -48,19 +48,16 @@ def servo() -> dict[str, Scenario]:
 
 
 def measured(name: str, scenarios: dict[str, Scenario], repetitions: int) -> list[dict[str, Any]]:
-    """Each way in its turn, in random order; ratios to the continuous one are taken within a repetition."""
+    """Each way in its turn; ratios to the continuous one are taken within a repetition."""
     steps = {way: simulate(scenario).stats["accepted"] for way, scenario in scenarios.items()}
-    seconds: dict[str, list[float]] = {way: [] for way in scenarios}
-    order = random.Random(0)
-    for _ in range(repetitions):
-        for way in order.sample(list(scenarios), len(scenarios)):
-            seconds[way].append(timed(lambda s=scenarios[way]: simulate(s)).cpu)
-    base = np.array(seconds["continuous"])
+    taken = in_turn({way: partial(simulate, scenario) for way, scenario in scenarios.items()}, repetitions)
+    seconds = {way: np.array([s.cpu for s in x]) for way, x in taken.items()}
     say(f"{name}: done")
     return [
-        {"machine": name, "encoder": way, "steps": steps[way], "seconds": spread(x), "ratio": spread(list(x / base))}
-        for way, x in ((way, np.array(values)) for way, values in seconds.items())
-    ]
+        {"machine": name, "encoder": way, "steps": steps[way], "seconds": spread(x.tolist()),
+         "ratio": spread((x / seconds["continuous"]).tolist())}
+        for way, x in seconds.items()
+    ]  # fmt: skip
 
 
 def main() -> None:
@@ -68,13 +65,7 @@ def main() -> None:
     given = options(__doc__, "sampled", repetitions=(31, 3))
     rows = [row for name, data in files().items() for row in measured(name, ways(data), given.repetitions)]
     rows += measured("servo", servo(), given.repetitions)
-    print(f"At {1 / PERIOD:g} Hz against the same machine under the continuous controller (at most {WANTED:g} wanted):")
-    print(table(("machine", "encoder", "steps", "ms", "ratio", "quartiles"), [
-        (r["machine"], r["encoder"], str(r["steps"]), f"{1e3 * r['seconds']['median']:.2f}", f"{r['ratio']['median']:.2f}",
-         f"{r['ratio']['q1']:.2f} to {r['ratio']['q3']:.2f}")
-        for r in rows
-    ]))  # fmt: skip
-    write(given.out, {"machine": machine(), "wanted": WANTED, "rows": rows})
+    finish(given, {"wanted": WANTED, "rows": rows})
 
 
 if __name__ == "__main__":

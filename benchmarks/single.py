@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from measure import Seconds, keep, kept, machine, options, say, spread, table, timed, write
+from measure import Seconds, finish, keep, kept, options, say, spread, timed
 from peers import BASE, Array, Solver, Stribeck, available, solve_ivp
 from problems import LIMIT_CYCLE
 
@@ -192,7 +192,6 @@ def entry(choice: Choice, base: Choice) -> dict[str, Any]:
 
 def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
     """Find the tolerances, and measure."""
-    about_machine = machine()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["STRIBECK_CACHE"] = folder
         say("reference")
@@ -206,7 +205,6 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
     lines = [entry(choice, choices[0]) for choice in choices]
     return {
         "benchmark": "limit cycle, one simulation",
-        "machine": about_machine,
         "error_limit": LIMIT,
         "rows": LIMIT_CYCLE.scenario.rows,
         "reference": about,
@@ -215,29 +213,10 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
     }
 
 
-def report(results: dict[str, Any]) -> str:
-    """The results as plain text."""
-    rows = []
-    for line in results["solvers"]:
-        ms, ratio = line["milliseconds"], line["ratio"]
-        atol = "default" if line["atol"] is None else f"{line['atol']:.1e}"
-        rows.append(
-            (
-                line["solver"], f"{ms['median']:.3g}", f"{ms['q1']:.3g} - {ms['q3']:.3g}", f"{ratio['median']:.3g}",
-                f"{ratio['q1']:.3g} - {ratio['q3']:.3g}", f"{line['error']:.1e}", f"{line['rtol']:.1e}", atol,
-            )
-        )  # fmt: skip
-    head = ("solver", "ms", "quartiles", f"/ {BASE}", "quartiles", "error/range", "rtol", "atol")
-    missing = "".join(f"{name}: not measured: {reason}\n" for name, reason in results["not_measured"].items())
-    return f"{results['benchmark']}\n\n{table(head, rows)}\n{missing}"
-
-
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
     given = options(__doc__, "single", repetitions=(15, 2), scan=False)
-    results = benchmark(given.repetitions, given.scan)
-    write(given.out, results)
-    print(report(results))
+    finish(given, benchmark(given.repetitions, given.scan))
 
 
 if __name__ == "__main__":

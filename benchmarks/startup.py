@@ -17,7 +17,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from measure import environment, machine, options, spread, table, write
+from measure import environment, finish, options, say, spread
 from problems import LIMIT_CYCLE
 
 KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
@@ -94,7 +94,6 @@ def figures(case: Case) -> dict[str, Any]:
 
 def benchmark(repetitions: int) -> dict[str, Any]:
     """Run every command once unmeasured, then all in turn."""
-    about_machine = machine()
     with tempfile.TemporaryDirectory() as folder:
         measured = cases(Path(folder))
         for case in measured:
@@ -105,38 +104,17 @@ def benchmark(repetitions: int) -> dict[str, Any]:
         for repetition in range(repetitions):
             for case in measured:
                 case.run()
-            print(f"repetition {repetition + 1} of {repetitions}", file=sys.stderr, flush=True)
+            say(f"repetition {repetition + 1} of {repetitions}")
     return {
         "benchmark": "start-up, whole processes",
-        "machine": about_machine,
         "cases": [figures(case) for case in measured],
     }
-
-
-def report(results: dict[str, Any]) -> str:
-    """The results as plain text."""
-    rows = []
-    for line in results["cases"]:
-        s = line["seconds"]
-        rows.append(
-            (
-                line["case"],
-                f"{s['median']:.3f}",
-                f"{s['q1']:.3f} - {s['q3']:.3f}",
-                f"{line['cpu_seconds']['median']:.3f}",
-                f"{line['peak_megabytes']:.0f}",
-            )
-        )
-    head = ("command", "s", "quartiles", "cpu s", "peak MB")
-    return f"{results['benchmark']}\n\n{table(head, rows)}"
 
 
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
     given = options(__doc__, "startup", repetitions=(11, 1))
-    results = benchmark(given.repetitions)
-    write(given.out, results)
-    print(report(results))
+    finish(given, benchmark(given.repetitions))
 
 
 if __name__ == "__main__":

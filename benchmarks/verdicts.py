@@ -3,9 +3,8 @@
 The truth of the former is derived by hand (tests/properties/nasty); that of the latter follows from the exact
 conditions of docs/explanation/theory.md, evaluated here with rational numbers. A counterexample to passivity is integrated anew.
 
-    python benchmarks/verdicts.py [--sets 20] [--seed 0] [--only NAME] [--kinds KIND ...]
+    python benchmarks/verdicts.py [--sets 20] [--seed 0]
 
-Prints a table: laws, verdicts, wrong ones, crashes, undecided (of natural laws and ordinary sets apart), CPU seconds.
 Every yes is given to the second checker, and counts as wrong where that one refuses its certificate.
 """
 
@@ -22,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import mpmath
-from measure import machine, options, write
+from measure import finish, options, say
 from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
@@ -80,17 +79,6 @@ class Row:
             elif what == "passive" and verdict.holds is False and (text := replayed(law, verdict.evidence)):
                 self.wrong.append(f"{name}: {what}: {text}")
 
-    def line(self) -> str:
-        """The row as text."""
-        share = 100 * self.undecided / max(self.verdicts, 1)
-        return (
-            f"{self.name:28}{self.laws:7}{self.verdicts:10}{len(self.wrong):7}{len(self.crashes):9}{self.undecided:11}"
-            f"{share:7.1f} %{self.seconds:9.1f}{self.slowest:9.2f}"
-        )
-
-
-HEAD = f"{'':28}{'laws':>7}{'verdicts':>10}{'wrong':>7}{'crashes':>9}{'undecided':>11}{'':9}{'CPU s':>9}{'slowest':>9}"
-
 
 def replayed(law: Any, evidence: Any) -> str | None:
     """What is wrong with a cycle of held speeds that is said to draw energy, integrated by SciPy; None where it does.
@@ -118,11 +106,11 @@ def replayed(law: Any, evidence: Any) -> str | None:
     return None
 
 
-def nasty(only: str, every: int) -> Iterator[Row]:
+def nasty(every: int) -> Iterator[Row]:
     """A row for each kind of nasty law, and one for the natural ones among all."""
     natural = Row(NATURAL)
     rows: dict[str, Row] = {}
-    for case in (c for c in list(cases())[::every] if only in f"{c.kind}.{c.name}"):
+    for case in list(cases())[::every]:
         row = rows.setdefault(case.kind, Row(case.kind))
         before = (row.verdicts, row.undecided)
         row.judge(f"{case.kind}.{case.name}", case.law(), case.truth)
@@ -264,7 +252,7 @@ def law_of(name: str, values: dict[str, float]) -> Any:
 
 def builtin(kind: str, given: Any) -> Iterator[Row]:
     """A row for each built-in law with sets of one kind."""
-    for name in (n for n in BUILTIN if given.only in n):
+    for name in BUILTIN:
         row = Row(f"{kind} {name}")
         for k in range(given.sets):
             values = SETS[kind](random.Random(f"{given.seed} {kind} {name} {k}"), name)
@@ -274,7 +262,7 @@ def builtin(kind: str, given: Any) -> Iterator[Row]:
             except stribeck.InputError:  # z_ba rounded up to F_c/sigma_0
                 continue
             row.judge(f"{name} {values}", law, truth_of(name, values))
-        print(row.line(), flush=True)
+        say(f"{row.name}: {row.verdicts} verdicts, {len(row.wrong)} wrong, {row.undecided} undecided")
         yield row
 
 
@@ -288,25 +276,17 @@ def total(name: str, rows: list[Row]) -> Row:
 
 
 def main() -> int:
-    """Print the table, and write it; the exit status is 1 where a verdict is wrong or a check crashed."""
-    given = options(__doc__, "verdicts", sets=(20, 1), seed=0, only="", kinds=list(SETS))
-    print(HEAD)
-    rows = {}
-    for row in nasty(given.only, 20 if given.quick else 1):
-        print(row.line(), flush=True)
-        rows[row.name] = row
-    print(total("nasty laws", [row for name, row in rows.items() if name != NATURAL]).line())
-    for kind in given.kinds or SETS:
-        of_kind = list(builtin(kind, given))
-        print(total(f"all {kind}", of_kind).line(), flush=True)
-        rows |= {row.name: row for row in of_kind}
+    """Write and print the counts; the exit status is 1 where a verdict is wrong or a check crashed."""
+    given = options(__doc__, "verdicts", sets=(20, 1), seed=0)
+    rows = {row.name: row for row in nasty(20 if given.quick else 1)}
+    rows |= {row.name: row for kind in SETS for row in builtin(kind, given)}
     whole = total("all", [row for name, row in rows.items() if name != NATURAL])
     counts = {
         "laws": whole.laws, "verdicts": whole.verdicts, "undecided": whole.undecided, "wrong": len(whole.wrong),
         "crashes": len(whole.crashes), "cpu_seconds": whole.seconds, "slowest_law_cpu_seconds": whole.slowest,
     }  # fmt: skip
-    about = {"machine": machine(), "seed": given.seed, "sets": given.sets, "all": counts}
-    write(given.out, {**about, "rows": {name: asdict(row) for name, row in rows.items()}})
+    about = {"seed": given.seed, "sets": given.sets, "all": counts}
+    finish(given, {**about, "rows": {name: asdict(row) for name, row in rows.items()}})
     bad = [*whole.wrong, *(f"CRASH {x}" for x in whole.crashes)]
     print(*bad, sep="\n")
     return 1 if bad else 0

@@ -1,4 +1,7 @@
-"""The directive ``evidence``: a table from benchmarks/results/NAME.json, with its date and the commit that stored it."""
+"""The directive ``evidence``: a table from benchmarks/results/NAME.json, with its date and the commit that stored it.
+
+The benchmarks print the same tables.
+"""
 
 from __future__ import annotations
 
@@ -231,12 +234,17 @@ def stored(file: Path) -> str:
         return ""
 
 
+def table(name: str, data: Any) -> str:
+    """A table of results as Markdown."""
+    head, rows = TABLES[name](data)
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(number(x).replace("|", "\\|") for x in line) + " |" for line in lines)
+
+
 def markdown(name: str) -> str:
     """The table as Markdown, and the line about its origin."""
     file = RESULTS / f"{FILES.get(name, name)}.json"
     data = json.loads(file.read_text(encoding="utf-8"))
-    head, rows = TABLES[name](data)
-    lines = [head, ["---"] * len(head), *rows]
     machine = data.get("machine", {})
     about = [
         f"`benchmarks/results/{file.name}`",
@@ -244,8 +252,7 @@ def markdown(name: str) -> str:
         f"{machine['processor']}, {machine['cores']} cores" if "processor" in machine else "",
         stored(file),
     ]
-    table = "\n".join("| " + " | ".join(number(x).replace("|", "\\|") for x in line) + " |" for line in lines)
-    return f"{table}\n\n*{'; '.join(x for x in about if x)}.*\n"
+    return f"{table(name, data)}\n\n*{'; '.join(x for x in about if x)}.*\n"
 
 
 class Evidence(SphinxDirective):

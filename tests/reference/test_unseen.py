@@ -1,6 +1,6 @@
 """Machines that combine every feature of machine.md, through the command line, against equations written apart.
 
-benchmarks/machine_attack.py runs all of the files with a tenth of the tolerance; here are those that take little time.
+Those that take little time run always, and all of them with `make thorough`.
 """
 
 import json
@@ -48,8 +48,13 @@ def run(file, out, capsys):
     return dict(zip(head.split(","), np.loadtxt(rows, delimiter=",").T, strict=True)), happened
 
 
-@pytest.mark.parametrize("name", QUICK)
-def test_agrees(name, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize(
+    "file",
+    [
+        pytest.param(f, id=f.stem, marks=[pytest.mark.thorough] * (f.stem not in QUICK))
+        for f in sorted(FILES.glob("*.toml"))
+    ],
+)
+def test_agrees(file, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(compiler, "_FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))  # each is run once
-    file = FILES / f"{name}.toml"
     assert disagreements(file, *run(file, tmp_path / "out", capsys)) == []

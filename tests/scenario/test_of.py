@@ -112,7 +112,7 @@ def test_a_scenario_does_not_change():
     heavier = scenario.elements.with_values({("bodies", "mass"): 2.0})
     assert (scenario.mass, heavier.mass) == (1.0, 2.0)
     assert heavier.system is scenario.system
-    assert heavier.law == scenario.law
+    assert heavier.laws == scenario.elements.laws
     slippery = scenario.elements.with_values({("contacts.law", "F_c"): 0.5})
     assert slippery.contacts[""].friction.p.F_c == 0.5
     assert slippery.laws == {}  # a law of a file has the numbers of the file
