@@ -1,22 +1,30 @@
-"""The exported C in discrete time: drift, energy balance and accuracy at 0.1, 1 and 4 ms, beside MuJoCo's LuGre."""
+"""A law in discrete time, at 0.1, 1 and 4 ms: the exported C, MuJoCo's own dcmotor and the exported callbacks in MuJoCo.
+
+Accuracy in stick-slip and at break-away, energy that the method takes or makes, drift under a load below break-away, and the
+time of a step, beside Stribeck's own simulation. The results are discretisation.json and, of MuJoCo's ways, in_mujoco.json.
+"""
 
 from __future__ import annotations
 
 import ctypes
 import json
 import math
+import re
 import tempfile
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
+from time import process_time
 from typing import Any
 
-import in_mujoco
 import mujoco
 import numpy as np
 from measure import compiled, finish, options, say
 
 import stribeck
+from stribeck.exports.request import Request
+from stribeck.exports.targets.mujoco import files
 
 STEPS = (1e-4, 1e-3, 4e-3)
 MASS = 1.0
@@ -24,12 +32,14 @@ LAWS = {
     "lugre": stribeck.law("lugre", "canudas1995"),
     "elastoplastic_majorant": stribeck.law("elastoplastic_majorant", "canudas1995", k_v=1e7, z_ba=7e-6),
 }
-WAYS = (
-    ("lugre", "step"), ("lugre", "body_step"), ("lugre", "MuJoCo Euler"), ("lugre", "MuJoCo implicitfast"),
-    ("lugre", "MuJoCo RK4"), ("elastoplastic_majorant", "step"), ("elastoplastic_majorant", "body_step"),
+MUJOCO = (
+    ("dcmotor", "Euler"), ("dcmotor", "implicitfast"), ("dcmotor", "RK4"), ("callback", "implicitfast"),
+    ("C callback", "implicitfast"),
 )  # fmt: skip
+WAYS = [(name, way, "") for name in LAWS for way in ("step", "body_step")] + [("lugre", *way) for way in MUJOCO]
 
 Push = Callable[[float, float], float]
+Motion = tuple[np.ndarray, ...]  # times, positions, velocities, and the friction of each step
 
 
 class Exported:
@@ -46,8 +56,8 @@ class Exported:
         self.parameters = (real * 32)()
         library[f"{name}_defaults"](self.parameters)
 
-    def run(self, way: str, push: Push, t_end: float, dt: float) -> tuple[Any, ...]:
-        """t, y, v and the friction of each step, as in_mujoco.run gives them."""
+    def run(self, way: str, push: Push, t_end: float, dt: float) -> Motion:
+        """A motion from rest."""
         count = round(t_end / dt)
         y, v, force = np.zeros(count + 1), np.zeros(count + 1), np.zeros(count)
         state, F = (ctypes.c_double * 3)(), ctypes.c_double()
@@ -68,53 +78,122 @@ class Exported:
         return np.arange(count + 1) * dt, y, v, force
 
 
+def load(way: str, integrator: str, step: float) -> tuple[Any, Any]:
+    """The exported model, its callback installed if that is the way."""
+    mujoco.set_mjcb_act_dyn(None)
+    mujoco.set_mjcb_act_bias(None)
+    content = files(Request(LAWS["lugre"], step=step))
+    text = content["lugre_dcmotor.xml" if way == "dcmotor" else "lugre.xml"]
+    model = mujoco.MjModel.from_xml_string(text)
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    if way == "callback":
+        scope: dict[str, Any] = {}
+        exec(compile(content["lugre_mujoco.py"], "lugre_mujoco.py", "exec"), scope)
+        scope["install"](model)
+    elif way == "C callback":
+        in_c().install()
+    return model, mujoco.MjData(model)
+
+
+@lru_cache(maxsize=1)
+def in_c() -> ctypes.CDLL:
+    """The callback of docs/reference/tools.md with the exported C, compiled."""
+    document = Path(__file__).parent.parent / "docs" / "reference" / "tools.md"
+    (code,) = re.findall(r"```c\n(.*?)```", document.read_text(encoding="utf-8"), re.S)
+    folder, home = Path(tempfile.mkdtemp()), Path(mujoco.__file__).parent
+    stribeck.export(LAWS["lugre"], "c", folder)
+    (folder / "callback.c").write_text(code.replace("lugre_majorant", "lugre"))
+    (library,) = home.glob("libmujoco.so.*")
+    return compiled(folder / "callback.c", f"-I{home / 'include'}", f"-Wl,-rpath,{home}", "lugre.c", str(library))
+
+
+def run_in_mujoco(way: str, integrator: str, push: Push, t_end: float, step: float) -> Motion:
+    """The same in MuJoCo; the friction is what the body felt."""
+    model, data = load(way, integrator, step)
+    count = round(t_end / step)
+    y, v, u = (np.zeros(count + 1) for _ in range(3))
+    for k in range(count):
+        u[k] = data.qfrc_applied[0] = push(data.time, data.qpos[0])
+        mujoco.mj_step(model, data)
+        y[k + 1], v[k + 1] = data.qpos[0], data.qvel[0]
+    return np.arange(count + 1) * step, y, v, u[:-1] - np.diff(v) / step
+
+
+def references(law: stribeck.Law) -> dict[str, Any]:
+    """Stribeck's own simulations."""
+    signals = {
+        "stick_slip": {"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}},
+        "break_away": {"kind": "force", "signal": {"kind": "ramp", "rate": 5.0}},
+        "dither": {"kind": "force", "signal": {"kind": "sine", "offset": 0.4, "amplitude": 0.25, "frequency": 5.0}},
+    }
+    ends = {"stick_slip": (40.0, 4e-3), "break_away": (0.5, 1e-4), "dither": (16.0, 4e-3)}
+    solutions = {}
+    for name, drive in signals.items():
+        solve, output = {"t_end": ends[name][0]}, {"step": ends[name][1]}
+        rig = stribeck.Scenario(law=law.to_dict(), plant={"mass": MASS}, drive=drive, solve=solve, output=output)
+        solutions[name] = stribeck.simulate(rig)
+        assert solutions[name].status == "done"
+    return solutions
+
+
 def lost(y: Any, v: Any, force: Any, work: float) -> float:
     """Energy that the method itself takes (or, below 0, makes), as a share of the drive's work."""
     kinetic = MASS * (v[-1] ** 2 - v[0] ** 2) / 2
     return float((work - np.sum(force * np.diff(y)) - kinetic) / work)
 
 
-def measure() -> Iterator[dict[str, Any]]:
-    """One row for each law, way and step."""
-    slip = {"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}}
-    for name, way in WAYS:
-        exported = Exported(name)
-        for dt in STEPS:
+def first_maximum(force: Any) -> float:
+    """The first local maximum: the break-away force."""
+    falls = np.flatnonzero(np.diff(force) < 0)
+    return float(force[falls[0]] if len(falls) else force[-1])
 
-            def run(push: Push, t_end: float, dt: float = dt, way: str = way, c: Exported = exported) -> Any:
-                if way.startswith("MuJoCo"):
-                    return in_mujoco.run(*in_mujoco.load("dcmotor", way.split()[1], dt), push, t_end)
-                return c.run(way, push, t_end, dt)
 
-            law = LAWS[name]
-            own = {
-                "name": name,
-                **{n: law.values[n] for n in law.own_constants() if n in law.values},
-                "parameters": "canudas1995",
-            }
-            rig = {"law": own, "plant": {"mass": MASS}, "solve": {"t_end": 40.0}, "output": {"step": 4e-3}}
-            exact = stribeck.simulate(stribeck.Scenario(drive=slip, **rig))["y"]
+def measure(known: dict[str, dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """One row for each law, way and step, beside what is ``known`` of each law."""
+    for name, way, integrator in WAYS:
+        exported, exact = Exported(name), known[name]
+        for step in STEPS:
+
+            def run(push: Push, t_end: float, given: Any = (exported, way, integrator, step)) -> Motion:
+                c, way, integrator, dt = given
+                return run_in_mujoco(way, integrator, push, t_end, dt) if integrator else c.run(way, push, t_end, dt)
+
+            started = process_time()
             t, y, v, force = run(lambda t, y: 2 * (0.1 * t - y), 40.0)
+            seconds, every = process_time() - started, round(4e-3 / step)
             work = float(np.sum(2 * (0.1 * t[:-1] - y[:-1]) * np.diff(y)))
-            every = round(4e-3 / dt)
-            _, moved, _, _ = run(lambda t, y: 0.4 + 0.25 * math.sin(2 * math.pi * 5 * t), 16.0)
+            top = first_maximum(run(lambda t, y: 5 * t, 0.5)[3])
+            moved = run(lambda t, y: 0.4 + 0.25 * math.sin(2 * math.pi * 5 * t), 16.0)[1]
             yield {
-                "law": name, "way": way, "step": dt, "stick_slip_max_error": float(np.max(abs(y[::every] - exact))),
-                "energy_lost": lost(y, v, force, work), "drift": float(moved[-1] - moved[round(0.2 / dt)]),
+                "law": name, "way": way, "integrator": integrator, "step": step,
+                "stick_slip_max_error": float(np.max(abs(y[::every] - exact["stick_slip"]["y"]))),
+                "energy_lost": lost(y, v, force, work), "drift": float(moved[-1] - moved[round(0.2 / step)]),
+                "break_away_error": top - first_maximum(exact["break_away"]["F"]),
+                "drift_error": float(moved[-1] - exact["dither"]["y"][-1]), "microseconds_a_step": 1e6 * seconds * step / 40.0,
             }  # fmt: skip
     mujoco.set_mjcb_act_dyn(None)
     mujoco.set_mjcb_act_bias(None)
 
 
 def main() -> None:
-    """Print a table, write the results."""
+    """Measure; write and print the results of all ways, and those of MuJoCo's."""
     given = options(__doc__, "discretisation")
+    known = {name: references(law) for name, law in LAWS.items()}
     rows = []
-    for row in measure():
+    for row in measure(known):
         rows.append(row)
         say(str(row))
-    result = {"mujoco": metadata.version("mujoco"), "rows": rows}
-    finish(given, json.loads(json.dumps(result), parse_constant=lambda word: None))
+    own = known["lugre"]
+    reference = {
+        "stick_slip_peak": own["stick_slip"].peaks["y"], "break_away": first_maximum(own["break_away"]["F"]),
+        "drift": float(own["dither"]["y"][-1]),
+    }  # fmt: skip
+    about = {"mujoco": metadata.version("mujoco")}
+    in_mujoco = {**about, "reference": reference, "rows": [r for r in rows if r["integrator"]]}
+    named = [{**r, "way": f"MuJoCo {r['integrator']}"} if r["way"] == "dcmotor" else r for r in rows]
+    without = {**about, "rows": [r for r in named if "callback" not in r["way"]]}
+    finish(given, json.loads(json.dumps(without), parse_constant=lambda word: None))
+    finish(given, in_mujoco, stem="in_mujoco")
 
 
 if __name__ == "__main__":

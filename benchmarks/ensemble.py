@@ -12,16 +12,15 @@ import math
 import os
 import random
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+import peers
 from measure import Seconds, finish, keep, kept, options, say, spread, timed, version
 from numpy.typing import NDArray
-from peers import MOST_STEPS, diffrax_rows
 from problems import stick_slip
 
 import stribeck
@@ -37,12 +36,7 @@ Solve = Callable[[float, float, int], Run]  # rtol, atol, lanes -> prepared
 
 LANES, SECONDS, STEP = 1000, 300.0, 0.3
 ATOL_SHARE = 1e-3  # atol/rtol of the peers
-ONE, ALL, NARROW, SCALAR = (
-    "stribeck, 1 thread",
-    "stribeck, all threads",
-    "stribeck, AVX2, 1 thread",
-    "stribeck, scalar loop",
-)
+ONE, ALL, SCALAR = "stribeck, 1 thread", "stribeck, all threads", "stribeck, scalar loop"
 DIFFRAX = "diffrax vmap"
 PROBLEM = stick_slip(SECONDS, STEP)
 NOTHING = Seconds(0.0, 0.0)
@@ -100,22 +94,6 @@ class Way:
 # -- this project --------------------------------------------------------------------------------------------------
 
 
-@contextmanager
-def without_avx512() -> Iterator[None]:
-    """Within, the compiler is told to do without AVX-512."""
-    before = os.environ.get("STRIBECK_CC")
-    chosen = compiler.find()
-    assert chosen is not None
-    os.environ["STRIBECK_CC"] = " ".join((*chosen.command, "-mno-avx512f"))
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ["STRIBECK_CC"]
-        else:
-            os.environ["STRIBECK_CC"] = before
-
-
 def width() -> int:
     """How many lanes a vector has."""
     chosen = compiler.find()
@@ -134,17 +112,6 @@ def own(threads: int | None) -> Solve:
     return solve
 
 
-def own_narrow(rtol: float, atol: float, count: int) -> Run:
-    """simulate_ensemble on one thread without AVX-512."""
-    solve = own(1)(rtol, atol, count)
-
-    def narrow() -> Ensemble:
-        with without_avx512():
-            return solve()
-
-    return narrow
-
-
 def scalar_loop(rtol: float, atol: float, count: int) -> Run:
     """native.solve, one lane after the other."""
     varied = Variations(PROBLEM.scenario.with_changes({"solve.rtol": rtol}), values(count))
@@ -158,54 +125,19 @@ def scalar_loop(rtol: float, atol: float, count: int) -> Run:
 # -- peers ---------------------------------------------------------------------------------------------------------
 
 
-def numbalsoda() -> Solve:
-    """numbalsoda, one lane after the other."""
-    from numbalsoda import lsoda
-
-    function, times, rest = PROBLEM.compiled_rates(), PROBLEM.times, PROBLEM.rest
+def lane_by_lane(one: peers.Solve) -> Solve:
+    """A solver of one simulation, one lane after the other."""
 
     def solve(rtol: float, atol: float, count: int) -> Run:
-        data = np.stack(list(values(count).values()), axis=1)
-
-        def run() -> Array:
-            found = [lsoda(function.address, rest, times, d, rtol=rtol, atol=atol, mxstep=MOST_STEPS) for d in data]
-            if not all(success for _, success in found):
-                raise ArithmeticError("numbalsoda failed")
-            return np.stack([rows[:, 0] for rows, _ in found])
-
-        return run
-
-    return solve
-
-
-def odeint() -> Solve:
-    """SciPy's odeint with the equations on Python's own floats, one lane after the other."""
-    from scipy.integrate import odeint as scipy_odeint
-
-    rates, times, rest = PROBLEM.rates(), PROBLEM.times, PROBLEM.rest
-
-    def tuned(t: float, x: Array, k_v: float, F_s: float) -> Any:
-        return rates(t, x.tolist(), k_v, F_s)
-
-    def solve(rtol: float, atol: float, count: int) -> Run:
-        lane_values = np.stack(list(values(count).values()), axis=1).tolist()
-
-        def one(lane: list[float]) -> Array:
-            rows, info = scipy_odeint(
-                tuned, rest, times, tuple(lane), rtol=rtol, atol=atol, tfirst=True, mxstep=MOST_STEPS, full_output=True
-            )
-            if info["message"] != "Integration successful.":
-                raise ArithmeticError(info["message"])
-            return rows[:, 0]
-
-        return lambda: np.stack([one(lane) for lane in lane_values])
+        every = list(zip(*(x.tolist() for x in values(count).values()), strict=True))
+        return lambda: np.stack([one(rtol, atol, lane) for lane in every])
 
     return solve
 
 
 def diffrax(way: Way) -> Solve:
     """diffrax Kvaerno3 over all lanes at once by jax.vmap; compiled here."""
-    rows = diffrax_rows(PROBLEM, "Kvaerno3")
+    rows = peers.diffrax_rows(PROBLEM, "Kvaerno3")
     import jax
 
     started = perf_counter()
@@ -237,23 +169,13 @@ def ways(quick: bool) -> tuple[list[Way], dict[str, str]]:
         Way(SCALAR, "native.solve lane by lane, 1 thread", scalar_loop, 250 // share, like=ONE),
     ]
     missing = {}
-    with without_avx512():
-        narrow = width()
-    if narrow == 4:
-        found.insert(2, Way(NARROW, "compiled without AVX-512, vectors of 4", own_narrow, LANES // share, like=ONE))
-    else:
-        missing[NARROW] = f"the compiler without AVX-512 makes vectors of {narrow}"
     makers: list[tuple[str, str, str, int, Callable[[Way], Solve]]] = [
-        ("numbalsoda", "numbalsoda", "LSODA lane by lane, equations compiled", 80 // share, lambda way: numbalsoda()),
-        (
-            "SciPy odeint, tuned",
-            "scipy",
-            "LSODA lane by lane, Python equations",
-            8 // min(share, 4),
-            lambda way: odeint(),
-        ),
+        ("numbalsoda", "numbalsoda", "LSODA lane by lane, equations compiled", 80 // share,
+         lambda way: lane_by_lane(peers.numbalsoda(PROBLEM))),
+        ("SciPy odeint, tuned", "scipy", "LSODA lane by lane, Python equations", 8 // min(share, 4),
+         lambda way: lane_by_lane(peers.odeint(PROBLEM, tuned=True))),
         (DIFFRAX, "diffrax", "Kvaerno3, compiled by JAX", 100 // share, diffrax),
-    ]
+    ]  # fmt: skip
     for name, package, what, count, make in makers:
         try:
             way = Way(name, f"{package} {version(package)}, {what}", lambda *_: np.empty, count, loosest=1e-5)
@@ -274,7 +196,7 @@ SLOW = 10.0  # s: what takes longer is run once
 def reference(count: int) -> tuple[Array, dict[str, Any]]:
     """The rows of tight runs, and how well SciPy agrees on two lanes."""
     y = own(None)(REFERENCE_RTOL, 0.0, count)()["y"]
-    other = odeint()(CHECK_RTOL, ATOL_SHARE * CHECK_RTOL, 2)()
+    other = lane_by_lane(peers.odeint(PROBLEM, tuned=True))(CHECK_RTOL, ATOL_SHARE * CHECK_RTOL, 2)()
     differs = float(np.max(np.abs(other - y[:2]) / np.max(np.abs(y[:2]), axis=1, keepdims=True)))
     if differs > LIMIT / 10:
         raise SystemExit(f"the reference is uncertain: {differs:.1e} from SciPy's odeint")

@@ -1,4 +1,7 @@
-"""Every solver of a problem behind one call: tolerances in, y at the problem's times out."""
+"""Every solver of a problem behind one call: tolerances in, y at the problem's times out.
+
+Those that an ensemble takes too have k_v and F_s as a third argument.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,8 @@ from stribeck.codegen import source
 from stribeck.simulation import cache, compiler, native
 
 Array = NDArray[np.float64]
-Solve = Callable[[float, float | None], Array]  # rtol, atol (None: the solver's own choice) -> y at the times
+Solve = Callable[..., Array]  # rtol, atol (None: the solver's own choice), k_v and F_s -> y at the times
+VALUES = (K_V, F_S)
 
 MOST_STEPS = 10**6
 DIFFRAX_FIRST_STEP = 1e-6
@@ -30,8 +34,10 @@ def odeint(problem: Problem, tuned: bool) -> Solve:
 
     times, rest, rates = problem.times, problem.rest, _python(problem, tuned)
 
-    def solve(rtol: float, atol: float | None) -> Array:
-        rows, info = odeint(rates, rest, times, rtol=rtol, atol=atol, tfirst=True, mxstep=MOST_STEPS, full_output=True)
+    def solve(rtol: float, atol: float | None, values: tuple[float, ...] = VALUES) -> Array:
+        rows, info = odeint(
+            rates, rest, times, values, rtol=rtol, atol=atol, tfirst=True, mxstep=MOST_STEPS, full_output=True
+        )
         if info["message"] != "Integration successful.":
             raise ArithmeticError(info["message"])
         return rows[:, 0]
@@ -57,19 +63,18 @@ def solve_ivp(problem: Problem, method: str, tuned: bool) -> Solve:
 def _python(problem: Problem, tuned: bool) -> Callable[..., Any]:
     """The equations in Python; tuned, on Python's own floats, which are quicker than NumPy's scalars."""
     rates = problem.rates()
-    return (lambda t, x: rates(t, x.tolist())) if tuned else rates
+    return (lambda t, x, *values: rates(t, x.tolist(), *values)) if tuned else rates
 
 
 def numbalsoda(problem: Problem) -> Solve:
     """numbalsoda (LSODA in C++) with equations compiled by numba."""
     from numbalsoda import lsoda
 
-    function, data = problem.compiled_rates(), np.array([K_V, F_S])
-    address, times, rest = function.address, problem.times, problem.rest
+    function, times, rest = problem.compiled_rates(), problem.times, problem.rest
 
-    def solve(rtol: float, atol: float | None) -> Array:
-        assert function is not None  # keeps the compiled function alive
-        rows, success = lsoda(address, rest, times, data=data, rtol=rtol, atol=atol, mxstep=MOST_STEPS)
+    def solve(rtol: float, atol: float | None, values: tuple[float, ...] = VALUES) -> Array:
+        data = np.array(values)
+        rows, success = lsoda(function.address, rest, times, data=data, rtol=rtol, atol=atol, mxstep=MOST_STEPS)
         if not success:
             raise ArithmeticError("numbalsoda failed")
         return rows[:, 0]
