@@ -163,44 +163,20 @@ def diffrax(problem: Problem, method: str) -> Solve:
     return solve
 
 
-@dataclass(frozen=True)
-class Peer:
-    """A solver of somebody else's.
-
-    Attributes:
-        name, what: for the table.
-        package: that it comes from.
-        make: makes it for a problem; raises ImportError where it is not installed.
-        like: the peer whose tolerances it takes.
-        shares: the ratios atol/rtol that a scan tries, where they are not the usual ones.
-        compiles: whether making it takes long.
-    """
-
-    name: str
-    package: str
-    what: str
-    make: Callable[[Problem], Solve]
-    like: str | None = None
-    shares: tuple[float, ...] | None = None
-    compiles: bool = False
-
-
 _PLAIN, _TUNED = "Python equations, state unpacked", "Python equations on x.tolist()"
 _JAX = "equations and solver compiled by JAX"
-PEERS = (
-    Peer("numbalsoda", "numbalsoda", "LSODA, equations compiled by numba", numbalsoda, compiles=True),
-    Peer("CasADi CVODES", "casadi", "BDF, symbolic equations, derived Jacobian", casadi),
-    Peer("scikit-sundae CVODE", "scikit-sundae", f"BDF, {_PLAIN}", cvode),
-    Peer("SciPy odeint", "scipy", _PLAIN, partial(odeint, tuned=False)),
-    Peer("SciPy odeint, tuned", "scipy", _TUNED, partial(odeint, tuned=True), like="SciPy odeint"),
-    Peer("solve_ivp LSODA", "scipy", _PLAIN, partial(solve_ivp, method="LSODA", tuned=False)),
-    Peer("solve_ivp LSODA, tuned", "scipy", _TUNED, partial(solve_ivp, method="LSODA", tuned=True),
-         like="solve_ivp LSODA"),
-    Peer("solve_ivp Radau", "scipy", _PLAIN, partial(solve_ivp, method="Radau", tuned=False)),
-    Peer("diffrax Kvaerno3", "diffrax", f"order 3, {_JAX}", partial(diffrax, method="Kvaerno3"), shares=(1e-3,),
-         compiles=True),
-    Peer("diffrax Kvaerno5", "diffrax", f"order 5, {_JAX}", partial(diffrax, method="Kvaerno5"), shares=(1e-3,),
-         compiles=True),
+# name, package, what for the table, how it is made for a problem, and what of a Solver is not as usual
+PEERS: tuple[tuple[str, str, str, Callable[[Problem], Solve], dict[str, Any]], ...] = (
+    ("numbalsoda", "numbalsoda", "LSODA, equations compiled by numba", numbalsoda, {}),
+    ("CasADi CVODES", "casadi", "BDF, symbolic equations, derived Jacobian", casadi, {}),
+    ("scikit-sundae CVODE", "scikit-sundae", f"BDF, {_PLAIN}", cvode, {}),
+    ("SciPy odeint", "scipy", _PLAIN, partial(odeint, tuned=False), {}),
+    ("SciPy odeint, tuned", "scipy", _TUNED, partial(odeint, tuned=True), {"like": "SciPy odeint"}),
+    ("solve_ivp LSODA", "scipy", _PLAIN, partial(solve_ivp, method="LSODA", tuned=False), {}),
+    ("solve_ivp LSODA, tuned", "scipy", _TUNED, partial(solve_ivp, method="LSODA", tuned=True), {"like": "solve_ivp LSODA"}),
+    ("solve_ivp Radau", "scipy", _PLAIN, partial(solve_ivp, method="Radau", tuned=False), {}),
+    ("diffrax Kvaerno3", "diffrax", f"order 3, {_JAX}", partial(diffrax, method="Kvaerno3"), {"shares": (1e-3,)}),
+    ("diffrax Kvaerno5", "diffrax", f"order 5, {_JAX}", partial(diffrax, method="Kvaerno5"), {"shares": (1e-3,)}),
 )  # fmt: skip
 
 BASE = "stribeck"
@@ -221,7 +197,7 @@ class Solver:
         shares: the ratios atol/rtol that the scan tries; None leaves atol to the solver.
         loosest: the rtol at which the scan begins.
         like: the solver whose tolerances it takes, where they are the same equations and method; else a scan.
-        made_in: what making it took once, s: for some, compiling.
+        made_in: what making it took once, s: importing it and, for some, compiling.
     """
 
     name: str
@@ -283,13 +259,12 @@ def own_solvers(problem: Problem) -> list[Solver]:
 def available(problem: Problem) -> tuple[list[Solver], dict[str, str]]:
     """The solvers that can be measured here, the one of this project first; and why the others cannot."""
     found, missing = own_solvers(problem), dict[str, str]()
-    for peer in PEERS:
+    for name, package, words, make, more in PEERS:
         try:
             started = perf_counter()
-            solve = peer.make(problem)
-            what = f"{peer.package} {version(peer.package)}, {peer.what}, {PEER_ATOL}"
-            made_in = perf_counter() - started if peer.compiles else None
-            found.append(Solver(peer.name, what, solve, peer.shares or PEER_SHARES, like=peer.like, made_in=made_in))
+            solve = make(problem)
+            what = f"{package} {version(package)}, {words}, {PEER_ATOL}"
+            found.append(Solver(name, what, solve, made_in=perf_counter() - started, **more))
         except (ImportError, OSError) as error:
-            missing[peer.name] = f"not installed ({error})"
+            missing[name] = f"not installed ({error})"
     return found, missing

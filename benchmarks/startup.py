@@ -12,10 +12,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 from measure import environment, finish, options, say, spread
 from problems import LIMIT_CYCLE
@@ -23,35 +22,34 @@ from problems import LIMIT_CYCLE
 KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
 
 
-@dataclass
-class Case:
-    """A command to time; ``prepare`` makes what it needs and returns the cache folder and further arguments."""
+Prepared = Callable[[], tuple[Path, list[str]]]  # the cache folder, and further arguments
+Case = tuple[list[str], Prepared]
 
-    name: str
-    command: list[str]
-    prepare: Callable[[], tuple[Path, list[str]]]
-    times: list[float] = field(default_factory=list)
-    cpu: list[float] = field(default_factory=list)
-    megabytes: list[float] = field(default_factory=list)
 
-    def run(self) -> None:
-        """Run once, keeping time and memory."""
-        cache, arguments = self.prepare()
-        started = perf_counter()
-        process = subprocess.Popen(
-            [*self.command, *arguments], env=environment(STRIBECK_CACHE=str(cache)), stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-        )  # fmt: skip
-        assert process.stderr is not None
+class Process(NamedTuple):
+    """What a process took: time on the wall, processor time, and its peak of memory, MB."""
+
+    wall: float
+    cpu: float
+    megabytes: float
+
+
+def run(name: str, command: list[str], prepare: Prepared) -> Process:
+    """Run a command once."""
+    cache, arguments = prepare()
+    started = perf_counter()
+    process = subprocess.Popen(
+        [*command, *arguments], env=environment(STRIBECK_CACHE=str(cache)), stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert process.stderr is not None
+    with process.stderr:
         complaint = process.stderr.read()
-        _, status, usage = os.wait4(process.pid, 0)
-        self.times.append(perf_counter() - started)
-        self.cpu.append(usage.ru_utime + usage.ru_stime)
-        process.stderr.close()
-        process.returncode = os.waitstatus_to_exitcode(status)
-        self.megabytes.append(usage.ru_maxrss * KILO / 1e6)
-        if process.returncode != 0:
-            raise SystemExit(f"{self.name}: exit status {process.returncode}: {complaint.decode(errors='replace')}")
+    _, status, usage = os.wait4(process.pid, 0)
+    wall, process.returncode = perf_counter() - started, os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        raise SystemExit(f"{name}: exit status {process.returncode}: {complaint.decode(errors='replace')}")
+    return Process(wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * KILO / 1e6)
 
 
 def stribeck() -> list[str]:
@@ -63,7 +61,7 @@ def stribeck() -> list[str]:
     return [found]
 
 
-def cases(folder: Path) -> list[Case]:
+def cases(folder: Path) -> dict[str, Case]:
     """The commands."""
     scenario, filled = folder / "limit_cycle.toml", folder / "filled"
     scenario.write_text(LIMIT_CYCLE.toml)
@@ -74,41 +72,35 @@ def cases(folder: Path) -> list[Case]:
     def with_out(cache: Path) -> tuple[Path, list[str]]:
         return cache, ["--out", str(fresh())]
 
-    run = [*stribeck(), "run", str(scenario), "--json"]
-    return [
-        Case("python -c pass", [sys.executable, "-c", "pass"], lambda: (filled, [])),
-        Case("python -c 'import numpy'", [sys.executable, "-c", "import numpy"], lambda: (filled, [])),
-        Case("stribeck --help", [*stribeck(), "--help"], lambda: (filled, [])),
-        Case("run --json, cached", run, lambda: (filled, [])),
-        Case("run --json, new", run, lambda: (fresh(), [])),
-        Case("run --json --out, cached", run, lambda: with_out(filled)),
-        Case("run --json --out, new", run, lambda: with_out(fresh())),
-    ]
+    simulate = [*stribeck(), "run", str(scenario), "--json"]
+    return {
+        "python -c pass": ([sys.executable, "-c", "pass"], lambda: (filled, [])),
+        "python -c 'import numpy'": ([sys.executable, "-c", "import numpy"], lambda: (filled, [])),
+        "stribeck --help": ([*stribeck(), "--help"], lambda: (filled, [])),
+        "run --json, cached": (simulate, lambda: (filled, [])),
+        "run --json, new": (simulate, lambda: (fresh(), [])),
+        "run --json --out, cached": (simulate, lambda: with_out(filled)),
+        "run --json --out, new": (simulate, lambda: with_out(fresh())),
+    }
 
 
-def figures(case: Case) -> dict[str, Any]:
+def figures(name: str, processes: list[Process]) -> dict[str, Any]:
     """A case's line of the results."""
-    peak = max(case.megabytes)
-    return {"case": case.name, "seconds": spread(case.times), "cpu_seconds": spread(case.cpu), "peak_megabytes": peak}
+    wall, cpu, megabytes = (list(x) for x in zip(*processes, strict=True))
+    return {"case": name, "seconds": spread(wall), "cpu_seconds": spread(cpu), "peak_megabytes": max(megabytes)}
 
 
 def benchmark(repetitions: int) -> dict[str, Any]:
     """Run every command once unmeasured, then all in turn."""
     with tempfile.TemporaryDirectory() as folder:
         measured = cases(Path(folder))
-        for case in measured:
-            case.run()
-        for case in measured:
-            for kept in (case.times, case.cpu, case.megabytes):
-                kept.clear()
-        for repetition in range(repetitions):
-            for case in measured:
-                case.run()
-            say(f"repetition {repetition + 1} of {repetitions}")
-    return {
-        "benchmark": "start-up, whole processes",
-        "cases": [figures(case) for case in measured],
-    }
+        done: dict[str, list[Process]] = {name: [] for name in measured}
+        for repetition in range(repetitions + 1):
+            for name, case in measured.items():
+                done[name].append(run(name, *case))
+            say(f"repetition {repetition} of {repetitions}")
+    lines = [figures(name, processes[1:]) for name, processes in done.items()]
+    return {"benchmark": "start-up, whole processes", "cases": lines}
 
 
 def main() -> None:

@@ -151,49 +151,41 @@ def lacking(seed: int) -> Made:
 def bent(seed: int) -> Made:
     """As :func:`lacking`, of a curve that bends upwards with the speed, beside a Stribeck bend that may be too narrow to be
     seen: a law that lacks the one spends its bend on it, far from where the truth has the other."""
-    draw = np.random.default_rng(seed)
-    power, level = POWERS[seed % len(POWERS)], float(np.exp(draw.uniform(-1, 2)))
-    v_s, rises = float(np.exp(draw.uniform(np.log(1e-3), np.log(0.2)))), draw.uniform(0.2, 0.8)
-    viscous, bends = level * draw.uniform(0.05, 0.4), level * float(np.exp(draw.uniform(np.log(0.05), np.log(0.4))))
-    mass, offset, noise = level * draw.uniform(0, 0.3), level * draw.uniform(-0.1, 0.1), draw.choice([1e-3, 5e-3, 2e-2])
-    t = np.arange(2 * ROWS) * STEP
-    w = 2 * np.pi * np.exp(draw.uniform(np.log(0.15), np.log(1.8), 1 + seed % 2))
-    speed, phase = draw.uniform(0.4, 1.3, len(w)), draw.uniform(0, 6, len(w))
-    v, a = np.sin(np.outer(t, w) + phase) @ speed, np.cos(np.outer(t, w) + phase) @ (speed * w)
-    y = -np.cos(np.outer(t, w) + phase) @ (speed / w) + 1e-7 * draw.standard_normal(len(t))
-    curve = level * (1 + rises * np.exp(-((v / v_s) ** 2))) + viscous * abs(v) + bends * abs(v) ** power
-    force = mass * a + curve * np.sign(v) + offset + level * noise * draw.standard_normal(len(t))
-    truth = {"mass": mass, "offset": offset, "F_c": level, "sigma_2": viscous, "F_s": level * (1 + rises), "v_s": v_s}
-
-    def friction(u: float) -> float:
-        return float(level * (1 + rises * np.exp(-((u / v_s) ** 2))) + viscous * u + bends * u**power)
-
-    return f"bent, |v|^{power:g}", {"t": t, "y": y, "F": force}, truth, friction
+    power = POWERS[seed % len(POWERS)]
+    columns, truth, friction = curved(seed, 2.0, power, (1e-3, 0.2), (0.4, 1.3))
+    return f"bent, |v|^{power:g}", columns, truth, friction
 
 
 def pointed(seed: int) -> Made:
     """As :func:`lacking`, of a Stribeck curve whose exponent may be another than 2."""
+    exponent = EXPONENTS[seed % len(EXPONENTS)]
+    columns, truth, friction = curved(seed, exponent, None, (5e-3, 0.1), (0.3, 1.0))
+    return f"pointed, |v/v_s|^{exponent:g}", columns, {n: x for n, x in truth.items() if n != "v_s"}, friction
+
+
+def curved(
+    seed: int, exponent: float, power: float | None, stribeck: tuple[float, float], speeds: tuple[float, float]
+) -> tuple[Columns, Constants, Callable[[float], float]]:
+    """A record of a Stribeck curve of an exponent and, with a ``power`` of the speed, a further term; its truth."""
     draw = np.random.default_rng(seed)
-    exponent, level = EXPONENTS[seed % len(EXPONENTS)], float(np.exp(draw.uniform(-1, 2)))
-    v_s, rises = float(np.exp(draw.uniform(np.log(5e-3), np.log(0.1)))), draw.uniform(0.2, 0.8)
-    viscous, mass, offset = (
-        level * draw.uniform(0.05, 0.4),
-        level * draw.uniform(0, 0.3),
-        level * draw.uniform(-0.1, 0.1),
-    )
-    noise, t = draw.choice([1e-3, 5e-3, 2e-2]), np.arange(2 * ROWS) * STEP
+    level = float(np.exp(draw.uniform(-1, 2)))
+    v_s, rises = float(np.exp(draw.uniform(*np.log(stribeck)))), draw.uniform(0.2, 0.8)
+    viscous = level * draw.uniform(0.05, 0.4)
+    bends = 0.0 if power is None else level * float(np.exp(draw.uniform(np.log(0.05), np.log(0.4))))
+    mass, offset, noise = level * draw.uniform(0, 0.3), level * draw.uniform(-0.1, 0.1), draw.choice([1e-3, 5e-3, 2e-2])
+    t = np.arange(2 * ROWS) * STEP
     w = 2 * np.pi * np.exp(draw.uniform(np.log(0.15), np.log(1.8), 1 + seed % 2))
-    speed, phase = draw.uniform(0.3, 1.0, len(w)), draw.uniform(0, 6, len(w))
+    speed, phase = draw.uniform(*speeds, len(w)), draw.uniform(0, 6, len(w))
     v, a = np.sin(np.outer(t, w) + phase) @ speed, np.cos(np.outer(t, w) + phase) @ (speed * w)
     y = -np.cos(np.outer(t, w) + phase) @ (speed / w) + 1e-7 * draw.standard_normal(len(t))
-    curve = level * (1 + rises * np.exp(-(abs(v / v_s) ** exponent))) + viscous * abs(v)
-    force = mass * a + curve * np.sign(v) + offset + level * noise * draw.standard_normal(len(t))
-    truth = {"mass": mass, "offset": offset, "F_c": level, "sigma_2": viscous, "F_s": level * (1 + rises)}
 
-    def friction(u: float) -> float:
-        return float(level * (1 + rises * np.exp(-((u / v_s) ** exponent))) + viscous * u)
+    def curve(u: Any) -> Any:
+        further = 0.0 if power is None else bends * u**power
+        return level * (1 + rises * np.exp(-((u / v_s) ** exponent))) + viscous * u + further
 
-    return f"pointed, |v/v_s|^{exponent:g}", {"t": t, "y": y, "F": force}, truth, friction
+    force = mass * a + curve(abs(v)) * np.sign(v) + offset + level * noise * draw.standard_normal(len(t))
+    truth = {"mass": mass, "offset": offset, "F_c": level, "sigma_2": viscous, "F_s": level * (1 + rises), "v_s": v_s}
+    return {"t": t, "y": y, "F": force}, truth, lambda u: float(curve(u))
 
 
 # -- friction of another kind ----------------------------------------------------------------------------------------
