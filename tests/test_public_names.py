@@ -74,7 +74,6 @@ def test_simulate_gives_a_solution_or_an_ensemble(law):
     assert isinstance(found, st.Ensemble)
     assert len(found) == 2
     machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law))
-    assert len(st.simulate(machine.vary({"bodies.a.mass": [0.5, 1.0, 2.0]}), t_end=0.01)) == 3
     assert len(st.simulate(machine, {"bodies.a.mass": [0.5, 1.0]}, t_end=0.01, rtol=1e-9)) == 2
 
 
@@ -101,8 +100,8 @@ def test_sweep(tmp_path, law):
     machine = st.Machine(
         st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Load.follow("p", "a", st.signals.Sine(2.0, 1.0))
     )
-    varied = machine.vary({"bodies.a.mass": [0.5, 1.0, 2.0]})
-    assert len(st.sweep(varied, out=tmp_path / "two", t_end=0.1, step=0.01).lanes) == 3
+    varied = {"bodies.a.mass": [0.5, 1.0, 2.0]}
+    assert len(st.sweep(machine, varied, tmp_path / "two", t_end=0.1, step=0.01).lanes) == 3
 
 
 def test_what_a_notebook_shows(law):

@@ -53,7 +53,7 @@ def test_the_example_of_the_documentation():
     assert set(solution.events) == {"mesh", "gear"}
     assert len(solution.plot().axes) > 3
     assert list(solution.to_pandas())[:3] == ["t", "rotor.y", "rotor.v"]
-    ensemble = st.simulate(rig().vary({"contacts.mesh.law.parameters.F_c": [0.9, 1.0]}), t_end=4.0, step=1e-3)
+    ensemble = st.simulate(rig(), {"contacts.mesh.law.parameters.F_c": [0.9, 1.0]}, t_end=4.0, step=1e-3)
     np.testing.assert_allclose(ensemble["arm.y"][1], solution["arm.y"], rtol=0, atol=1e-7 * solution.peaks["arm.y"])
 
 

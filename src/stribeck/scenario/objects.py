@@ -14,11 +14,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-from numpy.typing import ArrayLike
 
 from stribeck.constants import kind_of
 from stribeck.errors import InputError
@@ -27,14 +24,6 @@ from stribeck.machine.reading import Draft
 from stribeck.machine.table import Reading
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed, plain_table
-
-
-@dataclass(frozen=True)
-class VariedMachine:
-    """A machine and the values that its lanes have, for :func:`stribeck.simulate`."""
-
-    machine: Machine
-    values: dict[str, ArrayLike]
 
 
 class Machine:
@@ -107,15 +96,6 @@ class Machine:
         if draft.problems:
             raise InputError([f"{path}: {text}" for path, text in draft.problems])
         return Machine(*draft.machine, name=self.name, folder=self._folder)
-
-    def vary(self, values: Mapping[str, ArrayLike]) -> VariedMachine:
-        """The machine with values for each lane of an ensemble.
-
-        Raises:
-            InputError: a path leads into an element that the machine does not have.
-        """
-        changed(self.to_dict(), values, self._folder)
-        return VariedMachine(self, dict(values))
 
     def scenario(self, t_end: float, step: float | None = None, *, energy: bool = False, **solve: object) -> Scenario:
         """The scenario to simulate, until ``t_end`` (s), with a row every ``step`` (s; t_end/1000 unless given).

@@ -15,7 +15,7 @@ from stribeck.simulation.solution import Solution
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from stribeck.scenario.objects import Machine, VariedMachine
+    from stribeck.scenario.objects import Machine
     from stribeck.simulation.ensemble import Ensemble
 
 __all__ = ["Ensemble", "Solution", "c_source", "simulate"]
@@ -36,16 +36,8 @@ def simulate(
 ) -> Ensemble: ...  # fmt: skip
 
 
-@overload
 def simulate(
-    what: VariedMachine, vary: Mapping[str, ArrayLike] | None = None, *, t_end: float | None = None,
-    step: float | None = None, threads: int | None = None, progress: Callable[[float], None] | None = None,
-    **solve: object,
-) -> Ensemble: ...  # fmt: skip
-
-
-def simulate(
-    what: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
+    what: Scenario | Machine | str | Path | Mapping[str, object],
     vary: Mapping[str, ArrayLike] | None = None,
     *,
     t_end: float | None = None,
@@ -61,7 +53,7 @@ def simulate(
     ``simulate(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})`` has two lanes. A lane is one simulation of a batch.
 
     Args:
-        what: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)`` brings its values with it.
+        what: a scenario, a machine, the path of its file, or its tables.
         vary: values by path, as many for each path as there are lanes; a single number holds for all. Constants of laws,
             drives and signals, masses and initial values can be varied.
         t_end: end of the simulation, s; required for a :class:`Machine`.
@@ -78,13 +70,7 @@ def simulate(
         InputError: if the file or the tables are not a valid scenario, a path cannot be varied, its values are not numbers,
             or the rows do not fit into memory.
     """
-    if vary is None and isinstance(what, Scenario | str | Path | Mapping):
-        several = False
-    else:
-        from stribeck.scenario.objects import VariedMachine  # a file that is run needs no objects
-
-        several = vary is not None or isinstance(what, VariedMachine)
-    if several:
+    if vary is not None:
         from stribeck.simulation.ensemble import inaccurate_lanes, simulate_ensemble
 
         ensemble = simulate_ensemble(what, vary, t_end=t_end, step=step, threads=threads, progress=progress, **solve)  # type: ignore[arg-type]
@@ -93,7 +79,7 @@ def simulate(
         return ensemble
     if threads is not None:
         raise InputError(f"{arg('threads')}: {threads}: goes with vary, which is not given")
-    return single.simulate_once(what, progress, t_end=t_end, step=step, **solve)  # type: ignore[arg-type]
+    return single.simulate_once(what, progress, t_end=t_end, step=step, **solve)
 
 
 def c_source(scenario: Scenario) -> str:

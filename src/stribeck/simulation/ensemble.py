@@ -16,7 +16,7 @@ from stribeck.constants import Column
 from stribeck.errors import InputError, nearest, printable
 from stribeck.machine.equations import SLIP_AND_STICK
 from stribeck.scenario import Scenario
-from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
+from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import backend, lanes
 from stribeck.simulation.result import NOT_FINITE, failure
 from stribeck.simulation.single import simulate_once
@@ -120,7 +120,7 @@ class Ensemble:
 
 
 def simulate_ensemble(
-    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
+    scenario: Scenario | Machine | str | Path | Mapping[str, object],
     values: Mapping[str, ArrayLike] | None = None,
     *,
     t_end: float | None = None,
@@ -137,8 +137,7 @@ def simulate_ensemble(
     single runs within the tolerances, for any number of lanes and threads. A lane's results are the same in every run.
 
     Args:
-        scenario: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)`` brings its values with
-            it.
+        scenario: a scenario, a machine, the path of its file, or its tables.
         t_end, step, **solve: as for :func:`stribeck.simulate`.
         values: values by path, as many for each path as there are lanes; a single number is used in all lanes.
         threads: number of threads; all cores unless given.
@@ -152,10 +151,7 @@ def simulate_ensemble(
     Raises:
         InputError: if a path cannot be varied, its values are not numbers, or the rows do not fit into memory.
     """
-    if isinstance(scenario, VariedMachine):
-        values = {**scenario.values, **(values or {})}
-    shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
-    variations = vary(scenario_of(shared, t_end, step, **solve), values or {})
+    variations = vary(scenario_of(scenario, t_end, step, **solve), values or {})
     _check(variations, threads)
     threads = threads or lanes.threads_of_this_machine()
     batch = _Lanes(variations)

@@ -19,7 +19,7 @@ from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
 from stribeck.mouth.document import Document
 from stribeck.scenario import Scenario
-from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
+from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import variations
 from stribeck.simulation.native import step_share
 from stribeck.sweeps.parts import MadePart, Order
@@ -281,7 +281,7 @@ def check_cluster(cluster: object, threads: int | None) -> None:
 
 
 def sweep(
-    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
+    scenario: Scenario | Machine | str | Path | Mapping[str, object],
     vary: Mapping[str, ArrayLike] | None = None,
     out: str | Path = "sweep",
     *,
@@ -297,7 +297,7 @@ def sweep(
     A lane is one simulation of a batch.
 
     Args:
-        scenario: the scenario that the lanes vary; or ``machine.vary({...})``.
+        scenario: the scenario or machine that the lanes vary.
         vary: values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
         out: folder, or a URL that fsspec supports (``"s3://bucket/name"`` with s3fs installed).
         t_end, step: as in :func:`stribeck.simulate`.
@@ -316,11 +316,7 @@ def sweep(
             stay, and the same call continues.
     """
     check_cluster(cluster, threads)
-    values = dict(vary or {})
-    if isinstance(scenario, VariedMachine):
-        values = {**scenario.values, **values}
-    shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
-    job = Sweep(scenario_of(shared, t_end, step), variations.arrays(values), out, summary)
+    job = Sweep(scenario_of(scenario, t_end, step), variations.arrays(dict(vary or {})), out, summary)
     job.run(threads, progress, cluster)
     return job
 
