@@ -13,7 +13,7 @@ from pathlib import Path
 from stribeck.errors import InputError, arg, needed, printable, unbroken
 from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
-from stribeck.explore.figures import figures, panels
+from stribeck.explore.figures import Chart, figures, panels
 from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections
 from stribeck.explore.measured import measured
 from stribeck.explore.numbers import MOST_POINTS, numbers, of_law
@@ -56,8 +56,8 @@ def explorer_page(
     """
     library = _library()
     if measured_whole(scenario):
-        filling = _machine(scenario, laws, command)
-        return _fill(filling, machine_sections(scenario), library)
+        data = _machine(scenario, laws)
+        return _fill(scenario, data, machine_panels(scenario), machine_sections(scenario), library, command)
     scenarios = variants(scenario, laws)
     modules = []
     for each in scenarios.values():
@@ -65,11 +65,7 @@ def explorer_page(
         if progress is not None:
             progress(len(modules) / len(scenarios))
     law_paths = {number.path for number in of_law(scenario)}
-    shown = panels(scenario)
     data = {
-        "name": scenario.name,
-        "version": __version__,
-        "command": command,
         "scenario": _tables(scenario),
         "law": scenario.law.name,
         "laws": {name: _law(each, module) for (name, each), module in zip(scenarios.items(), modules, strict=True)},
@@ -77,25 +73,17 @@ def explorer_page(
         "claims": CLAIMS,
         "signal": _signal(scenario),
         "machine": None,
-        "watched": scenario.system.watched,
-        "layout": wasm.layout(),
-        "eventRoom": EVENT_ROOM,
-        "panels": {name: panel.as_data() for name, panel in shown.items()},
-        "figures": figures(shown),
     }
-    return _fill(data, _SECTIONS, library)
+    return _fill(scenario, data, panels(scenario), _SECTIONS, library, command)
 
 
-def _machine(scenario: Scenario, laws: Iterable[str] | None, command: str) -> dict[str, object]:
+def _machine(scenario: Scenario, laws: Iterable[str] | None) -> dict[str, object]:
     if laws:
         what = "a machine" if not scenario.elements.unnamed else "a servo, or a drive that follows a curve,"
         raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
-    measured_machine, machine, shown = measured(scenario), scenario.system, machine_panels(scenario)
+    measured_machine, machine = measured(scenario), scenario.system
     module = with_functions(machine, machine_appendix(machine))
     return {
-        "name": scenario.name,
-        "version": __version__,
-        "command": command,
         "scenario": _plain(measured_machine.scenario.data),
         "law": "machine",
         "laws": {"machine": {**machine_law(scenario), "wasm": _compressed(module.module), "shape": wasm.shape(module)}},
@@ -103,11 +91,6 @@ def _machine(scenario: Scenario, laws: Iterable[str] | None, command: str) -> di
         "claims": [],
         "signal": None,
         "machine": machine_data(measured_machine),
-        "watched": machine.watched,
-        "layout": wasm.layout(),
-        "eventRoom": EVENT_ROOM,
-        "panels": {name: panel.as_data() for name, panel in shown.items()},
-        "figures": figures(shown),
     }
 
 
@@ -119,16 +102,23 @@ _SECTIONS = [
 ]
 
 
-def _fill(data: Mapping[str, object], sections: Iterable[tuple[str, str]], library: str) -> str:
-    """The page's text with the data in it."""
-    name, command = str(data["name"]), str(data["command"])
+def _fill(
+    scenario: Scenario, own: Mapping[str, object], shown: dict[str, Chart], sections: Iterable[tuple[str, str]],
+    library: str, command: str,
+) -> str:  # fmt: skip
+    """The page's text with the data in it: the scenario's ``own``, and what every page has."""
+    data = {
+        "name": scenario.name, "version": __version__, "command": command, **own, "watched": scenario.system.watched,
+        "layout": wasm.layout(), "eventRoom": EVENT_ROOM,
+        "panels": {name: panel.as_data() for name, panel in shown.items()}, "figures": figures(shown),
+    }  # fmt: skip
     charts = [
         f'<section aria-labelledby="h-{n}"><h2 id="h-{n}">{escape(title)}</h2><div id="{n}" class="chart"></div></section>'
         for n, title in sections
     ]
     parts = {
         "sections": "\n".join(charts),
-        "title": escape(printable(name)),
+        "title": escape(printable(scenario.name)),
         "style": _asset("page.css"),
         "data": in_script(data),
         "solver": _asset("solver.js"),

@@ -67,9 +67,8 @@ def write(
     text = html(document.title, about, introduction, chapters, command, document.next)
     paths = [*(folder / f"{figure.name}.svg" for figure in pictured), folder / name]
     try:
-        for figure in pictured:
-            write_figure(figure, folder)
-        write_text(paths[-1], text)
+        for path, content in zip(paths, (*(figure.svg for figure in pictured), text), strict=True):
+            write_text(path, content)
     except OSError:
         for path in paths:
             path.unlink(missing_ok=True)
@@ -103,13 +102,6 @@ def _shown(text: str) -> str:
 
 def _row(kind: str, cells: Sequence[str]) -> str:
     return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
-
-
-def write_figure(figure: FigureSvg, folder: Path) -> Path:
-    """Write the figure under its name."""
-    path = folder / f"{figure.name}.svg"
-    write_text(path, figure.svg)
-    return path
 
 
 @cache

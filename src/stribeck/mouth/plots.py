@@ -249,16 +249,11 @@ def key(axis: Axes, names: Sequence[str], beside: int) -> None:
     )
 
 
-def finish(figure: Figure, name: str, caption: str) -> FigureSvg:
-    """The drawn figure as SVG under a name, with its caption. Call within :func:`style`."""
-    return FigureSvg(name, svg(figure), caption)
-
-
 def drawn(figure: Picture) -> FigureSvg | None:
     """A document's figure as SVG; None where there is nothing to draw."""
     with style():
         canvas = figure.draw()
-        return None if canvas is None else finish(canvas, figure.name, figure.caption)
+        return None if canvas is None else FigureSvg(figure.name, svg(canvas), figure.caption)
 
 
 def png(figure: Figure) -> bytes:
