@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, closing, nullcontext
 from fnmatch import fnmatch
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,10 +35,19 @@ _PART_BYTES = 64e6  # of the columns of one part: some seconds of work, the most
 _MANIFEST = "_manifest.json"  # readers of a folder of Parquet files skip names that begin with an underscore
 
 
+class Finished(NamedTuple):
+    """What the manifest has of a finished part: the SHA-256 of its file, its failed lanes, and those that do not reach the
+    promised accuracy."""
+
+    sha256: str
+    failed: int
+    inaccurate: int
+
+
 class Sweep:
     """A sweep in a folder: parts of some lanes each, and a manifest.
 
-    The manifest describes the sweep. Of each finished part it has the SHA-256 and the numbers of failed and inaccurate lanes.
+    The manifest describes the sweep and each finished part.
 
     Args:
         scenario: the scenario that the lanes vary.
@@ -60,9 +69,7 @@ class Sweep:
         self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
         self.parts = math.ceil(len(self.lanes) / self.part_size)
         self.found = 0  # number of parts from an earlier run
-        self._digests: dict[str, str] = {}  # SHA-256 of the finished parts, by name
-        self._failed: dict[str, int] = {}  # number of failed lanes in the same parts
-        self._inaccurate: dict[str, int] = {}  # number of lanes in them that do not reach the promised accuracy
+        self._finished: dict[str, Finished] = {}  # by name
         self._about: dict[str, object] = {
             "format": 1,
             "stribeck": __version__,
@@ -96,12 +103,12 @@ class Sweep:
     @property
     def failed(self) -> int:
         """The number of failed lanes in the finished parts."""
-        return sum(self._failed.values())
+        return sum(part.failed for part in self._finished.values())
 
     @property
     def inaccurate(self) -> int:
         """The number of lanes in the finished parts that do not reach the promised accuracy."""
-        return sum(self._inaccurate.values())
+        return sum(part.inaccurate for part in self._finished.values())
 
     def lanes_of(self, part: int) -> range:
         """The lanes of a part."""
@@ -146,9 +153,8 @@ class Sweep:
                 ) as parts:
                     for part, result in parts:
                         self.place.put(self.name(part), result.content)
-                        self._digests[self.name(part)] = sha256(result.content).hexdigest()
-                        self._failed[self.name(part)] = result.failed
-                        self._inaccurate[self.name(part)] = result.inaccurate
+                        digest = sha256(result.content).hexdigest()
+                        self._finished[self.name(part)] = Finished(digest, result.failed, result.inaccurate)
                         self._write_manifest()
                         lanes += len(self.lanes_of(part))
                         tell(lanes)
@@ -166,7 +172,7 @@ class Sweep:
             if parts:
                 raise InputError(f"{here}: holds parts of an unknown sweep: must be another folder")
             return list(range(self.parts))
-        about, digests, failed, inaccurate = self._manifest(here)
+        about, finished = self._manifest(here)
         if about != self._about:
             text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
             raise InputError(f"{here}: {text}")
@@ -176,22 +182,24 @@ class Sweep:
         todo = []
         for part in range(self.parts):
             name = self.name(part)
-            known = all(name in each for each in (parts, digests, failed, inaccurate))
-            if known and digests[name] == self._digest_of(name):
-                self._digests[name] = digests[name]
-                self._failed[name], self._inaccurate[name] = failed[name], inaccurate[name]
+            known = finished.get(name) if name in parts else None
+            if known is not None and known.sha256 == self._digest_of(name):
+                self._finished[name] = known
             else:
                 todo.append(part)
         self.found = self.parts - len(todo)
         return todo
 
-    def _manifest(self, here: str) -> tuple[dict[str, object], dict[str, str], dict[str, int], dict[str, int]]:
-        """The manifest: description of the sweep, digests of its parts, their numbers of failed and of inaccurate lanes."""
+    def _manifest(self, here: str) -> tuple[dict[str, object], dict[str, Finished]]:
+        """The manifest: description of the sweep, and its finished parts by name."""
         try:
             manifest = json.loads(self.place.get(_MANIFEST) or b"")
-            digests, failed = dict(manifest.pop("sha256")), _counts(manifest.pop("failed"))
-            inaccurate = _counts(manifest.pop("inaccurate", {}))  # without them, parts are simulated anew
-            return dict(manifest), digests, failed, inaccurate
+            digests, *counts = (dict(manifest.pop(field)) for field in Finished._fields)
+            known = [name for name in digests if all(name in each for each in counts)]
+            finished = {name: Finished(digests[name], *(each[name] for each in counts)) for name in known}
+            if not all(type(x) is int and x >= 0 for part in finished.values() for x in part[1:]):
+                raise ValueError
+            return dict(manifest), finished
         except OSError as error:
             raise InputError(f"{here}: {_MANIFEST} in it cannot be read: {error.strerror or error}") from None
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
@@ -205,12 +213,8 @@ class Sweep:
         return None if content is None else sha256(content).hexdigest()
 
     def _write_manifest(self) -> None:
-        about = {
-            **self._about,
-            "sha256": dict(sorted(self._digests.items())),
-            "failed": dict(sorted(self._failed.items())),
-            "inaccurate": dict(sorted(self._inaccurate.items())),
-        }
+        parts = sorted(self._finished.items())
+        about = {**self._about, **{n: {name: part[i] for name, part in parts} for i, n in enumerate(Finished._fields)}}
         self.place.put(_MANIFEST, (json.dumps(about, indent=2, allow_nan=False) + "\n").encode())
 
     @staticmethod
@@ -319,15 +323,3 @@ def sweep(
     job = Sweep(scenario_of(scenario, t_end, step), variations.arrays(dict(vary or {})), out, summary)
     job.run(threads, progress, cluster)
     return job
-
-
-def _counts(kept: object) -> dict[str, int]:
-    """Numbers of lanes by part, as a manifest holds them.
-
-    Raises:
-        TypeError, ValueError: they are something else.
-    """
-    counts: dict[str, int] = dict(kept)  # type: ignore[call-overload]
-    if not all(type(x) is int and x >= 0 for x in counts.values()):
-        raise ValueError
-    return counts
