@@ -1,4 +1,4 @@
-"""The jobs that are timed: as scenarios for this project, and as equations that are written once for all its peers.
+"""The jobs that are timed: as templates of this project, and as equations that are written once for all its peers.
 
 The peers' equations are written apart from this project's own, so that equal results mean something. ``w`` is sigma_0 z,
 so that one absolute tolerance suits every state.
@@ -7,7 +7,6 @@ so that one absolute tolerance suits every state.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import ModuleType
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stribeck
+from stribeck import examples
 
 SIGMA_0, SIGMA_1, SIGMA_2 = 1e5, 316.22776601683796, 0.4
 F_C, F_S, V_S, K_V = 1.0, 1.5, 0.001, 1e7
@@ -65,66 +65,21 @@ def stick_slip_by(friction: Friction) -> Rates:
     return rates
 
 
-_LAW = f"""
-[law]
-name = "lugre_sobczyk"
-k_v = {K_V}
-
-[law.parameters]
-sigma_0 = {SIGMA_0}
-sigma_1 = {SIGMA_1}
-sigma_2 = {SIGMA_2}
-F_c = {F_C}
-F_s = {F_S}
-v_s = {V_S}
-
-[plant]
-mass = {MASS}
-"""
-
-_LIMIT_CYCLE = f"""\
-schema = 1
-name = "limit_cycle"
-{_LAW}
-[drive]
-kind = "pid"
-K_p = {K_P}
-K_i = {K_I}
-K_d = {K_D}
-
-[drive.signal]
-kind = "step"
-value = {SETPOINT}
-time = {START}
-"""
-
-_STICK_SLIP = f"""\
-schema = 1
-name = "stick_slip"
-{_LAW}
-[drive]
-kind = "spring"
-stiffness = {STIFFNESS}
-
-[drive.signal]
-kind = "ramp"
-rate = {PULLING_SPEED}
-"""
-
-
 @dataclass(frozen=True)
 class Problem:
     """A job: the scenario of this project, and for the peers the equations and where they begin.
 
     Attributes:
-        name, toml: the scenario.
+        name: of the template.
+        end, step: of the rows, s.
         equations: makes the right side from somebody's friction.
         order: how many states there are.
         first_row: the row at which the peers begin, all states being 0.
     """
 
     name: str
-    toml: str
+    end: float
+    step: float
     equations: Callable[[Friction], Rates] = field(repr=False)
     order: int
     first_row: int = 0
@@ -132,7 +87,7 @@ class Problem:
     @property
     def scenario(self) -> stribeck.Scenario:
         """This project's scenario."""
-        return stribeck.Scenario(tomllib.loads(self.toml))
+        return stribeck.load(examples.path(self.name), {"solve.t_end": self.end, "output.step": self.step})
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -168,15 +123,12 @@ class Problem:
 
 def limit_cycle(end: float, step: float = 0.05) -> Problem:
     """The limit cycle up to t = end, s."""
-    toml = f"{_LIMIT_CYCLE}\n[solve]\nt_end = {end}\n\n[output]\nstep = {step}\n"
-    return Problem("limit_cycle", toml, limit_cycle_by, 4, round(START / step))
+    return Problem("limit_cycle", end, step, limit_cycle_by, 4, round(START / step))
 
 
 def stick_slip(end: float, step: float = 0.01) -> Problem:
     """Stick-slip up to t = end, s."""
-    toml = f"{_STICK_SLIP}\n[solve]\nt_end = {end}\n\n[output]\nstep = {step}\n"
-    return Problem("stick_slip", toml, stick_slip_by, 3)
+    return Problem("stick_slip", end, step, stick_slip_by, 3)
 
 
 LIMIT_CYCLE = limit_cycle(250.0)
-STICK_SLIP = stick_slip(40.0)

@@ -17,7 +17,8 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from measure import environment, finish, options, say, spread
-from problems import LIMIT_CYCLE
+
+from stribeck import examples
 
 KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
 
@@ -63,8 +64,7 @@ def stribeck() -> list[str]:
 
 def cases(folder: Path) -> dict[str, Case]:
     """The commands."""
-    scenario, filled = folder / "limit_cycle.toml", folder / "filled"
-    scenario.write_text(LIMIT_CYCLE.toml)
+    scenario, filled = examples.path("limit_cycle"), folder / "filled"
 
     def fresh() -> Path:
         return Path(tempfile.mkdtemp(prefix="fresh-", dir=folder))
