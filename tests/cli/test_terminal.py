@@ -105,7 +105,7 @@ def test_progress_moves_though_nothing_is_told(monkeypatch):
 
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    with show.stages("fit") as tell:
+    with show.progress("fit") as tell:
         tell(None, "lugre")
         shown, tries = set(), 300  # half a minute, should the machine be busy
         while len(shown) < 3 and (tries := tries - 1):
@@ -124,7 +124,7 @@ def test_a_log_file_gets_lines_of_progress(monkeypatch):
     log = io.StringIO()
     monkeypatch.setattr(sys, "stderr", log)
     monkeypatch.setattr(show, "_EVERY", 0.05)
-    with show.stages("axis") as tell:
+    with show.progress("axis") as tell:
         tell(0.25, "the verdict")
         tries = 600
         while not log.getvalue() and (tries := tries - 1):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from stribeck.cli.options import ADVANCED, ControllerName, Json, Out, ScenarioOptions, command, flag, setting
 from stribeck.cli.output import OutputFolder, command_line, failed, tell
-from stribeck.cli.progress import stages
+from stribeck.cli.progress import progress
 
 if TYPE_CHECKING:
     from stribeck.loops import Design, ServoDesign
@@ -61,7 +61,7 @@ def design(
 
     loaded = source.load(*(partial(Turned.parse, text) for text in vary or []))
     with OutputFolder(out, [source.scenario], FILES):
-        with stages(loaded.name) as share:
+        with progress(loaded.name) as share:
             result = judge(
                 loaded, vary=vary or [], compensate=compensate, uncertainty=uncertainty, controller=controller, v_max=v_max,
                 seed=seed, tell=share,

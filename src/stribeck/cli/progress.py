@@ -17,17 +17,10 @@ _UNSEEN = 0.5  # s, that a command takes without a bar
 
 
 @contextmanager
-def progress(what: str) -> Iterator[Callable[[float], None]]:
-    """Progress on standard error of work that reports the share done."""
+def progress(what: str) -> Iterator[Callable[..., None]]:
+    """Progress on standard error of work that reports the share done (None: the bar moves), and its stage if it has some."""
     with _shown(what) as tell:
-        yield lambda share: tell(share, "", "")
-
-
-@contextmanager
-def stages(what: str) -> Iterator[Callable[[float | None, str], None]]:
-    """The same for work that reports its stage, and the share done if that is known (otherwise None: the bar moves)."""
-    with _shown(what) as tell:
-        yield lambda share, text: tell(share, text, "")
+        yield lambda share, stage="": tell(share, stage, "")
 
 
 @contextmanager
