@@ -110,7 +110,7 @@ def test_a_scenario_does_not_change():
     again = pickle.loads(pickle.dumps(scenario))
     assert again.law.p == copy.deepcopy(scenario.law).p == scenario.law.p
     heavier = scenario.elements.with_values({("bodies", "mass"): 2.0})
-    assert (scenario.mass, heavier.mass) == (1.0, 2.0)
+    assert (scenario.elements.mass, heavier.mass) == (1.0, 2.0)
     assert heavier.system is scenario.system
     assert heavier.laws == scenario.elements.laws
     slippery = scenario.elements.with_values({("contacts.law", "F_c"): 0.5})

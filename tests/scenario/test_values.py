@@ -59,8 +59,8 @@ def test_defaults():
     assert (scenario.solve.rtol, scenario.solve.atol) == (1e-8, {})
     assert scenario.output.energy is False
     assert scenario.initial == {}  # all of them 0
-    assert scenario.mass == 1.0
-    assert isinstance(scenario.mass, float)  # the file says 1
+    assert scenario.elements.mass == 1.0
+    assert isinstance(scenario.elements.mass, float)  # the file says 1
 
 
 def test_tolerances_scale_with_the_law():
@@ -75,7 +75,7 @@ def test_tolerances_scale_with_the_law():
 
 def test_values_are_named_by_their_owner():
     scenario = Scenario(VALID["velocity_sine"])
-    assert scenario.mass is None  # given, but a moved body needs none
+    assert scenario.elements.mass is None  # given, but a moved body needs none
     assert scenario.elements.values == {
         **{("contacts.law", n): CANUDAS[n] for n in ("F_c", "F_s", "v_s", "sigma_2")},
         ("contacts.law", "delta"): 1.5, ("contacts.law", "k_v"): 1e6,

@@ -25,11 +25,11 @@ def elastic(sigma_1, t_end=2.0):
 def oscillator(scenario, t):
     """Position and velocity of mass, spring and damper after a step of the force, in closed form."""
     p = scenario.law.p
-    rate = (p.sigma_1 + p.sigma_2) / (2 * scenario.mass)
-    omega = math.sqrt(p.sigma_0 / scenario.mass - rate**2)
+    rate = (p.sigma_1 + p.sigma_2) / (2 * scenario.elements.mass)
+    omega = math.sqrt(p.sigma_0 / scenario.elements.mass - rate**2)
     swing = np.exp(-rate * t)
     y = 0.3 / p.sigma_0 * (1 - swing * (np.cos(omega * t) + rate / omega * np.sin(omega * t)))
-    return y, 0.3 / (scenario.mass * omega) * swing * np.sin(omega * t)
+    return y, 0.3 / (scenario.elements.mass * omega) * swing * np.sin(omega * t)
 
 
 def off(scenario):

@@ -200,12 +200,6 @@ class Scenario:
         raise InputError(f"signals: {names}: there must be one signal for this")
 
     @property
-    def mass(self) -> float | None:
-        """The mass that the drive moves without anything between, kg (kg m^2); None where there is none."""
-        mass: float | None = self.elements.mass
-        return mass
-
-    @property
     def subject(self) -> str:
         """A short description: the law, or the machine."""
         if self.elements.unnamed:
