@@ -9,7 +9,7 @@ import pytest
 
 from stribeck import examples
 from stribeck.cli.app import app
-from stribeck.mouth.terminal import say
+from stribeck.mouth.terminal import _said
 
 COMMANDS = sorted(command.name or command.callback.__name__ for command in app.registered_commands)
 SPOKEN = {
@@ -46,7 +46,7 @@ def test_no_line_folds(words, stribeck, monkeypatch):
 def test_lines_end_between_words(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
     text = "a self-test of drift-free words that a terminal would have cut somewhere in their middles"
-    say(text, 6, "  one ")
+    print("\n".join(_said(text, 6, "  one ")))
     out = capsys.readouterr().out
     assert out.split() == ["one", *text.split()]
     assert all(len(line) <= 40 for line in out.splitlines())

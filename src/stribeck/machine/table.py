@@ -109,19 +109,18 @@ def _plain(value: object) -> object:
 def quantity(
     unit: str, meaning: str, *, above: float | None = None, at_least: float | None = None, default: float | None = None,
     optional: bool = False, rotary_unit: str | None = None, many: bool = False, off_at_zero: bool = False,
-    in_code: bool = True, largest: float | None = None, alias: str | None = None,
+    largest: float | None = None,
 ) -> Held:  # fmt: skip
     """A field that is a run-time constant. One with a ``default`` may be left out; an ``optional`` one is off then."""
     declared = Constant(unit, meaning, above, at_least, default, optional or off_at_zero, rotary_unit, largest=largest)
-    return given_as(declared, many=many, off_at_zero=off_at_zero, in_code=in_code, alias=alias)
+    return given_as(declared, many=many, off_at_zero=off_at_zero)
 
 
 def given_as(
-    declared: Constant, *, many: bool = False, off_at_zero: bool = False, in_code: bool = True, alias: str | None = None,
-    about: str | None = None,
-) -> Held:  # fmt: skip
+    declared: Constant, *, many: bool = False, off_at_zero: bool = False, in_code: bool = True, alias: str | None = None
+) -> Held:
     """A field that is a constant declared elsewhere."""
-    about = about or f"{declared.meaning}{f', {declared.unit}' if declared.unit else ''}"
+    about = f"{declared.meaning}{f', {declared.unit}' if declared.unit else ''}"
     info: Held
     if many and declared.default is not None:  # as long as the list before it
         info = Field(

@@ -45,9 +45,9 @@ def in_prefix(unit: str, first: float, *others: float) -> tuple[float | str, ...
     return (*(x / factor for x in (first, *others)), name or "1")
 
 
-def digits(x: float | None, unknown: str = "-", count: int = 6) -> str:
-    """A number with so many digits; ``unknown`` where there is none."""
-    return unknown if x is None or math.isnan(x) else f"{x:.{count}g}"
+def digits(x: float | None, count: int = 6) -> str:
+    """A number with so many digits; ``-`` where there is none."""
+    return "-" if x is None or math.isnan(x) else f"{x:.{count}g}"
 
 
 def rounded_up(x: float) -> str:

@@ -22,17 +22,6 @@ def width(without: int = 80) -> int:
     return max(40, min(shutil.get_terminal_size((without, 24)).columns, _WIDEST))
 
 
-def say(text: str, indent: int = 0, first: str = "") -> None:
-    """Print text on lines that end between words.
-
-    Args:
-        text: what to print; a word longer than the line stays whole.
-        indent: of the lines after the first, in columns.
-        first: what the first line begins with: a heading, to which ``indent`` makes the others stand beside.
-    """
-    print("\n".join(_said(text, indent, first)))
-
-
 def tell(document: Document, files: Sequence[str] = (), verbose: bool = False) -> None:
     """Print a document, the files that were written, and what comes next; with ``verbose`` every note."""
     for text in lines(document, files, verbose):
@@ -77,8 +66,13 @@ def _chapter(chapter: Chapter, verbose: bool) -> Iterator[str]:
         yield from _said(line, 4, "  ")
 
 
-def _said(text: str, indent: int = 0, first: str = "", wide: int | None = None) -> list[str]:
-    """Text on lines that end between words."""
+def _said(text: str, indent: int, first: str = "", wide: int | None = None) -> list[str]:
+    """Text on lines that end between words; a word longer than the line stays whole.
+
+    Args:
+        indent: of the lines after the first, in columns.
+        first: what the first line begins with.
+    """
     folded = _folded(unbroken(text), wide or width(), first, " " * indent)
     return folded or [first.rstrip()]
 
