@@ -19,7 +19,7 @@ from stribeck.constants import Constant
 from stribeck.errors import InputError, StribeckNote
 from stribeck.explore.numbers import MOST_POINTS, Number, number_of, of_run
 from stribeck.scenario import Scenario
-from stribeck.scenario.changes import value_at
+from stribeck.scenario.changes import entry_at
 from stribeck.simulation.native import solver_input
 
 Arrays = dict[str, Array]
@@ -96,7 +96,7 @@ def _without_sets(scenario: Scenario) -> Scenario:
     """The scenario with the constants of its parameter sets written out."""
     paths = {scenario.called.to_file(path): law for path, law in scenario.elements.laws.items()}
     changes = {f"{path}.parameters.{n}": x for path, law in paths.items() for n, x in law.machine.items()}
-    named = {p: x for p, x in changes.items() if isinstance(value_at(scenario.data, p.rpartition(".")[0]), str)}
+    named = {p: x for p, x in changes.items() if isinstance(entry_at(scenario.data, p.rpartition(".")[0]), str)}
     return scenario.with_changes(named) if named else scenario
 
 

@@ -17,7 +17,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
-from stribeck.scenario.changes import value_at
+from stribeck.scenario.changes import entry_at
 from stribeck.waveforms import KINDS, Signal, SumSignal
 from stribeck.waveforms.trajectories import Curve
 
@@ -100,7 +100,7 @@ def with_rest(scenario: Scenario) -> tuple[Scenario, tuple[str, ...]]:
         return scenario, ()
     data = deepcopy(scenario.data)
     for path, signal in endless.items():
-        table = value_at(data, path)
+        table = entry_at(data, path)
         assert isinstance(table, dict)
         table.clear()
         table.update(_held(signal, scenario.solve.t_end))

@@ -67,7 +67,7 @@ def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: P
         _drop_foreign_constants(new, path.removesuffix(".name"), folder)
     if "drive.observer.name" in changes and isinstance(new.get("drive"), dict):
         _set(new, "drive.observer.name", changes["drive.observer.name"])
-        if isinstance(observer := value_at(new, "drive.observer"), dict):
+        if isinstance(observer := entry_at(new, "drive.observer"), dict):
             _drop_of_observer(observer, folder)
     for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
         if path in (*renamed, "drive.observer.name"):
@@ -105,7 +105,7 @@ def unfolds(path: str) -> bool:
     return f".{path}".startswith(f".law{_INSIDE}") or f".law{_INSIDE}" in path
 
 
-def value_at(data: object, path: str) -> object:
+def entry_at(data: object, path: str) -> object:
     """What stands at a path; a number in it counts the entries of a list. None where there is nothing."""
     for name in path.split("."):
         if isinstance(data, list) and name.isdecimal():
@@ -121,7 +121,7 @@ def _unfold_parameters(data: dict[str, object], path: str, folder: Path, given: 
     Args:
         given: parameters that are given beside the set.
     """
-    law = value_at(data, path)
+    law = entry_at(data, path)
     if not isinstance(law, dict) or not isinstance(law.get("parameters"), str):
         return True
     try:
@@ -168,7 +168,7 @@ def _drop_of_observer(table: dict[str, object], folder: Path) -> None:
 
 
 def _drop_foreign_constants(data: dict[str, object], path: str, folder: Path) -> None:
-    table, plant = value_at(data, path), data.get("plant")
+    table, plant = entry_at(data, path), data.get("plant")
     if not isinstance(table, dict):
         return
     try:
