@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Unpack
-
 from stribeck.exports.controller.block import Block
 from stribeck.exports.controller.c import context
 from stribeck.exports.fmu.archive import packed
-from stribeck.exports.fmu.description import Description, Details, Variable, parameter
+from stribeck.exports.fmu.description import Description, Variables
 
 
 def files(block: Block) -> dict[str, str | bytes]:
@@ -19,25 +17,22 @@ def files(block: Block) -> dict[str, str | bytes]:
     return packed("block", "fmu_block", description, context(block))
 
 
-def variables_of(block: Block) -> list[Variable]:
+def variables_of(block: Block) -> Variables:
     """Time, inputs, outputs, states and constants; the sample time is the communication step."""
-    variables = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
-
-    def add(
-        name: str, unit: str, meaning: str, causality: str, variability: str, c: str, **rest: Unpack[Details]
-    ) -> None:
-        unit = "" if unit == "1" else unit
-        variables.append(Variable(len(variables), name, unit, meaning, causality, variability, c, **rest))
-
+    variables = Variables()
     for each in block.inputs:
-        add(each.name, each.unit, each.meaning, "input", "continuous", f"m->in.{each.name}", start=0.0)
+        variables.add(each.name, each.unit, each.meaning, "input", f"m->in.{each.name}", start=0.0)
     known = tuple(range(1, len(variables)))
     for each in block.outputs:
-        held: Details = {"start": 0.0, "settable": False, "calculated_from": known}
-        add(each.name, each.unit, each.meaning, "output", "discrete", f"m->out.{each.name}", **held)
+        variables.add(
+            each.name, each.unit, each.meaning, "output", f"m->out.{each.name}", discrete=True, start=0.0, settable=False,
+            calculated_from=known,
+        )  # fmt: skip
     for each in block.states:
-        add(f"state.{each.name}", each.unit, each.meaning, "local", "discrete", f"m->s.{each.name}", start=0.0)
+        variables.add(
+            f"state.{each.name}", each.unit, each.meaning, "local", f"m->s.{each.name}", discrete=True, start=0.0
+        )
     for name, (constant, value, _) in block.constants.items():
         if name != "period":
-            variables.append(parameter(len(variables), name, constant, f"m->p.{name}", value))
+            variables.add_constant(name, constant, f"m->p.{name}", value)
     return variables

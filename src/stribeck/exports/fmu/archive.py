@@ -5,21 +5,13 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping
-from typing import Unpack
 
 from stribeck.errors import InputError
 from stribeck.exports.c import c99
 from stribeck.exports.c.ccode import expression, pair, render
 from stribeck.exports.c.sampling import resolution
 from stribeck.exports.fmu.binaries import binaries
-from stribeck.exports.fmu.description import (
-    Description,
-    Details,
-    Variable,
-    build_description,
-    model_description,
-    parameter,
-)
+from stribeck.exports.fmu.description import Description, Variables, build_description, model_description
 from stribeck.exports.request import Request
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.laws.base import Scales
@@ -72,53 +64,45 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
     }  # fmt: skip
 
 
-def _variables(request: Request, mass: float, scales: Scales) -> list[Variable]:
-    law, body, start = request.law, request.part == "body", request.start
-    variables: list[Variable] = []
-
-    def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Unpack[Details]) -> int:
-        variability = "tunable" if causality == "parameter" else "continuous"
-        unit, meaning = request.unit(unit), request.words(meaning)
-        variables.append(Variable(len(variables), name, unit, meaning, causality, variability, c, **rest))
-        return len(variables) - 1
-
-    add("time", "s", "time", "independent", "m->time", settable=False)
+def _variables(request: Request, mass: float, scales: Scales) -> Variables:
+    law, body, start, unit, words = request.law, request.part == "body", request.start, request.unit, request.words
+    variables = Variables()
+    add, length, speed = variables.add, float(scales.length), float(scales.speed)
     if body:
-        u = add("u", "N", "force that drives the body", "input", "m->input", start=0.0)
-        y = add("y", "m", "position", "output", "m->x[0]", start=start["y"], nominal=float(scales.length))
-        v = add("v", "m/s", "velocity", "output", "m->x[1]", start=start["v"], nominal=float(scales.speed))
+        u = add("u", unit("N"), words("force that drives the body"), "input", "m->input", start=0.0)
+        y = add("y", unit("m"), words("position"), "output", "m->x[0]", start=start["y"], nominal=length)
+        v = add("v", unit("m/s"), words("velocity"), "output", "m->x[1]", start=start["v"], nominal=speed)
     else:
-        v = add("v", "m/s", "velocity", "input", "m->input", start=0.0)
+        v = add("v", unit("m/s"), words("velocity"), "input", "m->input", start=0.0)
     loads = tuple(
-        add(n, c.unit.removeprefix("1"), c.meaning, "input", f"m->load.{n}", start=request.constants[n])
+        add(n, unit(c.unit), words(c.meaning), "input", f"m->load.{n}", start=request.constants[n])
         for n, c in law.constants().items()
         if n in law.inputs
     )
     z = -1
-    meaning = "mean bristle deflection"
     if law.has_z:
         slot = f"m->x[{2 if body else 0}]"
-        z = add("z", "m", meaning, "local", slot, start=start["z"], nominal=float(scales.length))
+        z = add("z", unit("m"), words("mean bristle deflection"), "local", slot, start=start["z"], nominal=length)
     known_of_force = (v, *loads, z) if law.has_z else (v, *loads)
-    force = "friction force, positive when it opposes positive velocity"
-    add("F", "N", force, "output", "e.force", settable=False, calculated_from=known_of_force)
+    force = words("friction force, positive when it opposes positive velocity")
+    add("F", unit("N"), force, "output", "e.force", settable=False, calculated_from=known_of_force)
     slots: list[tuple[str, str, int, tuple[int, ...]]] = []
     if body:
-        slots = [("der(y)", "m/s", y, (v,)), ("der(v)", "m/s^2", v, (u, *known_of_force))]
+        slots = [("y", "m/s", y, (v,)), ("v", "m/s^2", v, (u, *known_of_force))]
     if law.has_z:
-        slots.append(("der(z)", "m/s", z, known_of_force))
-    for i, (name, unit, state, known) in enumerate(slots):
-        c = f"e.rate[{i}]"
-        add(name, unit, f"rate of {name[4]}", "local", c, derivative_of=state, settable=False, calculated_from=known)
+        slots.append(("z", "m/s", z, known_of_force))
+    for i, (name, of_rate, state, known) in enumerate(slots):
+        add(
+            f"der({name})", unit(of_rate), f"rate of {name}", "local", f"e.rate[{i}]", derivative_of=state, settable=False,
+            calculated_from=known,
+        )  # fmt: skip
     if body:
-        add("mass", "kg", MASS.meaning, "parameter", "m->mass", start=mass, minimum=0.0)
-    if bad := [
-        key for key in request.constants if key not in law.inputs and key in {variable.name for variable in variables}
-    ]:
+        add("mass", unit("kg"), words(MASS.meaning), "parameter", "m->mass", start=mass, minimum=0.0)
+    constants = {key: value for key, value in request.constants.items() if key not in law.inputs}
+    if bad := [key for key in constants if key in {variable.name for variable in variables}]:
         raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
-    for key, value in request.constants.items():
-        if key not in law.inputs:
-            variables.append(parameter(len(variables), key, request.declared[key], f"m->p.{key}", value))
+    for key, value in constants.items():
+        variables.add_constant(key, request.declared[key], f"m->p.{key}", value)
     return variables
 
 

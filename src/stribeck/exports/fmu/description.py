@@ -6,7 +6,6 @@ import re
 import uuid
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import TypedDict
 from xml.etree import ElementTree as ET
 
 from stribeck.constants import Constant
@@ -50,15 +49,32 @@ class Variable:
     calculated_from: tuple[int, ...] = ()
 
 
-class Details(TypedDict, total=False):
-    """Optional attributes of a variable."""
+class Variables(list[Variable]):
+    """The variables of an FMU, each at the place of its reference; the time is the first."""
 
-    start: float
-    minimum: float | None
-    nominal: float
-    derivative_of: int
-    settable: bool
-    calculated_from: tuple[int, ...]
+    def __init__(self) -> None:
+        self.add("time", "s", "time", "independent", "m->time", settable=False)
+
+    def add(
+        self, name: str, unit: str, meaning: str, causality: str, c: str, *, discrete: bool = False, start: float | None = None,
+        nominal: float | None = None, minimum: float | None = None, derivative_of: int | None = None, settable: bool = True,
+        calculated_from: tuple[int, ...] = (),
+    ) -> int:  # fmt: skip
+        """Add a variable and return its reference."""
+        variability = "tunable" if causality == "parameter" else "discrete" if discrete else "continuous"
+        self.append(
+            Variable(
+                len(self), name, "" if unit == "1" else unit, meaning, causality, variability, c, start, minimum, nominal,
+                derivative_of, settable, calculated_from,
+            )
+        )  # fmt: skip
+        return len(self) - 1
+
+    def add_constant(self, name: str, constant: Constant, c: str, value: float) -> None:
+        """Add a constant that may be turned between the steps."""
+        least = constant.above if constant.above is not None else constant.at_least
+        meaning = f"{constant.meaning}, {constant.allowed}"
+        self.add(name, constant.unit, meaning, "parameter", c, start=value, minimum=least)
 
 
 @dataclass(frozen=True)
@@ -114,14 +130,6 @@ class Description:
         }  # fmt: skip
 
 
-def parameter(reference: int, name: str, constant: Constant, c: str, value: float) -> Variable:
-    """A constant as a variable that may be turned between the steps."""
-    least = constant.above if constant.above is not None else constant.at_least
-    unit = "" if constant.unit == "1" else constant.unit
-    meaning = f"{constant.meaning}, {constant.allowed}"
-    return Variable(reference, name, unit, meaning, "parameter", "tunable", c, start=value, minimum=least)
-
-
 def model_description(fmu: Description) -> str:
     """modelDescription.xml."""
     fmi, model, variables = fmu.fmi, fmu.model, fmu.variables
@@ -157,8 +165,8 @@ def model_description(fmu: Description) -> str:
     ET.SubElement(root, "DefaultExperiment", default | step)
     element = ET.SubElement(root, "ModelVariables")
     for variable in variables:
-        (_variable_3 if fmi == 3 else _variable_2)(element, variable)
-    (_structure_3 if fmi == 3 else _structure_2)(ET.SubElement(root, "ModelStructure"), fmu)
+        _variable(element, fmi, variable)
+    _structure(ET.SubElement(root, "ModelStructure"), fmu)
     return _text(root)
 
 
@@ -228,47 +236,26 @@ def _about(variable: Variable) -> dict[str, str]:
     return attributes
 
 
-def _variable_3(root: ET.Element, variable: Variable) -> None:
-    attributes = _about(variable) | _real(variable)
+def _variable(root: ET.Element, fmi: int, variable: Variable) -> None:
+    about, real = _about(variable), _real(variable)
     if variable.derivative_of is not None:
-        attributes["derivative"] = str(variable.derivative_of)
-    ET.SubElement(root, "Float64", attributes)
+        real["derivative"] = str(variable.derivative_of + (fmi == 2))  # FMI 2 counts from 1
+    if fmi == 3:
+        ET.SubElement(root, "Float64", about | real)
+    else:
+        ET.SubElement(ET.SubElement(root, "ScalarVariable", about), "Real", real)
 
 
-def _variable_2(root: ET.Element, variable: Variable) -> None:
-    real = _real(variable)
-    if variable.derivative_of is not None:
-        real["derivative"] = str(variable.derivative_of + 1)
-    ET.SubElement(ET.SubElement(root, "ScalarVariable", _about(variable)), "Real", real)
-
-
-def _rows(fmu: Description) -> tuple[list[Variable], list[Variable], list[Variable]]:
-    """Outputs, derivatives of states, and what is unknown at the start."""
-    outputs = [v for v in fmu.variables if v.causality == "output"]
-    derivatives = fmu.derivatives
-    return outputs, derivatives, [v for v in (*outputs, *derivatives) if v.start is None]
-
-
-def _structure_3(root: ET.Element, fmu: Description) -> None:
-    outputs, derivatives, unknowns = _rows(fmu)
-    for tag, rows in (("Output", outputs), ("ContinuousStateDerivative", derivatives), ("InitialUnknown", unknowns)):
+def _structure(root: ET.Element, fmu: Description) -> None:
+    """Outputs, derivatives of states, and what is unknown at the start; FMI 2 lists each kind apart and counts from 1."""
+    outputs, derivatives = [v for v in fmu.variables if v.causality == "output"], fmu.derivatives
+    unknowns = [v for v in (*outputs, *derivatives) if v.start is None]
+    tags = {"Output": "Outputs", "ContinuousStateDerivative": "Derivatives", "InitialUnknown": "InitialUnknowns"}
+    for (tag, listed), rows in zip(tags.items(), (outputs, derivatives, unknowns), strict=True):
+        parent = ET.SubElement(root, listed) if fmu.fmi == 2 and rows else root
         for variable in rows:
-            attributes = {"valueReference": str(variable.reference)}
+            attributes = {"index" if fmu.fmi == 2 else "valueReference": str(variable.reference + (fmu.fmi == 2))}
             if tag != "InitialUnknown":
                 depends_on = variable.calculated_from or (variable.reference,)
-                attributes["dependencies"] = " ".join(map(str, depends_on))
-            ET.SubElement(root, tag, attributes)
-
-
-def _structure_2(root: ET.Element, fmu: Description) -> None:
-    outputs, derivatives, unknowns = _rows(fmu)
-    for tag, rows in (("Outputs", outputs), ("Derivatives", derivatives), ("InitialUnknowns", unknowns)):
-        if not rows:
-            continue
-        element = ET.SubElement(root, tag)
-        for variable in rows:
-            attributes = {"index": str(variable.reference + 1)}
-            if tag != "InitialUnknowns":
-                depends_on = variable.calculated_from or (variable.reference,)
-                attributes["dependencies"] = " ".join(str(r + 1) for r in depends_on)
-            ET.SubElement(element, "Unknown", attributes)
+                attributes["dependencies"] = " ".join(str(r + (fmu.fmi == 2)) for r in depends_on)
+            ET.SubElement(parent, "Unknown" if fmu.fmi == 2 else tag, attributes)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Unpack
 
 from stribeck.exports.fmu.archive import packed
-from stribeck.exports.fmu.description import Description, Details, Variable, parameter
+from stribeck.exports.fmu.description import Description, Variables
 from stribeck.exports.machine.model import MachineModel
 
 
@@ -23,39 +22,41 @@ def files(model: MachineModel) -> dict[str, str | bytes]:
     return packed("machine", "fmu_machine", description, model.context())
 
 
-def variables_of(model: MachineModel) -> list[Variable]:
+def variables_of(model: MachineModel) -> Variables:
     """Time, an input for each signal, the states and their rates, the columns of the output, and every constant."""
-    variables = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
-
-    def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Unpack[Details]) -> None:
-        variability = "tunable" if causality == "parameter" else "continuous"
-        variables.append(
-            Variable(len(variables), _structured(name), _unit(unit), meaning, causality, variability, c, **rest)
-        )
-
+    variables = Variables()
     for each in model.inputs:
         meaning = "added to the signal of the file, held over a step"
-        add(each.path, each.unit, meaning, "input", f"m->s.constants[{each.parameter}]", start=0.0)
+        variables.add(
+            _structured(each.path), each.unit, meaning, "input", f"m->s.constants[{each.parameter}]", start=0.0
+        )
     states, first, nominal = model.machine.states, len(variables), model.scenario.elements.natural
     shown = {column.name: column for column in model.columns}
     for i, state in enumerate(states):
         column = shown.get(state.name, state)
         role = "output" if state.name in shown else "local"
-        more: Details = {"start": model.start[state.name], "nominal": nominal[state.name]}
-        add(state.name, column.unit, column.meaning, role, f"m->s.x[{i}]", **more)
+        variables.add(
+            _structured(state.name), column.unit, column.meaning, role, f"m->s.x[{i}]", start=model.start[state.name],
+            nominal=nominal[state.name],
+        )  # fmt: skip
     known = tuple(range(1, len(variables))) or (0,)
     for i, state in enumerate(states):
-        more = {"derivative_of": first + i, "settable": False, "calculated_from": known}
-        add(f"der({state.name})", _rate(state.unit), f"rate of {state.name}", "local", f"m->rate[{i}]", **more)
+        name = _structured(f"der({state.name})")
+        variables.add(
+            name, _rate(state.unit), f"rate of {state.name}", "local", f"m->rate[{i}]", derivative_of=first + i,
+            settable=False, calculated_from=known,
+        )  # fmt: skip
     for i, column in enumerate(model.columns):
         if column.name not in model.start:
-            more = {"settable": False, "calculated_from": known}
-            add(column.name, column.unit, column.meaning, "output", f"m->o[{i}]", **more)
+            name = _structured(column.name)
+            variables.add(
+                name, column.unit, column.meaning, "output", f"m->o[{i}]", settable=False, calculated_from=known
+            )
     inputs = {each.parameter for each in model.inputs}
     for i, constant in enumerate(model.parameters):
         if i not in inputs:
             name = _structured(constant.path)
-            variables.append(parameter(len(variables), name, constant.constant, f"m->s.constants[{i}]", constant.value))
+            variables.add_constant(name, constant.constant, f"m->s.constants[{i}]", constant.value)
     return variables
 
 
@@ -67,7 +68,3 @@ def _structured(name: str) -> str:
 def _rate(unit: str) -> str:
     """The unit of a rate."""
     return {"": "", "1": "1/s", "m/s": "m/s^2", "rad/s": "rad/s^2", "J": "J/s"}.get(unit, f"{unit}/s")
-
-
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else unit
