@@ -6,12 +6,12 @@ import json
 from importlib.resources import files as resources
 
 from stribeck.errors import InputError, arg
-from stribeck.exports.c.ccode import ARGUMENTS, WORDS, Call, LawCode, c_condition, net_force, pair, render
+from stribeck.exports.c.ccode import ARGUMENTS, WORDS, Call, LawCode, net_force, pair, relations, render
 from stribeck.exports.request import Request
 from stribeck.expressions import pretty
 from stribeck.expressions.graph import symbol, wrap
 from stribeck.laws import builtin
-from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
+from stribeck.laws.base import Law
 from stribeck.machine.pneumatic.observer import least_K_D
 
 
@@ -48,7 +48,7 @@ def context(request: Request) -> dict[str, object]:
         "inputs": inputs,
         "call": Call(request.name, law.inputs),
         "now": "&now" if inputs else "&m->p",
-        "relations": _relations(law, request.constants),
+        "relations": relations(law, {name: f"p->{name}" for name in request.constants}),
         "eq": equations,
         "smooth": law.differentiable and not inputs,
         "costs": costs(law),
@@ -78,14 +78,6 @@ def costs(law: Law) -> list[str]:
         f"Instructions of one {law.name}_step, mean over speeds around v_s at 1 ms:",
         f"  {each}",
         f"  (gcc {counted['gcc']} -O2 with newlib, every executed instruction counted under qemu; cycles depend on your part)",
-    ]
-
-
-def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, str]]:
-    """The constant at fault, the allowed values and the condition in C, for every relation of the law."""
-    relations = dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB))
-    return [
-        (r.key, r.allowed, c_condition(r.holds, law)) for r in relations if all(need in constants for need in r.needs)
     ]
 
 

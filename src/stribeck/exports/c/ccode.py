@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
@@ -13,10 +13,8 @@ from stribeck.exports.request import ascii_only, wrapped
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
-from stribeck.expressions.ops import Value
-from stribeck.laws.base import Law
+from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
 from stribeck.laws.steady import steady_force
-from stribeck.laws.values import Constants
 from stribeck.machine.elements import bodies
 from stribeck.machine.pneumatic.observer import correction
 
@@ -166,16 +164,28 @@ class Call:
         return f"{p}, {load}" if self.inputs else p
 
 
-def c_condition(holds: Callable[[Constants], Value], law: Law, place: str = "p->") -> str:
-    """A relation between the constants as a condition in C; ``place``: the struct of the constants."""
-    writer = CWriter(DIALECT, {name: f"{place}{name}" for name in law.constants()}, taken=_TAKEN)
-    line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.form))))])[-1]
-    return line.removeprefix("result = ").removesuffix(";")
+def relations(law: Law, places: Mapping[str, str]) -> list[tuple[str, str, str]]:
+    """The constant at fault, the allowed values and the condition in C, for each relation of the law's constants.
+
+    Args:
+        law: the law.
+        places: the text of each constant in C; relations of other constants are left out.
+    """
+    p, found = law.symbolic(symbol, law.form), []
+    for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
+        if all(name in places for name in (r.key, *r.needs)):
+            used = {name: places.get(name, name) for name in law.constants()}
+            found.append((r.key, r.allowed, _one_line(wrap(r.holds(p)), used)))
+    return found
 
 
 def expression(node: Expr, names: Iterable[str]) -> str:
     """An expression of these symbols in C, on one line."""
-    line = CWriter(DIALECT, {name: name for name in names}, taken=_TAKEN).write([("result", node)])[-1]
+    return _one_line(node, {name: name for name in names})
+
+
+def _one_line(node: Expr, inputs: Mapping[str, str]) -> str:
+    line = CWriter(DIALECT, inputs, taken=_TAKEN).write([("result", node)])[-1]
     return line.removeprefix("result = ").removesuffix(";")
 
 

@@ -12,13 +12,12 @@ from functools import cached_property
 
 from stribeck.constants import Column, Constant, which_controller
 from stribeck.errors import InputError, arg
-from stribeck.exports.c.ccode import WORDS, c_condition
+from stribeck.exports.c.ccode import WORDS, relations
 from stribeck.exports.request import PLAIN, Options, ascii_only, identifier, made_by, valued
 from stribeck.expressions.emit import within_loops
 from stribeck.expressions.graph import ROOT_STEPS, Expr, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import sign
-from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
 from stribeck.machine.elements.controllers import Controller
 from stribeck.machine.elements.dither import PHASE
@@ -213,12 +212,9 @@ class Block:
         compensation = self.controller.compensation
         if compensation is None or self.controller.friction_path not in self.scenario.elements.laws:
             return []
-        law, relations = self.scenario.elements.laws[self.controller.friction_path], []
-        for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
-            if all(f"friction_{need}" in self.constants for need in (r.key, *r.needs)):
-                text = c_condition(r.holds, law, "p->friction_")
-                relations.append((f"friction_{r.key}", r.allowed, text))
-        return relations
+        law = self.scenario.elements.laws[self.controller.friction_path]
+        places = {n: f"p->friction_{n}" for n in law.constants() if f"friction_{n}" in self.constants}
+        return [(f"friction_{key}", allowed, text) for key, allowed, text in relations(law, places)]
 
     def of_symbols(self) -> dict[str, str]:
         """The text of each constant, by its symbol."""

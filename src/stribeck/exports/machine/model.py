@@ -10,9 +10,8 @@ from functools import cached_property
 from stribeck.codegen import parameter_names, with_columns
 from stribeck.constants import Column, Constant
 from stribeck.errors import InputError, arg
-from stribeck.exports.c.ccode import c_condition
+from stribeck.exports.c.ccode import relations
 from stribeck.exports.request import PLAIN, Options, ascii_only, identifier, made_by, valued
-from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.machine.signal import INPUT, SignalUse
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
@@ -112,13 +111,9 @@ class MachineModel:
             conditions.append((each, c.allowed, " && ".join(tests)))
         by_path = {each.path: each for each in self.tunable}
         for path, law in self.scenario.elements.laws.items():
-            for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
-                blamed = by_path.get(f"{path}.{r.key}")
-                if blamed is None or any(f"{path}.{n}" not in by_path for n in r.needs):
-                    continue
-                text = c_condition(r.holds, law, "p->@")
-                text = re.sub(r"p->@(\w+)", lambda m, p=path: f"p->{by_path[f'{p}.{m[1]}'].name}", text)  # type: ignore[misc]
-                conditions.append((blamed, r.allowed, text))
+            places = {n: f"p->{by_path[f'{path}.{n}'].name}" for n in law.constants() if f"{path}.{n}" in by_path}
+            for key, allowed, text in relations(law, places):
+                conditions.append((by_path[f"{path}.{key}"], allowed, text))
         return conditions
 
     @cached_property
