@@ -6,6 +6,7 @@ import importlib
 from types import ModuleType
 
 from stribeck.errors import needed
+from stribeck.expressions.ops import Value
 
 
 def package(name: str) -> ModuleType:
@@ -16,3 +17,13 @@ def package(name: str) -> ModuleType:
     """
     with needed("this export"):
         return importlib.import_module(name)
+
+
+class Operations:
+    """The operations of :mod:`stribeck.expressions.ops` by a package; ``names``: of those that it calls otherwise."""
+
+    def __init__(self, package: str, **names: str) -> None:
+        self._package, self._names = package, names
+
+    def __getattr__(self, op: str) -> Value:
+        return getattr(package(self._package), self._names.get(op, op))

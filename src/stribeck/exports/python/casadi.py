@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
-from stribeck.exports.optional import package
+from stribeck.exports.optional import Operations, package
 from stribeck.expressions import ops
-from stribeck.expressions.ops import Value
 from stribeck.laws import builtin
 from stribeck.laws.base import Law
 
@@ -18,16 +17,7 @@ if TYPE_CHECKING:
     import casadi
 
 
-class _Backend:
-    """The operations of :mod:`stribeck.expressions.ops` on CasADi's MX, SX and DM."""
-
-    def __getattr__(self, op: str) -> Callable[..., Value]:
-        ca = package("casadi")
-        table = {"where": ca.if_else, "both": ca.logic_and, "either": ca.logic_or}
-        return table.get(op) or getattr(ca, op)  # type: ignore[no-any-return]
-
-
-ops.register("casadi", _Backend())
+ops.register("casadi", Operations("casadi", where="if_else", both="logic_and", either="logic_or"))
 
 
 def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import ModuleType, SimpleNamespace
 
 from stribeck.errors import note
-from stribeck.exports.optional import package
+from stribeck.exports.optional import Operations, package
 from stribeck.exports.python import stepping
 from stribeck.exports.python.constants import with_load
 from stribeck.exports.python.written import FUNCTIONS, written_equations
@@ -14,18 +14,9 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.laws.values import Constants
 
-
-class _Backend:
-    """The operations of :mod:`stribeck.expressions.ops` on JAX arrays and tracers."""
-
-    _names = {"atan": "arctan", "both": "logical_and", "either": "logical_or"}
-
-    def __getattr__(self, op: str) -> Value:
-        return getattr(package("jax.numpy"), self._names.get(op, op))
-
-
+_NUMPY = Operations("jax.numpy", atan="arctan", both="logical_and", either="logical_or")
 for _package in ("jax", "jaxlib"):  # packages of tracers and of arrays
-    ops.register(_package, _Backend())
+    ops.register(_package, _NUMPY)
 
 
 class JaxLaw:
@@ -84,10 +75,6 @@ class JaxLaw:
         return tuple(package("jax.numpy").asarray(x, float) for x in values)
 
 
-def _number(x: Value) -> bool:
-    return x is not None and not isinstance(x, str)
-
-
 def _loop(body: Value, state: Value) -> Value:
     """Repeat body while any entry of state[0] is unfinished."""
     lax: ModuleType = package("jax.lax")
@@ -95,9 +82,7 @@ def _loop(body: Value, state: Value) -> Value:
 
 
 def _equations(law: Law) -> Value:
-    jnp: ModuleType = package("jax.numpy")
-    backend = _Backend()
-    return written_equations(law, {**{name: getattr(backend, name) for name in FUNCTIONS}, "like": jnp.full_like})
+    return written_equations(law, {name: getattr(_NUMPY, name) for name in FUNCTIONS} | {"like": _NUMPY.full_like})
 
 
 def _differentiable(law: Law) -> Value:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import ModuleType, SimpleNamespace
 
-from stribeck.exports.optional import package
+from stribeck.exports.optional import Operations, package
 from stribeck.exports.python import stepping
 from stribeck.exports.python.constants import with_load
 from stribeck.exports.python.written import FUNCTIONS, written_equations
@@ -12,17 +12,8 @@ from stribeck.expressions import ops
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
-_NAMES = {"both": "logical_and", "either": "logical_or"}
-
-
-class _Backend:
-    """The operations of :mod:`stribeck.expressions.ops` on tensors."""
-
-    def __getattr__(self, op: str) -> Value:
-        return getattr(package("torch"), _NAMES.get(op, op))
-
-
-ops.register("torch", _Backend())
+_TENSORS = Operations("torch", both="logical_and", either="logical_or")
+ops.register("torch", _TENSORS)
 
 
 class TorchLaw:
@@ -39,7 +30,7 @@ class TorchLaw:
         torch: ModuleType = package("torch")
         self.law = law
         self._torch = torch
-        scope = {name: getattr(torch, _NAMES.get(name, name)) for name in FUNCTIONS}
+        scope = {name: getattr(_TENSORS, name) for name in FUNCTIONS}
         self._equations = written_equations(law, {**scope, "like": torch.full_like})
 
     def rate(self, v: Value, z: Value, load: Value = None, **constants: Value) -> Value:
