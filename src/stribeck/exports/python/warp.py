@@ -13,6 +13,7 @@ from stribeck.exports.c.ccode import render
 from stribeck.exports.optional import package
 from stribeck.exports.python.constants import checked
 from stribeck.exports.python.written import Written
+from stribeck.exports.request import Content, Request
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
@@ -21,7 +22,14 @@ PRECISIONS = {"single": "float32", "double": "float64"}
 
 def text(law: Law, real: str, template: str = "kernels_warp.txt", **values: Value) -> str:
     """Python source of the law's functions and kernels for Warp."""
-    return render(template, **{"eq": Written(law), "real": real, "inputs": law.inputs, **values})
+    return render(template, eq=Written(law), real=real, **values)
+
+
+def joints(tool: str, request: Request) -> Content:
+    """The Python file with joint friction for an engine of learning, which computes in single precision."""
+    about, law = request.in_docstring(), request.law
+    content = text(law, "float32", f"{tool}.txt", about=about, inputs=law.inputs, start=request.z)
+    return {f"{request.name}_{tool}.py": content}
 
 
 def load(source: str) -> dict[str, Value]:

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from stribeck.exports.python import warp
-from stribeck.exports.request import Content, Part, Request, Target
+from stribeck.exports.request import Part, Target
 
-
-def files(request: Request) -> Content:
-    """The Python file; engines of learning compute in single precision."""
-    text = warp.text(
-        request.law, "float32", "mjwarp.txt", about=request.in_docstring(), inputs=request.law.inputs, start=request.z
-    )
-    return {f"{request.name}_mjwarp.py": text}
-
-
-TARGET = Target("mjwarp", "joint friction for MuJoCo Warp", {"law": Part(files)}, folder=False, loads=True)
+TARGET = Target(
+    "mjwarp", "joint friction for MuJoCo Warp", {"law": Part(partial(warp.joints, "mjwarp"))}, folder=False, loads=True
+)

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from stribeck.exports.python import warp
-from stribeck.exports.request import Content, Part, Request, Target
+from stribeck.exports.request import Part, Target
 
-
-def files(request: Request) -> Content:
-    """The Python file; engines of learning compute in single precision."""
-    text = warp.text(
-        request.law, "float32", "newton.txt", about=request.in_docstring(), inputs=request.law.inputs, start=request.z
-    )
-    return {f"{request.name}_newton.py": text}
-
-
-TARGET = Target("newton", "joint friction for Newton", {"law": Part(files)}, folder=False, loads=True)
+TARGET = Target(
+    "newton", "joint friction for Newton", {"law": Part(partial(warp.joints, "newton"))}, folder=False, loads=True
+)

@@ -30,9 +30,13 @@ def files(request: Request) -> Content:
         "The table has no memory: no presliding, no hysteresis, no varying break-away.",
         f"v in {speed}, F in {N}",
     ]
-    head = "".join(f"# {line}".rstrip() + "\n" for line in wrapped([*request.about(), *rest]))
+    return _csv(request.name, wrapped([*request.about(), *rest]), v, force)
+
+
+def _csv(name: str, head: list[str], v: Array, force: Array) -> Content:
+    lines = "".join(f"# {line}".rstrip() + "\n" for line in head)
     rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))
-    return {f"{request.name}.csv": f"{head}v,F\n{rows}"}
+    return {f"{name}.csv": f"{lines}v,F\n{rows}"}
 
 
 def notes(request: Request) -> list[str]:
@@ -124,8 +128,7 @@ def _compensation(block: Block) -> Content:
         *((_DEFLECTION,) if compensation.observes(machine) else ()),
         f"v in {speed}, F in {unit}", made_by(),
     ]  # fmt: skip
-    rows = "".join(f"{x!r},{share * y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))
-    return {f"{block.name}.csv": "".join(f"# {line}\n" for line in head) + "v,F\n" + rows}
+    return _csv(block.name, head, v, share * force)
 
 
 def _notes_of_compensation(block: Block) -> list[str]:
