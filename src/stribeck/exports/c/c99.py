@@ -6,7 +6,7 @@ import json
 from importlib.resources import files as resources
 
 from stribeck.errors import InputError, arg
-from stribeck.exports.c.ccode import ARGUMENTS, WORDS, Call, LawCode, net_force, pair, relations, render
+from stribeck.exports.c.ccode import ARGUMENTS, WORDS, Call, LawCode, c_conditions, net_force, pair, render
 from stribeck.exports.request import Request
 from stribeck.expressions import pretty
 from stribeck.expressions.graph import symbol, wrap
@@ -48,7 +48,7 @@ def context(request: Request) -> dict[str, object]:
         "inputs": inputs,
         "call": Call(request.name, law.inputs),
         "now": "&now" if inputs else "&m->p",
-        "relations": relations(law, {name: f"p->{name}" for name in request.constants}),
+        "relations": c_conditions(law, {name: f"p->{name}" for name in request.constants}),
         "eq": equations,
         "smooth": law.differentiable and not inputs,
         "costs": costs(law),

@@ -164,7 +164,7 @@ class Call:
         return f"{p}, {load}" if self.inputs else p
 
 
-def relations(law: Law, places: Mapping[str, str]) -> list[tuple[str, str, str]]:
+def c_conditions(law: Law, places: Mapping[str, str]) -> list[tuple[str, str, str]]:
     """The constant at fault, the allowed values and the condition in C, for each relation of the law's constants.
 
     Args:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 from stribeck.constants import Column, Constant, which_controller
 from stribeck.errors import InputError, arg
-from stribeck.exports.c.ccode import WORDS, relations
+from stribeck.exports.c.ccode import WORDS, c_conditions
 from stribeck.exports.request import PLAIN, Options, ascii_only, identifier, made_by, valued
 from stribeck.expressions.emit import within_loops
 from stribeck.expressions.graph import ROOT_STEPS, Expr, ordered, symbol, symbols, wrap
@@ -214,7 +214,7 @@ class Block:
             return []
         law = self.scenario.elements.laws[self.controller.friction_path]
         places = {n: f"p->friction_{n}" for n in law.constants() if f"friction_{n}" in self.constants}
-        return [(f"friction_{key}", allowed, text) for key, allowed, text in relations(law, places)]
+        return [(f"friction_{key}", allowed, text) for key, allowed, text in c_conditions(law, places)]
 
     def of_symbols(self) -> dict[str, str]:
         """The text of each constant, by its symbol."""

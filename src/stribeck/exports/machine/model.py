@@ -10,7 +10,7 @@ from functools import cached_property
 from stribeck.codegen import parameter_names, with_columns
 from stribeck.constants import Column, Constant
 from stribeck.errors import InputError, arg
-from stribeck.exports.c.ccode import relations
+from stribeck.exports.c.ccode import c_conditions
 from stribeck.exports.request import PLAIN, Options, ascii_only, identifier, made_by, valued
 from stribeck.machine.signal import INPUT, SignalUse
 from stribeck.machine.system import MachineSystem
@@ -112,7 +112,7 @@ class MachineModel:
         by_path = {each.path: each for each in self.tunable}
         for path, law in self.scenario.elements.laws.items():
             places = {n: f"p->{by_path[f'{path}.{n}'].name}" for n in law.constants() if f"{path}.{n}" in by_path}
-            for key, allowed, text in relations(law, places):
+            for key, allowed, text in c_conditions(law, places):
                 conditions.append((by_path[f"{path}.{key}"], allowed, text))
         return conditions
 
