@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow.parquet as parquet
 import pytest
 
-from stribeck import InputError, Scenario, simulate
+from stribeck import InputError
 from stribeck.platforms import locked
 from stribeck.sweeps import job as module
 from stribeck.sweeps.ranges import Range, lanes_of
@@ -31,20 +31,6 @@ def files(folder):
 def small_parts(monkeypatch):
     """Five lanes a part, so that some sweeps have several."""
     monkeypatch.setattr(module, "_PART_BYTES", 5 * 8.0 * 7 * 1001)
-
-
-def test_trajectories(stribeck, scenario, tmp_path):
-    data = json.loads(stribeck("sweep", scenario, *GRID, "--out", tmp_path / "out", "--json").out)
-    assert (data["status"], data["lanes"], data["failed"], data["parts"]) == ("done", 12, 3, 1)
-    assert all((tmp_path / "out" / file).exists() for file in data["files"])
-    table = parquet.read_table(tmp_path / "out").to_pandas()
-    assert len(table) == 9 * 1001 + 3
-    assert table[table["lane"] == 0]["t"].isna().tolist() == [True]
-    one = table[table["lane"] == 6]
-    alone = simulate(Scenario.load(scenario, {"law.k_v": 1e7, "law.parameters.F_s": 1.5}))
-    assert one["t"].tolist() == alone.t.tolist()
-    for name in ("y", "v", "z", "F", "u"):
-        np.testing.assert_allclose(one[name], alone[name], rtol=0, atol=1e-4 * alone.peaks[name])
 
 
 def test_amplitude_and_period_of_a_limit_cycle(stribeck, tmp_path):

@@ -244,6 +244,33 @@ def _():
         yield from _every_mistake({**RIG, "law": law.to_dict()}, ("law",), None if name == "lugre" else "parameters")
 
 
+SETS = (  # what may stand beside a number, and what not
+    "F_c = 1.0", "F_c = {value = 1.0, determined = 0}", "F_c = {value = 1.0, determined = 'false'}",
+    "F_c = {value = 1.0, unit = 3}", "F_c = {value = 1.0, unit = 'kN'}", "F_c = {value = 1.0, low = 'x'}",
+    "F_c = {value = 1.0, high = true}", "F_c = {low = 1.0}", "F_c = {value = 1.0, low = 2.0, high = 0.5}",
+    "F_c = {value = 3.0, low = 0.5, high = 2.0}", "F_c = {value = 3.0, high = 2.0}",
+    "F_c = {value = 1.0, unit = 'N m'}\nF_s = {value = 2.0, unit = 'N'}", "F_c = 1.0\nsmooth_ab = 'sqrt'",
+    "F_c = 1.0\nkv = 1e6", "F_c = 1.0\nmu = 0.3", "F_c = '1.5'", "F_c = nan", "F_c = 2.0\nF_s = 1.0\nv_s = 0.1",
+    "sigma_0 = 1.0", "F_c = 1.0\nk_v = 1e6", "F_c = 1.0\n[other]\n[more]", "F_c = ",
+)  # fmt: skip
+
+
+@kept("refused/sets")
+def _():
+    """Sets of parameters in files, of a law and of a scenario's law."""
+    heads = ("[parameters]\n", "", "motion = 'rotating'\n", "motion = 'rotary'\nmaker = 'x'\n")
+    for text in (*("[parameters]\n" + x for x in SETS), *(head + SETS[0] for head in heads), "parameters = 1"):
+        Path("x.toml").write_text(text)
+        what = text.removeprefix("[parameters]\n").replace("\n", "; ")
+        try:
+            found = stribeck.law("coulomb_viscous", "x.toml", sigma_2=0.0)
+            yield f"{what}: {found.p.F_c:g}, {'rotary' if found.rotary else 'linear'}"
+        except InputError as error:
+            yield from (f"{what}: {problem}" for problem in error.problems)
+        law = {"name": "stribeck", "k_v": 1e7, "parameters": "x.toml"}
+        yield from _refusal(f"{what} in a scenario", {**RIG, "law": law})
+
+
 @kept("refused/logs")
 def _():
     inputs("axis.toml axis.logs.toml")

@@ -147,13 +147,15 @@ def rig(tmp_path):
     "words",
     [("library", "mine.py:Mine"), ("run", "rig.toml", "--out", "out"), ("run", "rig.toml", "--show", "--out", "out"),
      ("check", "mine.py:Mine", "--set", "c=2", "--out", "out"), ("run", "rig.toml", "--set", "law.c=-1"),
-     ("run", "rig.toml", "--keep-c", "rig.c")],
+     ("run", "rig.toml", "--keep-c", "rig.c"), ("run", "rig.toml", "--set", "solve.max_steps=1"),
+     ("run", "rig.toml", "--law", "dahl:sigma_0=1e4,F_c=1", "--law", "mine.py:Mine:c=3")],
     ids=" ".join,
 )  # fmt: skip
 def test_a_users_law_and_scenario_are_shown_escaped(words, stribeck, rig, monkeypatch):  # noqa: F811
     monkeypatch.chdir(rig.parent)
+    monkeypatch.setattr("sys.argv", ["stribeck", *words, HOSTILE])  # the page says the command
     outcome = stribeck(*words)
-    assert outcome.status == (2 if "law.c=-1" in words else 0), outcome.err
+    assert outcome.status == {"law.c=-1": 2, "solve.max_steps=1": 1}.get(words[-1], 0), outcome.err
     assert plain(outcome.out)
     assert plain(outcome.err)
     for path in [*(rig.parent / "out").glob("*.[sht][vtmo][gml]*"), *rig.parent.glob("*.c")]:

@@ -177,37 +177,6 @@ def test_a_set_in_a_file_beside_the_scenario(text, tmp_path):
     assert law("lugre", str(tmp_path / "x.toml")).values == found.values
 
 
-def test_a_laws_constant_in_a_set(tmp_path):
-    (tmp_path / "x.toml").write_text(TABLE + "k_v = 1e6\n")
-    assert load(tmp_path, {"name": "lugre_sobczyk", "parameters": "x.toml"}).law.p.k_v == 1e6
-    line = refused(tmp_path, {"name": "lugre_sobczyk", "k_v": 1e7, "parameters": "x.toml"})
-    assert line == "law.k_v: 10000000.0: stands in law.parameters too"
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (None, r"law\.parameters: '?.*x\.toml'?: cannot be read: No such file"),
-        ("F_s = ", r"law\.parameters: '?.*x\.toml'?: is not TOML"),
-        ("x = " + "[" * 100_000, r"law\.parameters: '?.*x\.toml'?: cannot be read: its lists"),
-        ("parameters = 1\n", r"law\.parameters: '?.*x\.toml'?: parameters must be a table of numbers"),
-        (TABLE.replace("F_s = 1.5", "F_s = 0.5"), r"law\.parameters\.F_s: 0\.5: must be at least F_c"),
-        (TABLE.replace("F_s = 1.5", "F_s = '1.5'"), r"law\.parameters\.F_s: '1\.5': must be a finite number > 0"),
-        (TABLE.replace("F_s = 1.5", "F_s = nan"), r"law\.parameters\.F_s: nan: must be a finite number > 0"),
-        (TABLE.replace("F_s = 1.5\n", ""), r"law\.parameters\.F_s: missing"),
-        (FLAT.replace("F_s = 1.5\n", ""), r"law\.parameters\.F_s: missing"),
-        (TABLE + "mu = 0.3\n", r"law\.parameters: 'x\.toml': mu = 0\.3: no law has such a constant"),
-        (FLAT + "kv = 1e6\n", r".*'x\.toml': kv = 1000000\.0: no law has such a constant \(did you mean 'k_v'\?\)"),
-    ],
-    ids=range(11),
-)
-def test_a_set_with_a_mistake(text, said, tmp_path):
-    if text is not None:
-        (tmp_path / "x.toml").write_text(text)
-    with pytest.raises(InputError, match=f"^{said}"):
-        load(tmp_path, {"name": "lugre", "parameters": "x.toml"})
-
-
 def test_paths_that_are_no_files(tmp_path):
     for name in ("a\0b.toml", ".toml", "a/b/c.toml", "x" * 300 + ".toml"):
         assert refused(tmp_path, {"name": "lugre", "parameters": name}).startswith("law.parameters: ")
