@@ -14,10 +14,11 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.actuator.coordinates import paths
-from stribeck.identify.actuator.inputs import number_at, value_at
+from stribeck.identify.actuator.inputs import number_at
 from stribeck.identify.actuator.problem import STEP, MachineProblem
 from stribeck.identify.actuator.recordings import Channel
 from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.scenario.changes import entry_at
 
 _BETTER = 1.3  # times narrower interval than from a repeated recording: a smaller gain is not worth an experiment
 _LINEAR = 10.0  # times: an interval that shrinks by more spanned most of what was searched
@@ -131,7 +132,7 @@ def _loads(problem: MachineProblem, run: RecordedRun) -> Iterator[tuple[str, dic
 def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """The recording with a changed amplitude or speed of its drives."""
     for use in run.scenario.elements.signals:
-        table = value_at(run.scenario, use.path)
+        table = entry_at(run.scenario.data, use.path)
         if not isinstance(table, dict):
             continue
         name = use.path.removesuffix(".signal")

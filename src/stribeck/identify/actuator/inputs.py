@@ -16,6 +16,7 @@ from stribeck.errors import nearest
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.recorded.units import si_unit
 from stribeck.scenario import Scenario
+from stribeck.scenario.changes import entry_at
 from stribeck.waveforms.piecewise import PointsSignal
 from stribeck.waveforms.trajectories import SplineSignal
 
@@ -66,25 +67,14 @@ class RecordedInput:
 def recorded_input(scenario: Scenario, path: str, t: Array, x: Array, end: float, channel: Channel) -> RecordedInput:
     """A recorded signal by its samples from time 0 to ``end``."""
     rows = slice(max(int(np.searchsorted(t, 0.0, side="right")) - 1, 0), int(np.searchsorted(t, end)) + 1)
-    table = value_at(scenario, path.rpartition(".")[0])
+    table = entry_at(scenario.data, path.rpartition(".")[0])
     spline = channel.smooth or (isinstance(table, dict) and "feedforward" in table)
     return RecordedInput(t[rows], x[rows], channel.held, spline, channel.noise)
 
 
-def value_at(scenario: Scenario, path: str) -> object:
-    """The value, list or table at a path of the machine's file; None if there is none."""
-    value: object = scenario.data
-    for word in path.split("."):
-        if isinstance(value, list) and word.isdigit() and int(word) < len(value):
-            value = value[int(word)]
-        else:
-            value = value.get(word) if isinstance(value, dict) else None
-    return value
-
-
 def number_at(scenario: Scenario, path: str) -> float | None:
     """The machine's number at a path, if there is one."""
-    value = value_at(scenario, path)
+    value = entry_at(scenario.data, path)
     return float(value) if isinstance(value, int | float) else None
 
 
@@ -103,12 +93,12 @@ def misread(scenario: Scenario, recording: Recording, log: int) -> list[str]:
             hint = nearest(name, units) or f" (it has {', '.join(units)})"
             wrong.append(f"log.{log}.outputs.{name}: no such column of the machine{hint}")
     for path, c in recording.inputs.items():
-        if not (path.endswith("signal") and value_at(scenario, path.rpartition(".")[0]) is not None):
+        if not (path.endswith("signal") and entry_at(scenario.data, path.rpartition(".")[0]) is not None):
             hint = nearest(path, signals) or f" (it has {', '.join(signals) or 'none'})"
             wrong.append(f"log.{log}.inputs.{path}: no signal of the machine{hint}")
         words = path.split(".")
         column = f"{words[1]}.{_COLUMN_OF.get(words[0], '')}" if len(words) == 3 else ""
-        if "gain" not in (value_at(scenario, ".".join(words[:2])) or {}):  # type: ignore[operator]
+        if "gain" not in (entry_at(scenario.data, ".".join(words[:2])) or {}):  # type: ignore[operator]
             measured[f"inputs.{path}"] = column, c.unit
     for place, (column, unit) in measured.items():
         wanted, given = units.get(column, ""), si_unit(unit)
