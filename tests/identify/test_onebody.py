@@ -170,29 +170,6 @@ def test_noise_and_filter_of_the_motion_are_known_noise_of_the_force(tmp_path):
         assert fit[name].low < MACHINE[name] < fit[name].high, name
 
 
-def test_starts_that_were_given_up_on_their_way_are_no_disagreement():
-    """A spring that the model lacks leaves much more than noise, at a minimum that every start comes to."""
-    log = rig.measured(rig.STROKES, mass=2.0, stiffness=500.0)
-    held = {n: rig.TRUTH[n] for n in ("sigma_1", "v_s")} | {"offset": 0.0}
-    fit = fitted(log, mass=2.0, constants=held, starts=6)
-    assert not any("few starts" in note for note in fit.notes), fit.notes
-
-
-def test_ctrl_c_leaves_what_was_found(full):
-    shares = []
-
-    def tell(share):
-        shares.append(share)
-        if len(shares) == 15:
-            raise KeyboardInterrupt
-
-    fit = simulated(full, "lugre", FitOptions(mass=0.0), tell).judged()
-    assert fit.status == "stopped"
-    assert shares == sorted(shares)
-    assert any("Ctrl-C" in note for note in fit.notes)
-    assert all(not e.identifiable and np.isfinite(e.value) for e in fit.estimates.values())
-
-
 @pytest.mark.thorough
 def test_loops_short_of_gross_sliding_leave_F_c_open():
     """The level of a slow motion is then F_s, and nothing shows where the curve ends."""

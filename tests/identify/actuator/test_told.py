@@ -12,7 +12,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.guides import Guides
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.residuals import beyond_noise
+from stribeck.identify.actuator.residuals import above_noise
 from stribeck.identify.actuator.starts import prepared, problem_of
 from tests.identify.actuator.recorded import NOISE, body, logs, record
 
@@ -138,11 +138,11 @@ def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     runs, _ = prepared(scenario, [(0, told.recordings[0])], sought)
     problem = MachineProblem(runs, sought, {"a.y": NOISE})
     good, bad = (np.array([problem.sought[0].inner(x)]) for x in (1.0, 5.0))
-    assert not beyond_noise(problem, good, 1)
+    assert not above_noise(problem, good)
     guides = Guides(scenario, [(0, told.recordings[0])])
-    assert not BestPoint(problem, good, 1, False, [], guides).missed()
-    assert beyond_noise(problem, bad, 1)
-    assert BestPoint(problem, bad, 1, False, [], guides).missed() == ["a.y: cannot be simulated with the best values"]
+    assert not BestPoint(problem, good, False, [], guides).missed()
+    assert above_noise(problem, bad)
+    assert BestPoint(problem, bad, False, [], guides).missed() == ["a.y: cannot be simulated with the best values"]
 
 
 def test_known_masses_may_differ_in_a_recording_that_is_advised():

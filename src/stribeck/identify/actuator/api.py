@@ -15,7 +15,6 @@ from stribeck.identify.actuator import checks, choice, judge
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
 from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
-from stribeck.identify.actuator.residuals import beyond_noise
 from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.traces import traces
@@ -185,9 +184,7 @@ class Fitting:
             if best.stopped or any("cannot be simulated" in text for text in missed):
                 judged = judge.blank(best, self.scenario, reason)
             else:
-                doubts = [] if missed else self.doubts(best)
-                notes += doubts
-                judged = judge.judged(best, self.scenario, not (missed or doubts), self.advised, self.logs.words)
+                judged = judge.judged(best, self.scenario, not missed, self.advised, self.logs.words)
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
             status, reason = "stopped", "Ctrl-C: the best values, without intervals"
@@ -196,18 +193,11 @@ class Fitting:
         result = MachineFit(
             status, reason, judged.estimates, judged.correlated, self.errors(best, values), notes,
             dict(best.problem.noise), filled(self.scenario, self.sought, values), judged.levels, judged.speeds,
-            relation=judged.relation, agreeing=best.agreeing, name=self.scenario.name, folder=self.scenario.folder,
+            relation=judged.relation, name=self.scenario.name, folder=self.scenario.folder,
             source=self.logs.path,
         )  # fmt: skip
         result.nuisance = {c.name: values[c.name] for c in best.problem.sought if c.nuisance}
         return result
-
-    def doubts(self, best: BestPoint) -> list[str]:
-        """Reasons to withhold all parameters although the machine describes the recordings, in words."""
-        if coarse := beyond_noise(best.problem, best.u, best.agreeing):
-            few = "few starts reached this minimum, so that no parameter is identified (more starts may find a better one)"
-            return [f"{'; '.join(coarse)}: {few}."]
-        return []
 
     def errors(self, best: BestPoint, values: dict[str, float]) -> list[LogResult]:
         """The errors of each recording's simulation with these values."""

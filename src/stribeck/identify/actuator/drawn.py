@@ -36,15 +36,6 @@ def input_errors(problem: MachineProblem, u: Array, J: Array) -> list[Array]:
     return [x for x in draws if x is not None and np.isfinite(x).all()]
 
 
-def carried(problem: MachineProblem, u: Array) -> Array:
-    """The rms effect of these errors on each residual at a point, without fitting again."""
-    r = problem.residuals(u[None])[0]
-    draws = [np.array([change_by(problem, u, r, runs) for runs in same]) for same in _alternatives(problem)]
-    every = [*draws, _by_noise(problem, u, _PILOT)]
-    square = sum((np.mean(x**2, axis=0) for x in every if x is not None and np.isfinite(x).all()), np.zeros(len(r)))
-    return np.asarray(np.sqrt(square))
-
-
 def change_by(problem: MachineProblem, u: Array, r: Array, runs: list[RecordedRun]) -> Array:
     """The change of the residuals with other runs; priors are unchanged."""
     off, compared = np.zeros(len(r)), int(problem.first[-1])

@@ -39,7 +39,6 @@ class BestPoint:
 
     problem: MachineProblem
     u: Array
-    agreeing: int
     stopped: bool
     notes: list[str]
     guides: Guides
@@ -111,7 +110,7 @@ def estimate(
         problem = problem_of(
             guided.scenario, guided.recordings, sought, dict(noise), work=work, known_noise=given, guide=guided.prefix
         )
-        return BestPoint(problem, problem.point(values), near.agreeing, near.stopped, [], guides, bandwidth)
+        return BestPoint(problem, problem.point(values), near.stopped, [], guides, bandwidth)
 
     free = begun(0.0, near.values)
     if rough or free.stopped:

@@ -21,7 +21,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.guides import Guides
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording
-from stribeck.identify.actuator.residuals import beyond_noise, floor_of, leftovers, noise_of, weigh
+from stribeck.identify.actuator.residuals import above_noise, floor_of, leftovers, noise_of, weigh
 from stribeck.identify.actuator.solve import (
     ROUGH_STEPS,
     ROUGHLY,
@@ -90,7 +90,7 @@ UnderGuide = dict[str, tuple[float, float]]  # by name: a coordinate under a gui
 
 @dataclass(frozen=True)
 class Reached:
-    """The end of a search: its values by name, its cost, the number of agreeing ends, and whether it was stopped.
+    """The end of a search: its values by name, its cost, and whether it was stopped.
 
     ``under``: by the bandwidths of guides, the values there. The stiffest one is that under which starts were compared.
     """
@@ -98,7 +98,6 @@ class Reached:
     values: dict[str, float]
     under: dict[float, dict[str, float]]
     cost: float = np.inf
-    agreeing: int = 1
     stopped: bool = False
 
     def at(self, bandwidth: float) -> dict[str, float]:
@@ -139,15 +138,15 @@ class GuidedSearch:
         Args:
             rough: follow only the best start.
         """
-        ends, agreed = [Reached(first, {})], 1
+        ends = [Reached(first, {})]
         try:
             level, compared = self._compared(starts, seed, first)
             whole = self._problem(0)
             for u in (compared.u, *compared.others):
                 ends.append(self._freed(level, u))
                 costs = np.array([x.cost for x in ends])
-                agreed = max(compared.agreeing, agreeing(costs, costs.min()))
-                if rough or self.work.stopped or not beyond_noise(whole, whole.point(ends[-1].values), agreed):
+                agreed = max(compared.agreeing, agreeing(costs, costs.min())) > 1
+                if rough or self.work.stopped or agreed or not above_noise(whole, whole.point(ends[-1].values)):
                     break
             if not (rough or self.work.stopped):  # from other places of the numbers that may lie at several
                 best = min(ends, key=lambda end: end.cost)
@@ -158,7 +157,7 @@ class GuidedSearch:
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
         best = min(ends, key=lambda end: end.cost)
-        return replace(best, agreeing=agreed, stopped=self.work.stopped)
+        return replace(best, stopped=self.work.stopped)
 
     def _compared(self, starts: int, seed: int, first: dict[str, float]) -> tuple[int, Found]:
         """The best starts, and the guide under which they were compared."""

@@ -47,8 +47,7 @@ def judged(
 
     Args:
         advised: whether recordings that would identify open parameters are looked for.
-        trusted: whether the model describes the recordings and no better minimum is suspected; if not, nothing is
-            identified.
+        trusted: whether the model describes the recordings; if not, nothing is identified.
         words: for paths and contacts in the result.
     """
     problem, u = best.problem, best.u

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.drawn import carried
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.runs import rms, roughness
@@ -15,9 +14,8 @@ from stribeck.identify.actuator.whitening import prediction_filter
 from stribeck.identify.core.judging import EXPLAINED
 
 _FIRST = 0.05  # of a column's changes: initial value of the noise, between that of good and of poor models
-AS_WELL = 1.2  # ratio of rms residuals up to which two agree: white noise reaches 1 to some hundredths
+_AS_WELL = 1.2  # ratio of rms residuals up to which two agree: white noise reaches 1 to some hundredths
 _GIVEN = 1.5  # times a given noise: the least residual that takes its place
-_AGREEING = 2  # starts that come to one minimum make a better one unlikely
 
 
 def first_noise(recordings: Sequence[Recording]) -> tuple[dict[str, float], frozenset[str]]:
@@ -84,20 +82,8 @@ def weigh(problem: MachineProblem, u: Array, white: bool = True) -> None:
         problem.whitening[column] = prediction_filter(random)
 
 
-def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
-    """The columns whose residual exceeds their noise and the effect of input errors, in words.
-
-    Empty if several starts agree on the minimum; otherwise there may be a better one.
-    """
-    if agreeing >= _AGREEING:
-        return []
+def above_noise(problem: MachineProblem, u: Array) -> bool:
+    """Whether a residual is larger than its changes from sample to sample explain."""
     columns = by_column(problem, problem.plain(u[None])[0])
-    least = {n: max(floor_of(problem, n), roughness(parts)) for n, parts in columns.items()}  # without the motion
-    more = {n: left for n, parts in columns.items() if least[n] > 0 and not (left := rms(parts)) <= AS_WELL * least[n]}
-    if more and np.isfinite(list(more.values())).all():  # nan: the simulation fails there
-        of_inputs = by_column(problem, carried(problem.without_whitening(), u))
-        least = {n: float(np.hypot(least[n], rms(x))) for n, x in of_inputs.items()}
-    return [
-        f"{n}: residual {left:.2g}, {left / least[n]:.3g} times the measurement noise"
-        for n, left in more.items() if not left <= AS_WELL * least[n]
-    ]  # fmt: skip
+    least = {n: max(floor_of(problem, n), roughness(parts)) for n, parts in columns.items()}
+    return any(not rms(parts) <= _AS_WELL * least[n] for n, parts in columns.items())  # nan: the simulation fails there

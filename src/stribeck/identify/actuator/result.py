@@ -123,7 +123,6 @@ class MachineFit(Fit):
     laws: Picked | None = None
     relation: tuple[list[str], Array] | None = None
     nuisance: dict[str, float] = field(default_factory=dict)
-    agreeing: int = 1
     name: str = "the machine"
     folder: Path = field(default_factory=Path)
     source: Path | None = None
