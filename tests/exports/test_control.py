@@ -9,6 +9,7 @@ import stribeck
 from stribeck.exports.python import response, to_control
 from stribeck.laws import builtin
 from tests.laws.test_sanity import make
+from tests.simulation.rig import rig, solved
 
 ct = pytest.importorskip("control")
 
@@ -46,14 +47,9 @@ def test_stick_slip_in_an_interconnected_system():
     loop = ct.interconnect([spring(2.0), body], inputs=["x"], outputs=["y", "v", "F"])
     T = np.linspace(0, 20, 1001)
     got = response(loop, T, 0.1 * T)
-    scenario = stribeck.Scenario(
-        law={"name": "lugre", "parameters": "canudas1995"},
-        plant={"mass": 1.0},
-        drive={"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}},
-        solve={"t_end": 20.0},
-        output={"step": 0.02},
+    reference = solved(
+        rig("lugre", {"kind": "spring", "stiffness": 2.0}, {"kind": "ramp", "rate": 0.1}, 20.0, rows=1000)
     )
-    reference = stribeck.simulate(scenario)
     assert np.max(abs(got.y[0] - reference["y"])) < 1e-5 * reference.peaks["y"]
 
 

@@ -7,6 +7,7 @@ import stribeck
 from stribeck.exports.python import stepping
 from tests.exports.harness import program
 from tests.exports.stepped import LAWS, Stepped, law, problems
+from tests.simulation.rig import law_table, rig, solved
 
 STEPS = np.array([2e-3, 5e-3, 1e-2, 2e-2])
 
@@ -144,12 +145,8 @@ def test_any_step_is_stable(name):
 
 
 def test_small_steps_are_run():
-    own = {"name": "lugre_majorant", "parameters": "canudas1995", "k_v": 1e6}
-    scenario = stribeck.Scenario(
-        law=own, plant={"mass": 1.0}, drive={"kind": "force", "signal": {"kind": "ramp", "rate": 5.0}},
-        solve={"t_end": 0.4}, output={"step": 0.1},
-    )  # fmt: skip
-    reference = stribeck.simulate(scenario)["v"][-1]
+    own = law_table("lugre_majorant", k_v=1e6)
+    reference = solved(rig(own, "force", {"kind": "ramp", "rate": 5.0}, 0.4, rows=4))["v"][-1]
     step, errors = Stepped(stribeck.law("lugre_majorant", "canudas1995", k_v=1e6)), []
     for dt in (1e-3, 5e-4):
         z = v = np.zeros(1)

@@ -206,12 +206,6 @@ def test_one_sided_derivatives_of_lugre():
     )
 
 
-def test_the_elastic_load_is_reported():
-    for name in ("elastoplastic", "elastoplastic_majorant"):
-        evidence = decided(law_with(name), "drift_free").evidence
-        assert (evidence["z_0"], evidence["F_0"]) == (pytest.approx(7e-6), pytest.approx(0.7))
-
-
 # -- what is wrong on purpose -----------------------------------------------------------------------------------------
 
 CAUGHT = {
@@ -250,12 +244,6 @@ def test_a_law_that_no_file_holds_is_judged_all_the_same():
 
 
 # -- the rest -----------------------------------------------------------------------------------------------------------
-
-
-def test_no_work_is_null_and_not_wrong():
-    found = check(law_with("lugre_majorant", sigma_2=200.0), work=0.0)
-    assert all(found[n].holds in (KNOWN["lugre_majorant"][i] == "y", None) for i, n in enumerate(NAMES) if i != 3)
-    assert found["passive"].holds in (True, None)
 
 
 @pytest.mark.parametrize(
