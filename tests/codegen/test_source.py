@@ -164,26 +164,20 @@ def test_evaluation_beside_builds():
     assert texts == [alone] * 4
 
 
-def machine(body, contact):
-    """A body on a spring with load-dependent friction, under these names."""
-    numbers = {"sigma_0": 1e5, "sigma_1": 300.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
-    return {
-        "schema": 2,
-        "bodies": {body: {"mass": 1.0}},
-        "links": {"spring": {"from": body, "to": "ground", "stiffness": 1e3, "damping": 1.0}},
-        "contacts": {
-            contact: {"from": body, "law": {"name": "lugre_sobczyk", "k_v": 1e5, "parameters": numbers}},
-        },
-        "loads": {"push": {"on": body, "kind": "signal", "signal": {"kind": "ramp", "rate": 5.0}}},
-        "solve": {"t_end": 0.5},
-        "output": {"step": 0.01},
-    }
+def named(body, contact):
+    """A body on a spring with friction, under these names."""
+    return machines.machine(
+        {body: {"mass": 1.0}},
+        links={"spring": {"from": body, "to": "ground", "stiffness": 1e3, "damping": 1.0}},
+        contacts={contact: {"from": body, "law": machines.law("lugre_sobczyk")}},
+        loads={"push": machines.push(on=body)},
+    )
 
 
 @needs_compiler
 def test_names_do_not_change_a_bit():
     """Of any length: neither a name of 80 letters nor one of a single letter decides where a statement is broken."""
-    short, long = simulate(machine("b", "c")), simulate(machine("b" * 80, "c" * 80))
+    short, long = simulate(named("b", "c")), simulate(named("b" * 80, "c" * 80))
     assert short.reason is long.reason is None
     assert short.stats["solver"] == long.stats["solver"] == "rodas5p"
     for name in ("y", "v"):
