@@ -101,7 +101,7 @@ def test_numpy_values_and_paths_are_taken():
             "plant.mass": np.float32(2),
         }
     )
-    assert (new.law.p.k_v, new.mass, new.signal.at(0.25)) == (7.0, 2.0, 0.25)
+    assert (new.law.p.k_v, new.data["plant"]["mass"], new.signal.at(0.25)) == (7.0, 2.0, 0.25)
 
 
 def test_tables_as_keywords():
