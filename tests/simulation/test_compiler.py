@@ -108,23 +108,13 @@ def test_a_compiler_that(fault, use):
 
 def test_a_compiler_that_hangs(use, monkeypatch):
     monkeypatch.setattr(compiler, "_TIME_LIMIT", 0.3)
-    use("#!/bin/sh\n[ $1 = -E ] && exit 0\nexec sleep 60\n")
+    use("#!/bin/sh\nexec sleep 60\n")
     assert "did not finish within 0.3 s" in said("wasm")[0]
-
-
-@pytest.mark.thorough
-def test_a_compiler_that_never_answers_is_soon_given_up(use, monkeypatch, tmp_path):
-    """The time is that of an empty file, whatever the system takes."""
-    use(f"#!/bin/sh\necho x >> {tmp_path}/calls\nexec sleep 60\n")
-    started = time.perf_counter()
-    assert f"did not finish within {compiler._SILENT} s" in said("wasm")[0]
-    assert time.perf_counter() - started < compiler._TIME_LIMIT / 2
-    assert (tmp_path / "calls").read_text() == "x\n"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks at /proc")
 def test_what_a_compiler_started_ends_with_it(use, monkeypatch, tmp_path):
-    monkeypatch.setattr(compiler, "_SILENT", 0.5)
+    monkeypatch.setattr(compiler, "_TIME_LIMIT", 0.5)
     use(f"#!/bin/sh\nsleep 60 &\necho $! > {tmp_path}/child\nwait\n")
     assert "did not finish within 0.5 s" in said("wasm")[0]
     state = Path("/proc", (tmp_path / "child").read_text().strip(), "stat")
@@ -181,8 +171,7 @@ def test_copies_of_one_trajectory_are_narrow(use, tmp_path):
     """Wide ones leave registers in use that libm's older instructions wait for, at every call of exp."""
     use(f'#!/bin/sh\necho "$@" >> {tmp_path}/words\nexit 1\n')
     said("wasm")
-    empty, first, second, _ = (tmp_path / "words").read_text().splitlines()
-    assert empty.startswith("-E ")
+    first, second, _ = (tmp_path / "words").read_text().splitlines()
     assert "-march=native -mmove-max=128 -mstore-max=128" in first
     assert "-march=native" in second
     assert "-mmove-max" not in second

@@ -91,7 +91,7 @@ def test_an_ordinary_motion_is_solved_once():
     promise = Promise(found.scenario, finest_scale)
     atol = np.array([[found.scenario.atol()[state.name] for state in found.scenario.system.states]])
     peaks = [*(found.peaks[name] for name in ("y", "v", "z")), found.peaks["F"], *[0.0] * 7]
-    assert not promise.missed(Tolerances(atol, np.ones(1)), MeasuredMotion(np.array([peaks]), 3)).lanes.any()
+    assert not promise.missed(Tolerances(atol, np.ones(1)), MeasuredMotion.of(np.array([peaks]), 3)).lanes.any()
 
 
 def test_what_rounding_forbids_is_said():

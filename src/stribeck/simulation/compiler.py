@@ -8,7 +8,6 @@ import platform
 import shutil
 import subprocess
 import sys
-import tempfile
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -33,8 +32,6 @@ _BESIDE = ("-fschedule-insns", "-fsched-pressure")
 # of libm's exp, whose wrapper uses older instructions, then waits for them.
 _NARROW = ("-mmove-max=128", "-mstore-max=128")
 _TIME_LIMIT = 120  # s: a compilation takes 0.3 s to some seconds
-# s, for an empty file, which takes some 0.02 s: a loaded machine may take 250 times as long.
-_SILENT = 5
 _FIRST_OF_ZIG = 600  # s: it builds its C library once for each user
 
 
@@ -62,7 +59,6 @@ class Compiler:
         Raises:
             BuildError: if no command succeeds; with the first error of the plainest command.
         """
-        _hear(self.command)
         complaint, name = "", self.command[0]
         native = "-march=native"
         for target in dict.fromkeys([(native, *self.extra), (native,), ()]):  # some compilers reject -march=native
@@ -76,16 +72,6 @@ class Compiler:
                 complaint = "it wrote no library"
                 break
         raise BuildError(f"{Path(self.command[0]).name} failed: {complaint}")
-
-
-@cache
-def _hear(command: tuple[str, ...]) -> None:
-    """Give a compiler an empty file, once in a process: one that never answers does not answer this either.
-
-    Raises:
-        BuildError: if it does not answer.
-    """
-    called([*command, "-E", "-x", "c", os.devnull], command[0], _SILENT, Path(tempfile.gettempdir()))
 
 
 def called(

@@ -130,26 +130,11 @@ def simulate_ensemble(
     growth: bool = True,
     **solve: object,
 ) -> Ensemble:
-    """Simulate a scenario once for each value of some of its numbers (:func:`stribeck.simulate` with ``vary``).
+    """Simulate a scenario once for each value of some of its numbers: :func:`stribeck.simulate` with ``vary``.
 
-    Lane i takes the i-th value of every path: ``simulate(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})``
-    has two lanes. Constants of laws, drives and signals, masses and initial values can be varied. The lanes agree with
-    single runs within the tolerances, for any number of lanes and threads. A lane's results are the same in every run.
-
-    Args:
-        scenario: a scenario, a machine, the path of its file, or its tables.
-        t_end, step, **solve: as for :func:`stribeck.simulate`.
-        values: values by path, as many for each path as there are lanes; a single number is used in all lanes.
-        threads: number of threads; all cores unless given.
-        progress: called from time to time with the share of the lanes done, 0 to 1.
-        growth: whether lanes whose errors grow beyond the promised accuracy are simulated again with finer tolerances. How a
-            motion ends can be judged without.
-
-    Returns:
-        The ensemble. A lane that fails, or whose values are invalid, has a ``reason``; the others continue.
-
-    Raises:
-        InputError: if a path cannot be varied, its values are not numbers, or the rows do not fit into memory.
+    The lanes agree with single runs within the tolerances, for any number of lanes and threads. A lane's results are the
+    same in every run. ``growth``: whether lanes whose errors grow beyond the promised accuracy are simulated again with finer
+    tolerances; how a motion ends can be judged without.
     """
     variations = vary(scenario_of(scenario, t_end, step, **solve), values or {})
     _check(variations, threads)

@@ -195,7 +195,7 @@ def solve(once: LaneSolver, lanes: Variations, progress: Progress | None = None,
     def run(which: Integers, tolerances: Tolerances | None) -> tuple[Outcome, Pass]:
         some = lanes if len(which) == len(lanes) else lanes.part(which)
         result, width = once(some, progress, tolerances), len(scenario.system.states)
-        states, measured = result.states[:, :, :width], MeasuredMotion(result.largest, width)
+        states, measured = result.states[:, :, :width], MeasuredMotion.of(result.largest, width)
         return result, Pass(_first(lanes) if tolerances is None else tolerances, measured, states)
 
     lane_numbers = np.arange(len(lanes))

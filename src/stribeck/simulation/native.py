@@ -191,7 +191,7 @@ class Solving:
     @property
     def measured(self) -> MeasuredMotion:
         """The magnitudes that the solver measured of the motion."""
-        return MeasuredMotion(self.views["largest"].copy()[np.newaxis], len(self.views["x"]))
+        return MeasuredMotion.of(self.views["largest"].copy()[np.newaxis], len(self.views["x"]))
 
     def to_the_end(self, progress: Callable[[float], None] | None, most: int) -> Result:
         """Integrate from t = 0 to the end in at most ``most`` attempted steps."""

@@ -17,6 +17,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,8 +46,20 @@ MOST_PASSES = 3
 _NOISE = 1e-12  # a motion of this share of the machine's largest, each in its natural scale, is rounding
 
 
+class _OfLanes:
+    """A data class whose arrays have a row for each lane."""
+
+    def part(self, lanes: NDArray[np.int64]) -> Self:
+        """The same of some lanes."""
+        rows = {
+            name: x[lanes] if isinstance(x, np.ndarray) else x.part(lanes) if isinstance(x, _OfLanes) else x
+            for name, x in vars(self).items()
+        }
+        return type(self)(**rows)
+
+
 @dataclass(frozen=True)
-class Tolerances:
+class Tolerances(_OfLanes):
     """The tolerances of a run, with a row for each lane.
 
     Attributes:
@@ -60,66 +74,38 @@ class Tolerances:
     force: Array | None = None
     rows_are_steps: bool = False
 
-    def part(self, lanes: NDArray[np.int64]) -> Tolerances:
-        """Those of some lanes."""
-        force = None if self.force is None else self.force[lanes]
-        return replace(self, atol=self.atol[lanes], scale=self.scale[lanes], force=force)
+
+@dataclass(frozen=True)
+class MeasuredMotion(_OfLanes):
+    """The numbers that the compiled solver measures (runtime/run.c, MEASURES), a row for each lane.
+
+    Attributes:
+        peaks, force: the peaks of the states, and of the friction forces.
+        step_in_force: the largest error of a step, in the friction forces.
+        dense_in_force: the largest last term of the dense output within a step, in the friction forces.
+        terms: the largest sum of the magnitudes of the friction forces' terms.
+        carried, carried_in_force: the largest errors by those of all steps before, in states and friction forces.
+    """
+
+    peaks: Array
+    force: Array
+    step_in_force: Array
+    dense_in_force: Array
+    terms: Array
+    carried: Array
+    carried_in_force: Array
+
+    @classmethod
+    def of(cls, largest: Array, states: int) -> MeasuredMotion:
+        """The measured numbers of a system with so many states, by their meaning."""
+        forces = (largest.shape[1] - 2 * states) // 5
+        counts = [states, forces, forces, forces, forces, states, forces]
+        ends = np.cumsum([0, *counts]).tolist()
+        return cls(*(largest[:, begin:end] for begin, end in pairwise(ends)))
 
 
 @dataclass(frozen=True)
-class MeasuredMotion:
-    """The numbers that the compiled solver measures (runtime/run.c, MEASURES), a row for each lane."""
-
-    largest: Array
-    states: int
-
-    def _of_forces(self, i: int) -> Array:
-        behind = self.largest[:, self.states :]
-        return behind[:, i * self._forces : (i + 1) * self._forces]
-
-    @property
-    def _forces(self) -> int:
-        return int(self.largest.shape[1] - 2 * self.states) // 5
-
-    @property
-    def peaks(self) -> Array:
-        """The peaks of the states."""
-        return self.largest[:, : self.states]
-
-    @property
-    def force(self) -> Array:
-        """The peaks of the friction forces."""
-        return self._of_forces(0)
-
-    @property
-    def step_in_force(self) -> Array:
-        """The largest error of a step, in the friction forces."""
-        return self._of_forces(1)
-
-    @property
-    def dense_in_force(self) -> Array:
-        """The largest last term of the dense output within a step, in the friction forces."""
-        return self._of_forces(2)
-
-    @property
-    def terms(self) -> Array:
-        """The largest sum of the magnitudes of the friction forces' terms."""
-        return self._of_forces(3)
-
-    @property
-    def carried(self) -> Array:
-        """The largest errors of the states, by the errors of all steps before."""
-        begin = self.states + 4 * self._forces
-        return self.largest[:, begin : begin + self.states]
-
-    @property
-    def carried_in_force(self) -> Array:
-        """The same of the friction forces."""
-        return self.largest[:, 2 * self.states + 4 * self._forces :]
-
-
-@dataclass(frozen=True)
-class Pass:
+class Pass(_OfLanes):
     """A run of all lanes.
 
     Attributes:
@@ -131,11 +117,6 @@ class Pass:
     tolerances: Tolerances
     measured: MeasuredMotion
     states: Array
-
-    def part(self, lanes: NDArray[np.int64]) -> Pass:
-        """The run of some of its lanes."""
-        measured = MeasuredMotion(self.measured.largest[lanes], self.measured.states)
-        return Pass(self.tolerances.part(lanes), measured, self.states[lanes])
 
 
 def measures(scenario: Scenario) -> int:
@@ -162,7 +143,7 @@ def promised(scenario: Scenario) -> NDArray[np.bool_]:
 
 
 @dataclass(frozen=True)
-class Missed:
+class Missed(_OfLanes):
     """Where a run may miss the promise, with a row for each lane.
 
     Attributes:
@@ -176,10 +157,6 @@ class Missed:
     wrong: NDArray[np.bool_]
     states: Array
     forces: Array
-
-    def part(self, lanes: NDArray[np.int64]) -> Missed:
-        """The same of some lanes."""
-        return Missed(self.loose[lanes], self.wrong[lanes], self.states[lanes], self.forces[lanes])
 
     @property
     def share(self) -> Array:
@@ -350,7 +327,7 @@ def solve_to_promise(
 
     def run(tolerances: Tolerances, most: int) -> tuple[Result, Pass]:
         result, measured = once(tolerances, most)
-        return result, Pass(tolerances, measured, result.states[None, :, : measured.states])
+        return result, Pass(tolerances, measured, result.states[None, :, : measured.peaks.shape[1]])
 
     result, coarse = run(tolerances, most)
     if result.reason is not None:

@@ -25,25 +25,7 @@ def simulate_once(
     step: float | None = None,
     **solve: object,
 ) -> Solution:
-    """Simulate a scenario or a machine.
-
-    The first simulation of a structure (law, drive, kind of signal) compiles it, which takes about 0.3 s. Later ones, in
-    this process or another, use the cache.
-
-    Args:
-        scenario: a scenario, a machine, the path of its file, or its tables.
-        t_end: end of the simulation, s; required for a :class:`Machine`.
-        step: time between rows, s; of a :class:`Machine` t_end/1000 unless given.
-        **solve: other values of [solve], such as ``rtol=1e-10``; of a :class:`Machine` also ``energy=True``.
-        progress: called from time to time with the share of the time done, 0 to 1.
-
-    Returns:
-        The solution. If the computation fails, ``status`` is "failed", ``reason`` states why, and the rows up to there are
-        kept.
-
-    Raises:
-        InputError: if the file or the tables are no valid scenario.
-    """
+    """Simulate a scenario or a machine once; arguments, result and errors are those of :func:`stribeck.simulate`."""
     if not isinstance(scenario, Scenario) or t_end is not None or step is not None or solve:
         from stribeck.scenario.objects import scenario_of  # a file that is run needs no objects
 
