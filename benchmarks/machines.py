@@ -23,10 +23,6 @@ Array = NDArray[np.float64]
 MOST_STEPS = 10**7
 
 
-class Missing(Exception):
-    """A package that is not installed."""
-
-
 def piece_rows(t0: float, t1: float, rows: Array, t_end: float) -> Array:
     """The rows from t0 on and before t1 (with it at the end)."""
     return rows[(rows >= t0 - 1e-9) & ((rows < t1 - 1e-9) | (t1 == t_end))]
@@ -75,11 +71,8 @@ def casadi_drive(torque: Any, rows: Array, scales: Array) -> Callable[[float], A
 
 def numbalsoda_drive(torque: Any, rows: Array, scales: Array) -> Callable[[float], Array]:
     """numbalsoda's LSODA, the equations compiled by numba; one absolute tolerance for states scaled to 1."""
-    try:
-        from numbalsoda import lsoda, lsoda_sig
-    except ImportError as error:
-        raise Missing("numbalsoda") from error
     import numba
+    from numbalsoda import lsoda, lsoda_sig
 
     equations, own = numba.njit(drive_equations(exp, atan, min)), tuple(scales.tolist())
 
@@ -139,11 +132,8 @@ def chain_equations(
 def sparse_chain(count: int, p: dict[str, float], k_v: float, stiffness: float, damping: float, rows: Array,
                  scales: Array) -> Callable[[float], Array]:  # fmt: skip
     """SUNDIALS CVODE through scikit-sundae: NumPy equations, sparse Jacobian by grouped differences, SuperLU."""
-    try:
-        from sksundae.cvode import CVODE
-    except ImportError as error:
-        raise Missing("scikit-sundae") from error
     from scipy.sparse import bmat, diags, eye
+    from sksundae.cvode import CVODE
 
     rates = chain_equations(np, lambda *parts: np.hstack(parts), p, k_v, stiffness, damping)
     near, one = diags([1.0, 1.0, 1.0], [-1, 0, 1], shape=(count, count)), eye(count)
@@ -286,8 +276,8 @@ def two_masses(repetitions: int) -> list[dict[str, Any]]:
     for name, make in (("CasADi CVODES", casadi_drive), ("numbalsoda", numbalsoda_drive)):
         try:
             ways[name] = make(TORQUE, rows, SCALES)
-        except (Missing, ImportError) as missing:
-            say(f"two masses: {name} left out: {missing} is not installed")
+        except ImportError as missing:
+            say(f"two masses: {name} left out: {missing}")
     ways["SciPy odeint"] = scipy_drive("odeint", TORQUE, rows, SCALES)
     ways["SciPy solve_ivp LSODA"] = scipy_drive("LSODA", TORQUE, rows, SCALES)
     return measured({n: (w, *tolerance(f"two masses: {n}", w, exact)) for n, w in ways.items()}, repetitions)
@@ -328,8 +318,8 @@ def chains(sizes: tuple[int, ...], repetitions: int) -> list[dict[str, Any]]:
         for name, make in (("CasADi CVODES, sparse", casadi_chain), ("scikit-sundae CVODE, sparse", sparse_chain)):
             try:
                 ways[name] = make(*given)
-            except (Missing, ImportError) as missing:
-                say(f"chain: {name} left out: {missing} is not installed")
+            except ImportError as missing:
+                say(f"chain: {name} left out: {missing}")
         exact = own(1e-13)
         solvers = measured({n: (w, *tolerance(f"{count} bodies: {n}", w, exact)) for n, w in ways.items()}, repetitions)
         rows.append({

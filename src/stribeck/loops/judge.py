@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.loops.loop import MOST_STEPS, Loop, resolution_of, some_parameter
+from stribeck.loops.loop import MOST_STEPS, Loop, resolution_of, simulate_lanes
 from stribeck.loops.oscillation import amplitude_and_period
 from stribeck.loops.shaken import swings
-from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
+from stribeck.simulation.ensemble import Ensemble
 
 TRAVEL = 1e-6  # of its travel: the rest band of a body without an encoder; what is promised of y, so less may be error
 # Slowest time constants that are simulated first after the signals rest: in the first half, every linear mode decays to
@@ -140,9 +140,10 @@ class _Judging:
         for each in np.unique(octave):
             group = pending[octave == each]
             length = float(2.0 ** (each / 2))  # independent of the other lanes
-            lanes = _simulate_lanes(
-                self.loop, {p: x if len(x) == 1 else x[group] for p, x in self.values.items()}, length, len(group)
-            )
+            values = {p: x if len(x) == 1 else x[group] for p, x in self.values.items()}
+            step = length / 2 / _ROWS  # rows in the second half, which is judged
+            end = float(np.ceil((self.loop.rest + length) / step) * step)
+            lanes = simulate_lanes(self.loop.lean, values, end, step, len(group))
             for lane, place in enumerate(group):
                 self._judge(int(place), lanes, lane, length)
         return pending[self.open[pending]]
@@ -160,16 +161,6 @@ class _Judging:
             wanted = 2 * length if 2 * steps < _WAITS else 0.0
         self.open[place] = wanted > length and not last
         self.length[place] = min(max(wanted, 2 * length), longer)
-
-
-def _simulate_lanes(loop: Loop, values: Mapping[str, ArrayLike], length: float, count: int) -> Ensemble:
-    """Simulate lanes until ``length`` after the signals rest, with :data:`_ROWS` rows in the second half of that."""
-    step = length / 2 / _ROWS
-    end = float(np.ceil((loop.rest + length) / step) * step)
-    if not values:  # one lane: a batch needs a path, so any number is given its own value
-        path, x = next(iter(some_parameter(loop.lean).items()))
-        values = {path: np.full(count, x)}
-    return simulate_ensemble(loop.lean, values, t_end=end, step=step, growth=False)
 
 
 class _LaneRecord:

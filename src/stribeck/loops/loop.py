@@ -12,12 +12,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import entry_at
+from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 from stribeck.waveforms import KINDS, Signal, SumSignal
 from stribeck.waveforms.trajectories import Curve
 
@@ -213,9 +215,12 @@ def resolution_of(scenario: Scenario, controller: Controller) -> float:
     return float(scenario.elements.values.get((f"{controller.path}.sampling", "resolution"), 0.0))
 
 
-def some_parameter(scenario: Scenario) -> dict[str, float]:
-    """One parameter of the machine by path, unchanged: parallel simulation needs at least one."""
-    places = scenario.places
-    return next(
-        {path: scenario.elements.values[key]} for path, key in places.items() if key in scenario.elements.values
-    )
+def simulate_lanes(
+    scenario: Scenario, values: Mapping[str, ArrayLike] | None, end: float, step: float, count: int = 1
+) -> Ensemble:
+    """Simulate lanes, however their errors grow. Without ``values``, which a batch needs, a number is given its own value."""
+    if not values:
+        machine = scenario.elements
+        path, key = next((path, key) for path, key in scenario.places.items() if key in machine.values)
+        values = {path: np.full(count, machine.values[key])}
+    return simulate_ensemble(scenario, values, t_end=end, step=step, growth=False)

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.loops.loop import Loop, controller_of, replaced, resolution_of, rests_at, some_parameter
+from stribeck.loops.loop import Loop, controller_of, replaced, resolution_of, rests_at, simulate_lanes
 from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
-from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
+from stribeck.simulation.ensemble import Ensemble
 from stribeck.waveforms import Signal
 
 _WAVES = 4  # of the sine: transients die out in the first, and the maximum of three is one
@@ -166,8 +166,7 @@ def _simulate_lanes(
 ) -> Ensemble:
     """Simulate a move in lanes; also a single one, so that all remedies share compiled code."""
     scenario = scenario.with_changes({"solve.max_steps": loop.scenario.solve.max_steps})
-    values = values or {p: [x] for p, x in some_parameter(scenario).items()}
-    return simulate_ensemble(scenario, values, t_end=end, step=end / _ROWS, growth=False)
+    return simulate_lanes(scenario, values, end, end / _ROWS)
 
 
 def _reached_rows(lanes: Ensemble, controller: str) -> tuple[Array, Array, Array]:
