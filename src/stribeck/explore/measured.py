@@ -138,22 +138,19 @@ def _constant(scenario: Scenario, group: str, name: str) -> tuple[Constant, floa
     return Constant("", ""), 1.0
 
 
-def _changed(scenario: Scenario, changes: Mapping[str, float]) -> Arrays | None:
-    """The arrays with other numbers; None if the file is invalid or has another structure."""
+def _changed(scenario: Scenario, base: Arrays, changes: Mapping[str, float]) -> Arrays | None:
+    """The arrays with other numbers; None if the file is invalid, or has another structure or arrays of other shapes."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StribeckNote)
             other = scenario.with_changes(changes)
     except InputError:
         return None
-    return arrays_of(other) if other.system == scenario.system else None
-
-
-def _same_shape(base: Arrays, other: Arrays | None) -> bool:
-    return other is not None and (
-        all(other[name].shape == array.shape for name, array in base.items())
-        and all(np.array_equal(other[name], base[name]) for name in ("restart", "queue_room"))
-    )
+    if other.system != scenario.system:
+        return None
+    arrays = arrays_of(other)
+    same = all(arrays[name].shape == array.shape for name, array in base.items())
+    return arrays if same and all(np.array_equal(arrays[n], base[n]) for n in ("restart", "queue_room")) else None
 
 
 def _measure(scenario: Scenario, base: Arrays, path: str, value: float, given: Number | None = None) -> Number | None:
@@ -179,8 +176,8 @@ def _narrower(number: Number, reach: float) -> Number:
 
 def _effects(scenario: Scenario, base: Arrays, number: Number) -> tuple[tuple[str, int, float], ...] | None:
     """The change of the arrays per unit of the number; None unless it is the same over the whole slider."""
-    upper = _changed(scenario, {number.path: number.high})
-    if upper is None or not _same_shape(base, upper):
+    upper = _changed(scenario, base, {number.path: number.high})
+    if upper is None:
         return None
     effects = []
     for name, array in base.items():
@@ -197,8 +194,8 @@ def _effects(scenario: Scenario, base: Arrays, number: Number) -> tuple[tuple[st
 
 
 def _as_predicted(scenario: Scenario, base: Arrays, numbers: list[Number], values: Mapping[str, float]) -> bool:
-    changed = _changed(scenario, values)
-    if changed is None or not _same_shape(base, changed):
+    changed = _changed(scenario, base, values)
+    if changed is None:
         return False
     expected = moved(base, numbers, values)
     names = [name for name in base if name not in _TOLERANCES or all(n.group == "solve" for n in numbers)]
