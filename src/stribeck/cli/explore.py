@@ -45,7 +45,8 @@ def explore(
 
     scenario = subject(what, parse_assignments(set_ or []), trust)
     if out is None:
-        out = Path(f"{_file_name(scenario.name)}.html")
+        name = re.sub(r"[^\w.-]+", "_", scenario.name).strip("._")
+        out = Path(f"{name or 'explore'}.html")
     if out.is_dir():
         raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
     check_file("--out", out, *([Path(what)] if what is not None else []))
@@ -61,7 +62,3 @@ def _document(name: str, page: Path) -> Document:
     from stribeck.mouth.document import Document
 
     return Document(name, f"a page of {page.stat().st_size / 1e6:.2f} MB that needs no network; open it in a browser")
-
-
-def _file_name(name: str) -> str:
-    return re.sub(r"[^\w.-]+", "_", name).strip("._") or "explore"

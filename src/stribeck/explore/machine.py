@@ -8,7 +8,7 @@ from stribeck.constants import Column
 from stribeck.errors import printable, unbroken
 from stribeck.explore.appendix import machine_relations
 from stribeck.explore.figures import Chart, Series
-from stribeck.explore.measured import Arrays, Measured
+from stribeck.explore.measured import Measured
 from stribeck.machine.elements.contacts import Contact
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
@@ -101,17 +101,13 @@ def _path(scenario: Scenario, law: str, key: str) -> str:
 def machine_data(measured: Measured) -> dict[str, object]:
     """The solver's input at the file's numbers, and the numbers without a slider."""
     machine, arrays = measured.scenario.system, measured.arrays
+    held = len(machine.held)
     return {
         "arrays": {name: array.tolist() for name, array in arrays.items() if name not in ("restart", "queue_room")},
         "restart": [int(x) for x in arrays["restart"]],
-        "rooms": _rooms(machine, arrays),
+        "rooms": {
+            "held": held, "shown": len(machine.shown), "queue_room": int(arrays["queue_room"][0]),
+            "noise_room": arrays["noise"].size // held if held else 0,
+        },
         "fixed": [{"path": path, "value": value} for path, value in measured.fixed.items()],
-    }
-
-
-def _rooms(machine: MachineSystem, arrays: Arrays) -> dict[str, int]:
-    held = len(machine.held)
-    noise = arrays["noise"].size // held if held else 0
-    return {
-        "held": held, "shown": len(machine.shown), "queue_room": int(arrays["queue_room"][0]), "noise_room": noise,
     }  # fmt: skip

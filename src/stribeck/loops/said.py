@@ -10,6 +10,7 @@ from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.excess import BEYOND
 from stribeck.loops.judge import SHORTEST, Judgement
+from stribeck.loops.loop import controller_of
 from stribeck.loops.starts import Start, distinct_judgements
 from stribeck.mouth.cells import human
 from stribeck.mouth.document import PAGE, Amount, Cell, Chapter, Document, Head, Table
@@ -36,7 +37,8 @@ _REMEDIES = {
 
 def design(result: Design) -> Document:
     """The document of a :class:`~stribeck.loops.Design`."""
-    judgement, unit = result.judgement, position_unit(result)
+    judgement = result.judgement
+    unit = _unit(result, controller_of(result.loop.scenario, result.controller).body)
     facts = []
     if result.loop.held:
         facts.append(f"held at their value at t = {result.loop.rest:g} s, to judge rest: {', '.join(result.loop.held)}")
@@ -204,11 +206,6 @@ def _headline(j: Judgement, unit: str) -> str:
 def _cycle(j: Judgement, unit: str) -> str:
     """The amplitude of a limit cycle and, if it is regular, its period."""
     return f"±{human(j.amplitude, unit)}" + (f", period {human(j.period, 's')}" if j.period == j.period else "")
-
-
-def position_unit(result: Design) -> str:
-    """The unit of the measured body's position."""
-    return _unit(result, next(c.body for c in result.loop.scenario.system.controllers if c.name == result.controller))
 
 
 def _unit(result: Design, body: str) -> str:

@@ -274,7 +274,7 @@ class Controller(AnyController, for_users=True):
     def _continuous(self, a: Assembly, r: Reference) -> Expr:
         y, v = a.motion(self.body)
         x = {n: a.state(self, n) for n in self.all_states(a.system)}
-        shaken = ZERO if self.dither is None else self.dither.force_at(_T)
+        shaken = ZERO if self.dither is None else self.dither.force(self.dither.frequency * _T)
         raw, rates = self.unlimited(a.system, r, y, v, x, a.called, a.exact, shaken)
         a.unlimited[self.name] = raw
         a.rates |= {self.name_of(n): rate for n, rate in self.held_at_limit(raw, rates, x, LAYER).items()}

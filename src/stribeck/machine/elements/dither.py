@@ -28,10 +28,6 @@ class Dither(FileTable):
         wave = sin(2 * pi * phase) if self.kind == "sine" else where(phase < 0.5 - _EDGE, 1.0, -1.0)
         return wrap(self.amplitude * wave)
 
-    def force_at(self, t: Expr) -> Expr:
-        """The value at time t in a continuous controller."""
-        return self.force(self.frequency * t)
-
     def next_phase(self, phase: Value, period: Value) -> Expr:
         """The phase at the next sample."""
         on = phase + self.frequency * period

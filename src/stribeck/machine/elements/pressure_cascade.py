@@ -121,16 +121,12 @@ class Gains(FileTable):
     range: float = given_as(Adaptation.constants["range"])
 
 
-def _piston(on: object, reading: Reading) -> Piston | None:
-    body = reading.others.get("bodies", {}).get(on) if isinstance(on, str) else None
-    return body if isinstance(body, Piston) else None
-
-
 def _complete(value: object, handler: Callable[[object], KnownPlant], info: ValidationInfo) -> KnownPlant:
     """The model with the piston's constants where it gives none."""
     given = handler(value)
-    piston = _piston(info.data.get("on"), info.context or Reading())
-    if piston is None:
+    reading: Reading = info.context or Reading()
+    piston = reading.others.get("bodies", {}).get(str(info.data.get("on")))
+    if not isinstance(piston, Piston):
         return given
     overridden = {n: x for n in piston.constants if (x := getattr(given, n)) is not None}
     return KnownPlant.model_construct(given.model_fields_set, **{**piston.constants, **overridden})
