@@ -297,11 +297,12 @@ def _():
         if isinstance(edited.get("log"), dict):
             edited["log"] = [edited["log"], second]
         Path("l.toml").write_text(tomli_w.dumps(edited))
+        said = _said(path, wrong)[:120]  # a file's name may be too long
         try:
             coordinates(machine, read_logs("l.toml"))
-            yield f"{_said(path, wrong)}: taken"
+            yield f"{said}: taken"
         except InputError as error:
-            yield from (f"{_said(path, wrong)}: {x}" for x in error.problems)
+            yield from (f"{said}: {x}" for x in error.problems)
 
 
 @kept("refused/bam")
