@@ -20,7 +20,7 @@ from stribeck.laws.base import Law
 from stribeck.mouth import plots
 from stribeck.mouth.document import Table
 from stribeck.properties import NAMES, Verdicts, check
-from stribeck.properties.storage import storage_interval
+from stribeck.properties.storage import Storage
 
 _HERE = "--parameters canudas1995 --set k_v=1e6"
 _V_MAX = 0.02  # m/s: LuGre with Table 1 is passive up to about twice that
@@ -106,7 +106,7 @@ def _storage(made: Mapping[str, Law]) -> Printed:
         for name, law in made.items():
             Z, axis = float(law.z_bound(law.p)), axes[name]
             scale = law.p.sigma_0 * Z
-            low, high = (np.clip(x / scale, -9, 9) for x in storage_interval(law, share * Z, _V_MAX))
+            low, high = (np.clip(x / scale, -9, 9) for x in Storage(law, _V_MAX, reach=Z).interval(share * Z))
             none = low > high * (1 + 1e-9) + 1e-12
             axis.fill_between(share, low, high, where=~none, color=plots.COLOURS[6], alpha=0.35, linewidth=0)
             axis.fill_between(share, high, low, where=none, color=plots.COLOURS[1], alpha=0.35, linewidth=0)

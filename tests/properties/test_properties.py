@@ -14,7 +14,7 @@ from stribeck import Scenario
 from stribeck.laws.base import PARAMETERS
 from stribeck.properties import NAMES, WORK, check
 from stribeck.properties.checked import Checked
-from stribeck.properties.storage import Storage, largest_speed, storage_interval
+from stribeck.properties.storage import Storage, largest_speed
 from tests.properties import broken_laws
 from tests.reference.apart_parts import bristles
 
@@ -132,10 +132,10 @@ def test_arctan_with_damping_that_falls_is_passive_though_z_has_no_bound():
 
 def test_the_storage_interval_holds_the_elastic_energy_where_lugre_is_passive():
     z = np.linspace(-1.4e-5, 1.4e-5, 29)
-    low, high = storage_interval(law_with("lugre", sigma_2=200.0), z)
+    low, high = Storage(law_with("lugre", sigma_2=200.0), reach=1.5e-5).interval(z)
     assert np.all(low <= 1e5 * z + 1e-6)
     assert np.all(1e5 * z <= high + 1e-6)
-    low, high = storage_interval(law_with("lugre_sobczyk"), np.array([5e-6]))
+    low, high = Storage(law_with("lugre_sobczyk"), reach=1.5e-5).interval(np.array([5e-6]))
     assert low > high
 
 

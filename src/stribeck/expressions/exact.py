@@ -10,13 +10,14 @@ import math
 import operator
 from collections.abc import Callable
 from fractions import Fraction
+from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stribeck.expressions.ops import Value
 
 
-Tree = Any  # a float, "pi", or (operation, Tree, ...)
+Tree = Any  # a float, "pi", or (operation, Tree) or (operation, Tree, Tree)
 
 _OPERATIONS: dict[str, Callable[..., float]] = {
     "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": operator.truediv,
@@ -79,7 +80,7 @@ class Exact(float):
 
     def __pow__(self, power: Value, modulo: None = None) -> Value:
         if type(power) is int and 0 < power <= 64:
-            return Exact(float(self) ** power, ("mul", *[self.tree] * power) if power > 1 else self.tree)
+            return Exact(float(self) ** power, reduce(lambda a, b: ("mul", a, b), [self.tree] * power))
         if type(power) in (int, float):
             return Exact(float(self) ** power, ("pow", self.tree, float(power)))
         return NotImplemented

@@ -184,13 +184,7 @@ def _tree(tree: Value) -> Range:
     if isinstance(tree, float):
         return tree, tree
     op, *args = tree
-    values = [_tree(a) for a in args]
-    if op == "mul" and len(values) > 2:
-        product = values[0]
-        for each in values[1:]:
-            product = mul(product, each)
-        return product
-    value: Range = _apply(op, values)
+    value: Range = _apply(op, [_tree(a) for a in args])
     return value
 
 

@@ -30,14 +30,7 @@ def rational(x: Fraction | None) -> str:
 
 def _number(tree: Json) -> Json:
     if isinstance(tree, tuple):
-        op, *args = tree
-        operands = [_number(a) for a in args]
-        if op == "mul" and len(operands) > 2:
-            total = operands[0]
-            for each in operands[1:]:
-                total = ["mul", total, each]
-            return total
-        return [op, *operands]
+        return [tree[0], *map(_number, tree[1:])]
     return tree if isinstance(tree, str) else rational(Fraction(tree))
 
 

@@ -22,10 +22,10 @@ from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, needed
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0, sigma_1
-from stribeck.properties import bounded, cycles, damped, drift, endless, passive, replay, smooth, unique
+from stribeck.properties import bounded, cycles, damped, drift, endless, passive, smooth, unique
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import NULL, ClaimProver
-from stribeck.properties.model import SIGNS, Model, Unreadable
+from stribeck.properties.model import Model, Unreadable
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
 from stribeck.properties.stateless import claimed, why_not
@@ -66,10 +66,11 @@ _DROPS = (
 def check_law(law: Law, v_max: float | None, work: float) -> Verdicts:
     """The verdicts on a law whose constants do not vary."""
     checked = Checked(law, v_max, work)
-    claims = {} if law.has_z else _read_claims(law, v_max)
-    return _verdicts(
-        Verdicts(law, {}, v_max, claims=claims), lambda name: accepted(checked.decided(name), law, name, v_max)
-    )
+    verdicts = _verdicts(Verdicts(law, {}, v_max), lambda name: accepted(checked.decided(name), law, name, v_max))
+    if not law.has_z:
+        with np.errstate(all="ignore"):
+            verdicts.claims = claimed(law, v_max)
+    return verdicts
 
 
 def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
@@ -81,29 +82,20 @@ def check_varied(varied: Varied, v_max: float | None, work: float) -> Verdicts:
 def _verdicts(verdicts: Verdicts, decided: Callable[[str], Verdict]) -> Verdicts:
     """Each property; undecided if a law has no z, or if its equations make the check fail."""
     started = process_time()
+    with needed("a proof"):
+        importlib.import_module("flint")
     if not verdicts.law.has_z:
         verdicts.properties = {name: undecided(why_not(verdicts.law)) for name in NAMES}
         return verdicts
-    with needed("a proof"):
-        importlib.import_module("flint")
     with np.errstate(all="ignore"):  # samples may overflow; they prove nothing
         verdicts.properties = {name: _safely(decided, name) for name in NAMES}
     verdicts.seconds = process_time() - started
     return verdicts
 
 
-def _read_claims(law: Law, v_max: float | None) -> dict[str, Verdict]:
-    with needed("a proof"):
-        importlib.import_module("flint")
-    with np.errstate(all="ignore"):
-        return claimed(law, v_max)
-
-
 def _safely(decided: Callable[[str], Verdict], name: str) -> Verdict:
     try:
         return decided(name)
-    except Unreadable as error:
-        return undecided(str(error))
     except (OverflowError, ZeroDivisionError) as error:
         _log.debug("the values of '%s' exceed the floating-point range", name, exc_info=True)
         return undecided(f"an intermediate result exceeds the floating-point range ({error})")
@@ -123,7 +115,7 @@ class Checked:
         try:
             verdict: Verdict = getattr(self, name)()
         except Unreadable as error:
-            return undecided(str(error))
+            verdict = undecided(str(error))
         return verdict
 
     @cached_property
@@ -316,12 +308,10 @@ class CheckedAlways:
             return None
         reach = model.bound[1] if within is not None else None
         slope = next(passive.elastic_forces(model))
-        shown = claims.power(slope, (NULL, model.v_max), (NULL, reach), (*SIGNS, 0))
         rising = claims.rising(slope, (NULL, reach))
-        if shown is None or rising is None:
+        certificate = None if rising is None else passive.by_storage(model, claims, slope, rising, within)
+        if certificate is None:
             return None
-        hypotheses = {"bounded": within} if within is not None else {}
-        certificate = Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses)
         evidence = {"z_within": None if reach is None else float(reach), **self._theorem(any_z)}
         return proved(model, certificate, _PROVED, evidence)
 
@@ -362,7 +352,9 @@ class CheckedAlways:
         refutations: list[Verdict] = []
         for swing in islice(cycles.find_swings(low, high, self.v_max), _TRIED):
             if (drawn := swing.drawn()) is not None:
-                refutations.append(_swung(self.varied.law, swing, drawn))
+                evidence = {**swing.evidence(), "enclosed": {"energy_drawn_per_cycle": list(drawn)}}
+                refutations.append(Verdict(False, _SWING, evidence))
+                cycles.add_run(refutations[-1], swing.machine(self.varied.law), "contact.z")
                 if refutations[-1].scenario is not None:
                     return refutations[-1]
         return refutations[0] if refutations else None
@@ -401,18 +393,6 @@ def _may_serve(law: Law, v_max: float | None, any_z: bool) -> bool:
         z = np.minimum(damping * v / (2 * p.sigma_0), reach)
         lost = law.force(v, z) * v - p.sigma_0 * z * law.rate(v, z)
         return bool(np.all(lost >= -1e-9 * (damping + p.sigma_2) * v**2))
-
-
-def _swung(nominal: Law, swing: cycles.Swing, drawn: tuple[float, float]) -> Verdict:
-    evidence = {**swing.evidence(), "enclosed": {"energy_drawn_per_cycle": list(drawn)}}
-    refutation = Verdict(False, _SWING, evidence)
-    tables = swing.machine(nominal)
-    solution = replay.run(tables)
-    if solution is not None and solution.final["E_in"] < 0:
-        stated = {"E_in": solution.final["E_in"], "contact.z": solution.final["contact.z"]}
-        evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
-        refutation.scenario, refutation.stated = tables, stated
-    return refutation
 
 
 def thresholds(varied: Varied) -> dict[str, float | None]:

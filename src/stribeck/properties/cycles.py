@@ -15,6 +15,7 @@ from stribeck.properties import damped, enclosed, replay
 from stribeck.properties.model import Model
 from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, own_speeds
+from stribeck.properties.verdicts import Verdict
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)  # on each panel; for smooth dz/dt the error is rounding
 _PANELS = 400  # of a path on which dz/dt may fall to _SLOW of its mean
@@ -29,33 +30,25 @@ _NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: di
 
 @dataclass(frozen=True)
 class Cycle:
-    """A closed path of z from ``start`` in pieces of constant speed, with the energies supplied, J."""
+    """A path of z from ``start`` in pieces of constant speed; ``programme`` has a row for each, as in the report."""
 
     start: float
-    speeds: tuple[float, ...]
-    turns: tuple[float, ...]  # z at the end of each piece
-    durations: tuple[float, ...]
-    energies: tuple[float, ...]
+    programme: list[dict[str, float]]
 
     @property
     def drawn(self) -> float:
         """Net energy drawn, J."""
-        return -sum(self.energies)
+        return -sum(piece["energy_in"] for piece in self.programme)
 
     @property
-    def time(self) -> float:
-        """Its duration, s."""
-        return sum(self.durations)
+    def turns(self) -> list[float]:
+        """z at the start, and at the end of each piece."""
+        return [self.start, *(piece["z_end"] for piece in self.programme)]
 
     def evidence(self) -> dict[str, Json]:
         """Values for the report."""
-        return {
-            "energy_drawn": self.drawn, "time": self.time, "z_start": self.start,
-            "programme": [
-                {"v": v, "duration": d, "z_end": z, "energy_in": e}
-                for v, d, z, e in zip(self.speeds, self.durations, self.turns, self.energies, strict=True)
-            ],
-        }  # fmt: skip
+        time = sum(piece["duration"] for piece in self.programme)
+        return {"energy_drawn": self.drawn, "time": time, "z_start": self.start, "programme": self.programme}
 
 
 def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
@@ -66,6 +59,12 @@ def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
     slowness = 1 / law.rate(v, z)
     weights = half[:, None] * _WEIGHTS
     return float((weights * slowness).sum()), float((weights * slowness * law.force(v, z) * v).sum())
+
+
+def _piece(law: Law, v: float, a: float, b: float, **level: float) -> dict[str, float]:
+    """A row of a programme: a constant speed takes z from a to b."""
+    duration, energy = integrate(law, v, a, b)
+    return {"v": v, **level, "duration": duration, "z_end": b, "energy_in": energy}
 
 
 def find(law: Law, storage: Storage) -> Cycle | None:
@@ -96,10 +95,11 @@ def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | Non
         for speed in sign * np.geomspace(speeds[speeds > 0].min(), speeds.max(), 120):
             low = high * (1 - share)
             if side * law.rate(speed, low) < 0 and side * law.rate(speed, high) < 0:
-                time, energy = integrate(law, float(speed), high, low)
-                if np.isfinite(time) and np.isfinite(energy) and (cycle is None or energy < cycle.energies[0]):
-                    cycle = Cycle(high, (float(speed),), (low,), (time,), (energy,))
-                if energy < -wanted:
+                run = Cycle(high, [_piece(law, float(speed), high, low)])
+                finite = np.isfinite(run.drawn) and np.isfinite(run.programme[0]["duration"])
+                if finite and (cycle is None or run.drawn > cycle.drawn):
+                    cycle = run
+                if run.drawn > wanted:
                     return cycle
     return cycle if cycle is not None and cycle.drawn > 0 else None
 
@@ -215,18 +215,18 @@ def _closed(law: Law, up: float, down: float, low: float, high: float) -> Cycle:
         start, path = high, [(down, low), (up, high)]
     else:
         start, path = low, [(up, high), (down, low)]
-    pieces, z = [], start
+    programme, z = [], start
     for v, end in path:
         if end != z:
-            pieces.append((v, end, *integrate(law, v, z, end)))
+            programme.append(_piece(law, v, z, end))
             z = end
-    speeds, turns, durations, energies = zip(*pieces, strict=True)
-    return Cycle(start, speeds, turns, durations, energies)
+    return Cycle(start, programme)
 
 
 def scenario(law: Law, cycle: Cycle) -> dict[str, Json] | None:
     """The cycle as a scenario: E_in at its end is minus the energy drawn."""
-    drive, end = replay.velocity_drive(cycle.speeds, cycle.durations)
+    speeds, durations = ([piece[name] for piece in cycle.programme] for name in ("v", "duration"))
+    drive, end = replay.velocity_drive(speeds, durations)
     plant = {"initial": {"z": cycle.start}} if cycle.start else {}
     return replay.scenario_of(law, "passive", drive, end, plant, energy=True)
 
@@ -263,11 +263,10 @@ class Swing:
 
     def evidence(self) -> dict[str, Json]:
         """Values for the report."""
-        rows = []
-        for law, v, a, b in self.pieces():
-            time, energy = integrate(law, v, a, b)
-            level: dict[str, float] = {n: law.p.numbers[n] for n in ("F_c", "F_s") if n in law.values}
-            rows.append({"v": v, **level, "duration": time, "z_end": b, "energy_in": energy})
+        rows = [
+            _piece(law, v, a, b, **{n: law.p.numbers[n] for n in ("F_c", "F_s") if n in law.values})
+            for law, v, a, b in self.pieces()
+        ]
         up, down = rows[-2:]
         drawn = -(up["energy_in"] + down["energy_in"])
         return {"energy_drawn_per_cycle": drawn, "time_per_cycle": up["duration"] + down["duration"], "programme": rows}
@@ -289,32 +288,41 @@ class Swing:
         held = [(laws[i], rows[i]["v"], rows[i]["duration"]) for i in order]
         if not all(duration > 0 for *_, duration in held):
             return None
-        ends = np.cumsum([duration for *_, duration in held]).tolist()
+        durations = [duration for *_, duration in held]
         factors = {
-            name: {"signal": _steps(ends, [law.p.numbers[name] / nominal.p.numbers[name] for law, *_ in held])}
+            name: {
+                "signal": replay.held([law.p.numbers[name] / nominal.p.numbers[name] for law, *_ in held], durations)
+            }
             for name in nominal.values
             if nominal.values[name] and any(law.p.numbers[name] != nominal.p.numbers[name] for law, *_ in held)
         }
         contact = {"from": "belt", "law": table, "factors": factors}
+        velocity = replay.held([v for _, v, _ in held], durations)
         return {
             "schema": 2, "name": "energy_drawn",
-            "bodies": {"belt": {"velocity": {"signal": _steps(ends, [v for _, v, _ in held])}}},
+            "bodies": {"belt": {"velocity": {"signal": velocity}}},
             "contacts": {"contact": contact},
-            "solve": {"t_end": ends[-1], "rtol": 1e-11, "max_steps": 1_000_000},
-            "output": {"step": ends[-1] / replay.ROWS, "energy": True},
+            **replay.run_of(velocity["t"][-1], energy=True),
         }  # fmt: skip
 
 
-def _steps(ends: list[float], values: list[float]) -> dict[str, Json]:
-    """Points of a signal that holds each value until its end."""
-    t: list[float] = []
-    value: list[float] = []
-    now = 0.0
-    for end, x in zip(ends, values, strict=True):
-        t += [now, end]
-        value += [x, x]
-        now = end
-    return {"kind": "points", "t": t, "value": value}
+def add_run(
+    verdict: Verdict, tables: dict[str, Json] | None, z: str = "z", near: tuple[float, float] | None = None
+) -> None:
+    """Add a scenario to a counterexample if its simulation draws energy.
+
+    Args:
+        verdict: the counterexample.
+        tables: of the scenario; None if a file cannot hold it.
+        z: the column of the deflection.
+        near: if given, z at the end and the largest difference from it, m.
+    """
+    solution = replay.run(tables)
+    if solution is None or not solution.final["E_in"] < 0:
+        return
+    if near is None or abs(solution.final[z] - near[0]) <= near[1]:
+        verdict.scenario, verdict.stated = tables, {name: solution.final[name] for name in ("E_in", z)}
+        verdict.evidence |= {"energy_drawn": -verdict.stated["E_in"], "replay": verdict.stated}
 
 
 def find_swings(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swing]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 
@@ -62,17 +63,14 @@ def _departs(model: Model) -> dict[str, float] | None:
     """A constant speed at which dz/dt is not v on a range of deflections from 0."""
     law = model.law
     length, law_speeds = law.scales(law.p).length, own_speeds(law)
-    prover = model.prover
-    for speed in (*law_speeds, law_speeds[0] / 10, law_speeds[-1] * 10, 0.0):
-        for s in SIGNS if speed else (0,):
-            for t in SIGNS:
-                for share in (0.1, 1e-4, 1e-8):
-                    exact = Fraction(speed)
-                    form = model.form(s, t) - (U * s if s else wrap(0.0))
-                    ranges = {"u": (exact, exact)} if s else {}
-                    top = Fraction(length * share)
-                    if prover.show(form, "!=0", {**ranges, "w": (NULL, top)}, Budget(_WORK)) is not None:
-                        return {"v": s * speed, "z_from": 0.0, "z_to": t * float(top)}
+    speeds = (*law_speeds, law_speeds[0] / 10, law_speeds[-1] * 10, 0.0)
+    sided = [(speed, s) for speed in speeds for s in (SIGNS if speed else (0,))]
+    for (speed, s), t, share in product(sided, SIGNS, (0.1, 1e-4, 1e-8)):
+        exact, top = Fraction(speed), Fraction(length * share)
+        form = model.form(s, t) - (U * s if s else wrap(0.0))
+        ranges = {"u": (exact, exact)} if s else {}
+        if model.prover.show(form, "!=0", {**ranges, "w": (NULL, top)}, Budget(_WORK)) is not None:
+            return {"v": s * speed, "z_from": 0.0, "z_to": t * float(top)}
     return None
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 
 from stribeck.expressions.graph import wrap
 from stribeck.expressions.intervals import Box, Range
-from stribeck.properties import cycles, replay
+from stribeck.properties import cycles
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
 from stribeck.properties.plain import Json
@@ -56,15 +57,14 @@ def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestric
     fast = own_speeds(law)[-1] * 1e4
     top = float(model.bound[0]) * (1 - 2**-52)
     tops = [top * 10.0**k for k in range(10)] if unrestricted else [top]
-    for z_top in tops:
-        for share in _SHARES:
-            for speed in (fast, fast / share):  # near a threshold the elastic force matters up to higher speeds
-                for s in SIGNS:
-                    for t in SIGNS:
-                        verdict = unwinding(model, claims, (s, t), speed, z_top, share)
-                        if verdict is not None:
-                            _with_a_run(model, storage, verdict, z_top)
-                            return verdict
+    # near a threshold the elastic force matters up to higher speeds
+    for z_top, share, near, s, t in product(tops, _SHARES, (False, True), SIGNS, SIGNS):
+        verdict = unwinding(model, claims, (s, t), fast / share if near else fast, z_top, share)
+        if verdict is not None:
+            if (run := cycles.unwinding(law, storage, t * z_top, s)) is not None:
+                verdict.evidence |= run.evidence()
+                cycles.add_run(verdict, cycles.scenario(law, run))
+            return verdict
     return None
 
 
@@ -98,19 +98,3 @@ def unwinding(
         "enclosed": {"u": fast, "c": float(c), "C": float(most)},
     }  # fmt: skip
     return Verdict(False, _ENDLESS, evidence)
-
-
-def _with_a_run(model: Model, storage: Storage, verdict: Verdict, top: float) -> None:
-    """Add a run that draws much energy, for replays."""
-    law = model.law
-    high = float(verdict.evidence["z_start"])
-    cycle = cycles.unwinding(law, storage, high, int(verdict.evidence["v_sign"]))
-    if cycle is None:
-        return
-    verdict.evidence |= cycle.evidence()
-    tables = cycles.scenario(law, cycle)
-    solution = replay.run(tables)
-    if solution is not None and solution.final["E_in"] < 0:
-        stated = {"E_in": solution.final["E_in"], "z": solution.final["z"]}
-        verdict.evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
-        verdict.scenario, verdict.stated = tables, stated

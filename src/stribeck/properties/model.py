@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
@@ -24,7 +24,7 @@ from stribeck.expressions.graph import (
     wrap,
 )
 from stribeck.expressions.intervals import Box, Range
-from stribeck.expressions.ops import sqrt, where
+from stribeck.expressions.ops import where
 from stribeck.laws.base import Law
 from stribeck.properties.prover.leaf import Leaf, Rules
 from stribeck.properties.prover.region import Axis, Region
@@ -306,45 +306,26 @@ def linear_roots(x: Quotient) -> list[tuple[str, Fraction]]:
     return [(("u", "w")[used[0] - 1], Fraction(int(root.p), int(root.q)) if root else Fraction(0))]
 
 
-def divided(node: Expr, by: Expr, remainder: Callable[[Expr], Expr] | None = None) -> Expr | None:
-    """node/by, with ``by`` > 0; terms that ``by`` does not divide go to ``remainder``."""
+def divided(node: Expr, by: Expr) -> Expr | None:
+    """node/by, with ``by`` > 0; None if ``by`` does not divide it."""
     if node is by:
         return ONE
     if is_zero(node):
         return ZERO
-    quotient: Expr | None = None
     if node.op == "mul":
         for i, a in enumerate(node.args):
             if (part := divided(a, by)) is not None:
                 return part * node.args[1 - i]
-        for i, a in enumerate(node.args):
-            if remainder is not None and grows(a, by) and (part := divided(a, by, remainder)) is not None:
-                return part * node.args[1 - i]
-    elif node.op == "div" and (part := divided(node.args[0], by, remainder)) is not None:
+    elif node.op == "div" and (part := divided(node.args[0], by)) is not None:
         return part / node.args[1]
-    elif node.op in ("add", "sub", "neg", "where"):
-        skip = 1 if node.op == "where" else 0
-        parts = [divided(a, by, remainder) for a in node.args[skip:]]
-        if all(part is not None for part in parts):
-            quotient = rebuild(node, (*node.args[:skip], *parts))  # type: ignore[arg-type]
     elif node.op == "abs" and (part := divided(node.args[0], by)) is not None:
         return abs(part)
-    elif node.op == "sqrt" and remainder is not None:
-        once = divided(node.args[0], by, remainder)
-        twice = divided(once, by, remainder) if once is not None else None
-        quotient = sqrt(twice) if twice is not None else None
-    if quotient is None and remainder is not None:
-        return remainder(node)
-    return quotient
-
-
-def grows(node: Expr, by: Expr) -> bool:
-    """Whether the expression contains ``by`` in a divisible place."""
-    if node.op in ("add", "sub", "neg", "mul", "abs", "sqrt"):
-        return any(grows(a, by) for a in node.args)
-    if node.op == "where":
-        return any(grows(a, by) for a in node.args[1:])
-    return node is by or (node.op == "div" and grows(node.args[0], by))
+    elif node.op in ("add", "sub", "neg", "where"):
+        skip = 1 if node.op == "where" else 0
+        parts = [divided(a, by) for a in node.args[skip:]]
+        if all(part is not None for part in parts):
+            return rebuild(node, (*node.args[:skip], *parts))  # type: ignore[arg-type]
+    return None
 
 
 def depends(expr: Expr, *on: Expr) -> bool:

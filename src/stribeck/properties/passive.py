@@ -12,12 +12,11 @@ from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, wrap
 from stribeck.expressions.ops import where
-from stribeck.properties import cycles, damped, enclosed, fitted, replay
+from stribeck.properties import cycles, damped, enclosed, fitted
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.endless import steady_gain, without_limit
 from stribeck.properties.model import RATE, SIGNS, Model, U, V, W, Z, depends, divided
-from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, largest_speed
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
@@ -110,12 +109,10 @@ def _numeric(model: Model, slope: Expr) -> fitted.Slope:
 def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certificate | None) -> Verdict:
     reach = model.bound[1] if bounded is not None else None
     top = float(model.bound[1]) if reach is not None else storage.largest
-    hypotheses = {"bounded": bounded} if bounded is not None else {}
     bounds = {
         "z_within": None if reach is None else float(reach),
         "speeds": "all" if model.v_max is None else f"|v| <= {float(model.v_max):g}",
     }
-    u = (NULL, model.v_max)
     reasons = []
     for slope in elastic_forces(model):
         rising = claims.rising(slope, (NULL, reach))
@@ -124,14 +121,13 @@ def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certif
             continue
         served = fitted.serves(storage, _numeric(model, slope), top)
         if served.all():
-            shown = claims.power(slope, u, (NULL, reach), (*SIGNS, 0))
-            if shown is not None:
-                certificate = Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses)
+            certificate = by_storage(model, claims, slope, rising, bounded)
+            if certificate is not None:
                 evidence = {"storage": _STORED if slope.op != "where" else _GIVEN_BACK, **bounds}
                 return proved(model, certificate, _OWN, evidence)
             reasons.append("no proof was found with the elastic energy as storage")
-        elif reach is not None and served[0]:
-            verdict = _with_cells(model, claims, storage, slope, rising, hypotheses)
+        elif bounded is not None and served[0]:
+            verdict = _with_cells(model, claims, storage, slope, rising, bounded)
             if verdict is not None:
                 verdict.evidence.update(bounds)
                 return verdict
@@ -142,13 +138,23 @@ def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certif
     return undecided(reason, sampled="samples allow a storage function", **bounds)
 
 
+def by_storage(
+    model: Model, claims: ClaimProver, slope: Expr, rising: list[Claim], bounded: Certificate | None
+) -> Certificate | None:
+    """The proof with a storage function of this slope, for all z or, with the proof of its bound, for z within it."""
+    reach = model.bound[1] if bounded is not None else None
+    shown = claims.power(slope, (NULL, model.v_max), (NULL, reach), (*SIGNS, 0))
+    hypotheses = {"bounded": bounded} if bounded is not None else {}
+    return Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses) if shown else None
+
+
 def _with_cells(
     model: Model,
     claims: ClaimProver,
     storage: Storage,
     slope: Expr,
     rising: list[Claim],
-    hypotheses: dict[str, Certificate],
+    bounded: Certificate,
 ) -> Verdict | None:
     reach = model.bound[1]
     cells = fitted.fit(storage, _numeric(model, slope), float(reach))
@@ -173,7 +179,7 @@ def _with_cells(
         shown += part
         table.append([side, ends[0], ends[1], Fraction(float(value))])
     data = {"slope": slope, "own_up_to": elastic_reach, "cells": table}
-    certificate = Certificate("passive", "storage", [*shown, *rising], data, hypotheses)
+    certificate = Certificate("passive", "storage", [*shown, *rising], data, {"bounded": bounded})
     evidence = {
         "storage": "the elastic energy near z = 0, and beyond it a fit between L and U",
         "own_up_to": cells.elastic_up_to,
@@ -195,18 +201,14 @@ def _refuted(model: Model, claims: ClaimProver, storage: Storage, unrestricted: 
 
 
 def _by_cycle(model: Model, storage: Storage, cycle: cycles.Cycle) -> Verdict | None:
-    if storage.reach is not None and max(abs(x) for x in (cycle.start, *cycle.turns)) > storage.reach:
+    turns = cycle.turns
+    if storage.reach is not None and max(abs(x) for x in turns) > storage.reach:
         return None
-    places = pairwise((cycle.start, *cycle.turns))
-    bounds = enclosed.programme([(model, v, a, b) for v, (a, b) in zip(cycle.speeds, places, strict=True)])
+    paths = zip(cycle.programme, pairwise(turns), strict=True)
+    bounds = enclosed.programme([(model, piece["v"], a, b) for piece, (a, b) in paths])
     if bounds is None or not bounds[1] < 0:
         return None
-    evidence: dict[str, Json] = {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}}
-    tables = cycles.scenario(storage.law, cycle)
-    solution = replay.run(tables)
-    span = max(*cycle.turns, cycle.start) - min(*cycle.turns, cycle.start)
-    if solution is None or abs(solution.final["z"] - cycle.turns[-1]) > 1e-4 * span or not solution.final["E_in"] < 0:
-        return Verdict(False, _CYCLE, evidence)
-    stated = {"E_in": solution.final["E_in"], "z": solution.final["z"]}
-    evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
-    return Verdict(False, _CYCLE, evidence, tables, stated=stated)
+    verdict = Verdict(False, _CYCLE, {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}})
+    near = turns[-1], 1e-4 * (max(turns) - min(turns))
+    cycles.add_run(verdict, cycles.scenario(storage.law, cycle), near=near)
+    return verdict

@@ -42,7 +42,6 @@ class MachineVerdicts:
     Attributes:
         name: of the machine.
         contacts: verdicts on each contact's law, for every history of its constants that the file allows.
-        ranges: of each contact, the varying constants with their lower and upper ends (None: no bound).
         passive: whether the machine is proved passive from its ports to the velocities there (True), refuted (False), or
             neither (None).
         why: the reason, in words.
@@ -54,7 +53,6 @@ class MachineVerdicts:
 
     name: str
     contacts: dict[str, Verdicts]
-    ranges: dict[str, dict[str, list[float | None]]]
     passive: bool | None = None
     why: str = ""
     spoiled_by: list[str] = field(default_factory=list)
@@ -102,9 +100,7 @@ class MachineVerdicts:
             "passive": self.passive, "why": self.why, "spoiled_by": self.spoiled_by, "undecided": self.undecided,
             "ports": self.ports,
         }  # fmt: skip
-        contacts = {
-            name: {**verdicts.to_dict(), "ranges": self.ranges[name]} for name, verdicts in self.contacts.items()
-        }
+        contacts = {name: {**verdicts.to_dict(), "ranges": verdicts.level} for name, verdicts in self.contacts.items()}
         return {"scenario": self.name, "contacts": contacts, "machine": machine}
 
 
@@ -132,10 +128,9 @@ def check_machine(
     if source.elements.unnamed:
         verdicts = _single(source, v_max, work)
     else:
-        verdicts = MachineVerdicts(source.name, {}, {})
+        verdicts = MachineVerdicts(source.name, {})
         for contact in source.system.contacts:
             varied = of_contact(source.elements, contact, source.end, stated)
-            verdicts.ranges[contact.name] = varied.to_dict()
             verdicts.contacts[contact.name] = _of_law(varied, v_max, work)
         _decide_machine(source, verdicts)
     verdicts.seconds = process_time() - started
@@ -169,7 +164,7 @@ def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerd
     """A law on a single body, or on the piston of a servo."""
     law: Law = scenario.law
     kind = scenario.called.drive
-    verdicts = MachineVerdicts(scenario.name, {ONLY: _of_law(Varied(law, {}), v_max, work)}, {ONLY: {}})
+    verdicts = MachineVerdicts(scenario.name, {ONLY: _of_law(Varied(law, {}), v_max, work)})
     verdicts.ports = {"drive": f"{kind}: the signal is the {SIGNALS[kind]}"}
     _judge(verdicts, alone=type(scenario.elements.bodies[""]) is Body)
     return verdicts
@@ -189,7 +184,7 @@ def _decide_machine(scenario: Scenario, verdicts: MachineVerdicts) -> None:
     verdicts.undecided += [b.path for b in machine.bodies if type(b) not in (Body, Laden, Piston)]
     bodies = {c.ends for c in machine.contacts}
     alone = len(machine.bodies) == 1 and len(machine.contacts) == 1 == len(bodies) and not machine.links
-    _judge(verdicts, alone and not verdicts.ranges[machine.contacts[0].name])
+    _judge(verdicts, alone and not verdicts[machine.contacts[0].name].level)
 
 
 def _judge(whole: MachineVerdicts, alone: bool) -> None:

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stribeck import laws
 from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS, Law
@@ -16,7 +18,7 @@ from stribeck.properties.plain import Json
 if TYPE_CHECKING:
     from stribeck.simulation import Solution
 
-ROWS = 1000  # of a replayed counterexample: the resolution of a plot
+_ROWS = 1000  # of a replayed counterexample: the resolution of a plot
 AGREES = 1e-6  # relative difference of a replay from its stated result: the solver's default promise
 _MOST_STEPS = 1_000_000  # a wrong law may vibrate forever
 
@@ -43,23 +45,29 @@ def scenario_of(
     table = law_table(law)
     if table is None:
         return None
+    begun = {"schema": 1, "name": name, "law": table, "plant": dict(plant), "drive": dict(drive)}
+    return begun | run_of(t_end, energy)
+
+
+def run_of(t_end: float, energy: bool) -> dict[str, Json]:
+    """The tables [solve] and [output] of a replay."""
     return {
-        "schema": 1, "name": name, "law": table, "plant": dict(plant), "drive": dict(drive),
-        "solve": {"t_end": t_end, "rtol": 1e-11, "max_steps": _MOST_STEPS}, "output": {"step": t_end / ROWS, "energy": energy},
-    }  # fmt: skip
+        "solve": {"t_end": t_end, "rtol": 1e-11, "max_steps": _MOST_STEPS},
+        "output": {"step": t_end / _ROWS, "energy": energy},
+    }
+
+
+def held(values: Sequence[float], durations: Sequence[float]) -> dict[str, Json]:
+    """A signal that holds each value for its duration."""
+    ends = np.cumsum(durations).tolist()
+    t = [0.0, *(x for end in ends for x in (end, end))][:-1]
+    return {"kind": "points", "t": t, "value": [x for value in values for x in (value, value)]}
 
 
 def velocity_drive(speeds: Sequence[float], durations: Sequence[float]) -> tuple[dict[str, Json], float]:
     """A drive with pieces of constant speed, and its end time."""
-    t, value, now = [0.0], [speeds[0]], 0.0
-    for i, (speed, duration) in enumerate(zip(speeds, durations, strict=True)):
-        if i:
-            t.append(now)
-            value.append(speed)
-        now += duration
-        t.append(now)
-        value.append(speed)
-    return {"kind": "velocity", "signal": {"kind": "points", "t": t, "value": value}}, now
+    signal = held(speeds, durations)
+    return {"kind": "velocity", "signal": signal}, signal["t"][-1]
 
 
 def run(tables: Mapping[str, Json] | None) -> Solution | None:

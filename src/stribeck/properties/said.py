@@ -75,7 +75,7 @@ def law(verdicts: Verdicts) -> Document:
 def machine(checked: MachineVerdicts) -> Document:
     """The verdicts on the contacts and on the machine."""
     contacts: list[list[Cell]] = [
-        [name, v.law.name, ranges_in_words(checked.ranges[name], v.law) or "nothing", DECIDED[v["passive"].holds]]
+        [name, v.law.name, ranges_in_words(v.level, v.law) or "nothing", DECIDED[v["passive"].holds]]
         for name, v in checked.contacts.items()
     ]
     tables = [Table(["contact", "law", "what varies", "passive"], contacts, prose=True, on=PAGE)]

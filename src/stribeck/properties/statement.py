@@ -41,10 +41,4 @@ def _tree(top: Expr) -> Json:
 
 def _number(tree: Json) -> Json:
     """A number as a float, or as an operation on floats and pi."""
-    if not isinstance(tree, tuple):
-        return tree
-    op, first, *rest = tree
-    value = _number(first)
-    for x in rest:
-        value = [op, value, _number(x)]
-    return value if rest else [op, value]
+    return [tree[0], *map(_number, tree[1:])] if isinstance(tree, tuple) else tree

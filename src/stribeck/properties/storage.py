@@ -206,24 +206,6 @@ class Storage:
         return self.room >= 0
 
 
-def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tuple[Array, Array]:
-    """The bounds L(z) and U(z) of the slope of a storage function, N (J/m).
-
-    A storage function exists where L <= S' <= U for all z that v can drive both ways.
-
-    Args:
-        law: a law with z.
-        z: deflections, m, within the law's bound.
-        v_max: the largest speed, m/s; none unless given.
-
-    Returns:
-        Two arrays like z, by sampling of v; -inf and inf if no speed drives z that way.
-    """
-    z = np.asarray(z, float)
-    low, high = Storage(law, v_max, reach=float(law.z_bound(law.p))).interval(z.ravel())
-    return low.reshape(z.shape), high.reshape(z.shape)
-
-
 def largest_speed(law: Law, reach: float | None) -> float | None:
     """The largest v_max in m/s for which a storage function exists; None for no limit, 0 if there is none.
 

@@ -16,7 +16,8 @@ from stribeck.constants import Constant
 from stribeck.errors import InputError
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw, Claims, Law
-from stribeck.laws.terms import K_V, SMOOTH_ABS, g, m
+from stribeck.laws.lugre import LuGre, LuGreMajorant
+from stribeck.laws.terms import K_V, SMOOTH_ABS, m
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.region import ExactRange, down, up
 
@@ -56,7 +57,7 @@ class WorstLevelMajorant(BristleLaw):
         return v - m(p, v) * p.sigma_0 / p.F_c * z
 
 
-class LowestLevel(BristleLaw):
+class LowestLevel(LuGre):
     """A law with the smallest g of the range at every speed, by the smallest F_c and F_s; z is within ``reach``."""
 
     name = "lowest_level"
@@ -65,27 +66,19 @@ class LowestLevel(BristleLaw):
     reach = Constant("m", "the largest |z|", above=0)
 
     @staticmethod
-    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
-        """With the smallest g."""
-        return v - abs(v) / g(p, v) * z
-
-    @staticmethod
     def z_bound(p: SimpleNamespace) -> Value:
         """At the highest level."""
         return p.reach
 
 
-class LowestLevelMajorant(LowestLevel):
+class LowestLevelMajorant(LuGreMajorant):
     """The same with a smooth majorant of |v|."""
 
     name = "lowest_level_majorant"
-    k_v = K_V
-    smooth_abs = SMOOTH_ABS
-
-    @staticmethod
-    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
-        """With the smallest g."""
-        return v - m(p, v) / g(p, v) * z
+    source = WorstLevel.source
+    claims = WorstLevel.claims
+    reach = LowestLevel.reach
+    z_bound = staticmethod(LowestLevel.z_bound)
 
 
 def _end(ends: ExactRange) -> Fraction:

@@ -41,14 +41,9 @@ class Region:
 
     def split(self, name: str, cut_at: Fraction) -> tuple[Region, Region]:
         """Below and above ``cut_at``."""
-        parts = []
-        for low in (True, False):
-            cut = [
-                a if a.name != name else Axis(name, a.low, cut_at) if low else Axis(name, cut_at, a.high)
-                for a in self.axes
-            ]
-            parts.append(Region(tuple(cut), self.limits, self.closed))
-        return parts[0], parts[1]
+        below = [Axis(name, a.low, cut_at) if a.name == name else a for a in self.axes]
+        above = [Axis(name, cut_at, a.high) if a.name == name else a for a in self.axes]
+        return self.with_axes(*below), self.with_axes(*above)
 
     def with_axes(self, *axes: Axis) -> Region:
         """The same claim in other coordinates."""

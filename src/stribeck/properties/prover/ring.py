@@ -87,10 +87,6 @@ class Ring:
             self._known[key] = Quotient(top, bottom, len(self._known))
         return self._known[key]
 
-    def quotient(self, top: Polynomial, bottom: Polynomial) -> Quotient:
-        """The quotient of two polynomials."""
-        return self._reduced(top, bottom)
-
     def constant(self, x: Fraction) -> Quotient:
         """A rational number."""
         unity = self.context.constant(1)
@@ -115,14 +111,9 @@ class Ring:
         if op not in ("add", "sub", "mul", "div", "neg"):
             raise Unclear(f"{op} of a number")
         values = [self._tree(a) for a in args]
-        if op == "neg":
-            return self.apply("neg", values[0])
-        total = values[0]
-        for each in values[1:]:
-            if op == "div" and each.is_zero:
-                raise Unclear("a division by 0")
-            total = self.apply(op, total, each)
-        return total
+        if op == "div" and values[1].is_zero:
+            raise Unclear("a division by 0")
+        return self.apply(op, *values)
 
     def symbol(self, name: str) -> Quotient:
         """u, w or a constant."""
@@ -141,14 +132,15 @@ class Ring:
         if op in ("add", "sub"):
             if a.bottom == b.bottom:
                 top = a.top + b.top if op == "add" else a.top - b.top
-                return self._reduced(top, a.bottom)
+                return self.quotient(top, a.bottom)
             left, right = a.top * b.bottom, b.top * a.bottom
-            return self._reduced(left + right if op == "add" else left - right, a.bottom * b.bottom)
+            return self.quotient(left + right if op == "add" else left - right, a.bottom * b.bottom)
         if op == "mul":
-            return self._reduced(a.top * b.top, a.bottom * b.bottom)
-        return self._reduced(a.top * b.bottom, a.bottom * b.top)
+            return self.quotient(a.top * b.top, a.bottom * b.bottom)
+        return self.quotient(a.top * b.bottom, a.bottom * b.top)
 
-    def _reduced(self, top: Polynomial, bottom: Polynomial) -> Quotient:
+    def quotient(self, top: Polynomial, bottom: Polynomial) -> Quotient:
+        """The quotient of two polynomials, without common factors."""
         if len(top) > _MOST_TERMS or len(bottom) > _MOST_TERMS:
             raise Unclear("too many terms")
         if top.is_zero():

@@ -86,29 +86,19 @@ class Prover:
         if key not in self.proved:
             if len(self.ring.atoms) > _MANY_ATOMS:
                 self.ring = Ring(self.ring.values)
-            search = _Search(self, expr, relation, work, cones)
-            shared = self._shared_form(expr, relation, region)
-            if shared is None or shared not in self.proved:
-                try:
-                    self.proved[key] = search.root(region)
-                except Spent:
-                    self.proved[key] = None
-                if shared is not None:
-                    self.proved[shared] = self.proved[key]
-            self.proved[key] = self.proved[shared] if shared is not None else self.proved[key]
+            shared = self._shared_form(expr, relation, region) or key
+            if shared not in self.proved:
+                self.proved[shared] = _Search(self, expr, relation, work, cones).root(region)
+            self.proved[key] = self.proved[shared]
         return self.proved[key]
 
     def _shared_form(self, expr: Expr, relation: str, region: Region) -> Hashable:
         """The shared key of claims with the same normal form, such as those for (v, z) and for (-v, -z)."""
         try:
-            value = self.leaf(region, Rules(opaque=True)).convert(expr)
+            value = Leaf(self.ring, region, Rules(opaque=True), self.inputs).convert(expr)
         except Unclear:
             return None
         return (str(value.top), str(value.bottom), self.ring.serial, relation, region)
-
-    def leaf(self, region: Region, rules: Rules) -> Leaf:
-        """A leaf for that region."""
-        return Leaf(self.ring, region, rules, self.inputs)
 
 
 class _Search:
@@ -123,23 +113,18 @@ class _Search:
         self.rising = any(anywhere(node.args[0])[1] > 0 for node in exps)  # exp(y) with y > 0 somewhere
 
     def root(self, region: Region) -> Tree | None:
-        """The whole region at once, in other coordinates, or part by part."""
-        if (tree := self.leaf(region)) is not None:
-            return tree
-        names = {a.name for a in region.axes}
-        if names == {"u", "w"} and self.cones and self.relation == ">=0":
-            for tree in self._cones(region):
-                if tree is not None:
-                    return tree
-        part = self.work.reserved(self.work.left)
-        whole, self.work = self.work, part
+        """The whole region at once, in other coordinates, or part by part; None also where the work is spent."""
         try:
+            if (tree := self.leaf(region)) is not None:
+                return tree
+            names = {a.name for a in region.axes}
+            if names == {"u", "w"} and self.cones and self.relation == ">=0":
+                for tree in self._cones(region):
+                    if tree is not None:
+                        return tree
             return self.divide(region) if self.relation != "=0" or self.cones else None
         except Spent:
             return None
-        finally:
-            whole.add(part)
-            self.work = whole
 
     def _cones(self, region: Region) -> Iterator[Tree | None]:
         u, w = region.axis("u"), region.axis("w")
@@ -188,16 +173,7 @@ class _Search:
     def _corner(self, region: Region) -> Tree | None:
         """Both triangles of a rectangle at the origin."""
         u, w = region.axis("u"), region.axis("w")
-        if (
-            u is None
-            or w is None
-            or u.low != 0
-            or w.low != 0
-            or not u.high
-            or not w.high
-            or not self.cones
-            or self.relation != ">=0"
-        ):
+        if not (u and w and u.low == w.low == 0 and u.high and w.high and self.cones and self.relation == ">=0"):
             return None
         first = self.leaf(region.with_axes(u, Axis("q", Fraction(0), w.high / u.high)))
         if first is None:
@@ -227,7 +203,7 @@ class _Search:
         """One leaf that shows the relation on the region."""
         for rules in self.rules(region):
             self.work.take()
-            leaf = self.prover.leaf(region, rules)
+            leaf = Leaf(self.prover.ring, region, rules, self.prover.inputs)
             try:
                 value = leaf.convert(self.expr)
                 self.work.take(len(value.top) / _TERMS)
