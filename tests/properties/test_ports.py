@@ -103,7 +103,7 @@ def test_a_passive_machine():
     found = stribeck.check(machine(DAMPED, loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
     assert found.passive is True
     assert "machine_passive" in found.why
-    assert found.ranges == {"mesh": {"F_c": [1.0, None], "F_s": [1.5, None]}}
+    assert found["mesh"].level == {"F_c": [1.0, None], "F_s": [1.5, None]}
     assert set(found.ports) == {"loads.push", "loads.teeth"}
     assert found.verify()
     assert found.to_dict()["machine"]["passive"] is True
@@ -117,7 +117,7 @@ def test_a_load_that_is_held_raises_the_level(sigma_2, holds):
     table = {**machine(law, loads=[{"force": "push", "F_c": 0.02, "F_s": 0.07}]), "loads": held}
     found = stribeck.check(table)
     assert found["mesh"]["passive"].holds is holds
-    assert found.ranges["mesh"] == {"F_c": [pytest.approx(1.2)] * 2, "F_s": [pytest.approx(2.2)] * 2}
+    assert found["mesh"].level == {"F_c": [pytest.approx(1.2)] * 2, "F_s": [pytest.approx(2.2)] * 2}
     assert found["mesh"]["unique"].holds
     assert found.verify()
 

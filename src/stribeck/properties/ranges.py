@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from itertools import pairwise
-from math import ceil, comb, floor, pi, sin
+from math import ceil, floor, pi, sin
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from stribeck.waveforms import Curve, PointsSignal, Signal, SineSignal, SumSigna
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: no bound
 _SLACK = Fraction(1, 2**49)  # of a piece's size: exceeds its rounding
-_NEAR, _HALVINGS = Fraction(1, 10**6), 40  # relative error of a curve's extremes, and bisections
+_BITS = 200  # of a curve's extremes: their error is far below a float's
 _ONE: ExactRange = (Fraction(1), Fraction(1))
 OPEN: Ends = (None, None)
 
@@ -34,8 +34,12 @@ def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
     if isinstance(signal, SineSignal):
         return _of_sine(signal, t_end)
     if isinstance(signal, Curve):
-        pieces = [_bernstein(piece, end) for piece, end in _curve_pieces(signal, t_end)]
-        return -_most([[-x for x in piece] for piece in pieces]), _most(pieces)
+        pieces = [(values, start) for start, values in signal.pieces if start <= t_end]
+        ends = [*(start for _, start in pieces[1:]), t_end]
+        lows, highs = zip(
+            *(_of_polynomial(piece, end) for (piece, _), end in zip(pieces, ends, strict=True)), strict=True
+        )
+        return min(lows), max(highs)
     if isinstance(signal, PointsSignal):
         return _of_points(np.asarray(signal.t, float), np.asarray(signal.value, float), t_end)
     s = signal.segments
@@ -65,12 +69,6 @@ def _of_points(t: Array, value: Array, t_end: float) -> tuple[Fraction, Fraction
     return min(extremes), max(extremes)
 
 
-def _curve_pieces(signal: Curve, t_end: float) -> list[tuple[Mapping[str, float], float]]:
-    pieces = [(values, start) for start, values in signal.pieces if start <= t_end]
-    ends = [*(start for _, start in pieces[1:]), t_end]
-    return [(values, end) for (values, _), end in zip(pieces, ends, strict=True)]
-
-
 def _of_sine(signal: SineSignal, t_end: float) -> tuple[Fraction, Fraction]:
     """Bounds of a sine; its crests count if the run, rounded outward, may contain them."""
     p = signal.values
@@ -88,33 +86,24 @@ def _of_sine(signal: SineSignal, t_end: float) -> tuple[Fraction, Fraction]:
     return middle + size * Fraction(low), middle + size * Fraction(high)
 
 
-def _bernstein(values: Mapping[str, float], end: float) -> list[Fraction]:
-    """The Bernstein coefficients of one polynomial of order seven from its start to ``end``, which enclose it."""
+def _of_polynomial(values: Mapping[str, float], end: float) -> tuple[Fraction, Fraction]:
+    """Bounds of a polynomial of order seven from its start to ``end``: its values there and where its derivative is 0."""
+    from flint import acb, arb, arb_poly, ctx, fmpq, fmpq_poly
+
     length = max(Fraction(end) - Fraction(values["start"]), Fraction(0))
-    power = [Fraction(values[f"c{n}"]) * length**n for n in range(8)]
-    return [sum((Fraction(comb(i, n), comb(7, n)) * power[n] for n in range(i + 1)), Fraction(0)) for i in range(8)]
+    coefficients = [Fraction(values[f"c{n}"]) * length**n for n in range(8)]
+    polynomial = fmpq_poly([fmpq(c.numerator, c.denominator) for c in coefficients])  # of the share of the length
+    with ctx.workprec(_BITS):
+        roots: Any = polynomial.derivative().complex_roots()  # with their multiplicities
+        flat = [acb(root) for root, _ in roots]
+        inside = [x.real for x in flat if x.imag == 0 and not (x.real < 0 or x.real > 1)]
+        extremes = [arb_poly(polynomial)(x) for x in (arb(0), arb(1), *inside)]
+        lows, highs = zip(*((x.lower().man_exp(), x.upper().man_exp()) for x in extremes), strict=True)
+    return min(_dyadic(*x) for x in lows), max(_dyadic(*x) for x in highs)
 
 
-def _most(pieces: list[list[Fraction]]) -> Fraction:
-    """The largest value of polynomials, to 1e-6, by halving those that may exceed the value reached so far."""
-    reached = max(max(piece[0], piece[-1]) for piece in pieces)
-    slack = _NEAR * max(abs(x) for piece in pieces for x in (piece[0], piece[-1], reached))
-    for _ in range(_HALVINGS):
-        higher = [piece for piece in pieces if max(piece) > reached + slack]
-        if not higher:
-            break
-        pieces = [piece for piece in pieces if reached < max(piece) <= reached + slack]
-        pieces += [half for piece in higher for half in _halves(piece)]
-        reached = max(reached, *(piece[-1] for piece in pieces))
-    return max(reached, *(max(piece) for piece in pieces))
-
-
-def _halves(piece: list[Fraction]) -> tuple[list[Fraction], list[Fraction]]:
-    """The coefficients of both halves (de Casteljau)."""
-    rows = [piece]
-    while len(rows[-1]) > 1:
-        rows.append([(a + b) / 2 for a, b in pairwise(rows[-1])])
-    return [row[0] for row in rows], [row[-1] for row in reversed(rows)]
+def _dyadic(mantissa: int, exponent: int) -> Fraction:
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def of_force(machine: Elements, name: str, t_end: float, stated: Mapping[str, float]) -> Ends:
