@@ -23,7 +23,6 @@ from stribeck.laws.terms import g
 from stribeck.mouth import plots
 from stribeck.mouth.cells import human
 from stribeck.properties.cycles import integrate
-from stribeck.properties.steepness.search import with_k_v
 from stribeck.properties.steepness.steady import Creep
 from stribeck.scenario import Scenario
 
@@ -85,7 +84,7 @@ def unbounded() -> Printed:
         made, axes = plots.figure([["limit", "way"]], 3.2)
         for i, k_v in enumerate(STEEPNESSES, start=1):
             label = f"k_v = 1e{round(np.log10(k_v))} s/m"
-            plots.line(axes["limit"], i, v, with_k_v(law, k_v).steady_deflection(v) / Z, label)
+            plots.line(axes["limit"], i, v, law.replace(k_v=k_v).steady_deflection(v) / Z, label)
         for i, speed in enumerate((1e-6, 1e-7, 1e-8), start=1):
             run = solve(
                 Scenario(
@@ -166,7 +165,7 @@ def creep() -> tuple[Numbers, Printed]:
         axis = axes["creep"]
         for i, (label, (name, own)) in enumerate(variants.items(), start=1):
             law = laws.law(name, "canudas1995", k_v=1.0, **own)
-            plots.line(axis, i, k_v, [1e6 * Creep(1.0, _SHARE).measure(with_k_v(law, k)) for k in k_v], label)
+            plots.line(axis, i, k_v, [1e6 * Creep(1.0, _SHARE).measure(law.replace(k_v=k)) for k in k_v], label)
             simulated[label] = {f"{k:.0e}": _held(name, {**own, "k_v": k}) for k in STEEPNESSES}
             dots = [1e6 * v for v in simulated[label].values()]
             axis.plot(STEEPNESSES, dots, "o", color=plots.COLOURS[i], markersize=4)

@@ -10,7 +10,7 @@ import math
 import operator
 from collections.abc import Callable
 from fractions import Fraction
-from functools import reduce
+from functools import partialmethod, reduce
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -45,29 +45,10 @@ class Exact(float):
         a, b = (other, self) if swapped else (self, other)
         return combined(op, float(a) if type(a) is int else a, float(b) if type(b) is int else b)
 
-    def __add__(self, other: Value) -> Value:
-        return self._with("add", other)
-
-    def __radd__(self, other: Value) -> Value:
-        return self._with("add", other, True)
-
-    def __sub__(self, other: Value) -> Value:
-        return self._with("sub", other)
-
-    def __rsub__(self, other: Value) -> Value:
-        return self._with("sub", other, True)
-
-    def __mul__(self, other: Value) -> Value:
-        return self._with("mul", other)
-
-    def __rmul__(self, other: Value) -> Value:
-        return self._with("mul", other, True)
-
-    def __truediv__(self, other: Value) -> Value:
-        return self._with("div", other)
-
-    def __rtruediv__(self, other: Value) -> Value:
-        return self._with("div", other, True)
+    __add__, __radd__ = partialmethod(_with, "add"), partialmethod(_with, "add", swapped=True)
+    __sub__, __rsub__ = partialmethod(_with, "sub"), partialmethod(_with, "sub", swapped=True)
+    __mul__, __rmul__ = partialmethod(_with, "mul"), partialmethod(_with, "mul", swapped=True)
+    __truediv__, __rtruediv__ = partialmethod(_with, "div"), partialmethod(_with, "div", swapped=True)
 
     def __neg__(self) -> Exact:
         return Exact(-float(self), ("neg", self.tree))

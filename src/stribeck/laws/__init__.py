@@ -12,7 +12,6 @@ import numpy as np
 from stribeck import kinds, parameter_sets
 from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, arg, error_text, nearest
-from stribeck.expressions.ops import Value
 from stribeck.laws.base import IN_MEMORY, PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
 
 __all__ = [
@@ -63,17 +62,12 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
     raise InputError(f"{name!r}: {path} has no law '{wanted}' (it has {', '.join(by_class) or 'none'})")
 
 
-def _force_in_floats(law: Law, v: float, z: float) -> Value:
-    """The force from the equations on Python's floats, which raise an error on overflow."""
-    with np.errstate(all="ignore"):
-        speed, length = np.float64(v), np.float64(z)
-        return law.friction(law.p, speed, length, law.dz_dt(law.p, speed, length))
-
-
 def overflow(law: Law) -> str | None:
     """A message if a law's constants are too large or too small for its equations, or None."""
     try:
-        _force_in_floats(law, law.scales(law.p).speed, 0.0)
+        speed, length = np.float64(law.scales(law.p).speed), np.float64(0.0)
+        with np.errstate(all="ignore"):  # the constants are Python's floats, which raise an error on overflow
+            law.friction(law.p, speed, length, law.dz_dt(law.p, speed, length))
         bool(law.jumps_at_rest)
     except ArithmeticError as error:
         return f"its equations cannot be evaluated with these constants: {type(error).__name__}"

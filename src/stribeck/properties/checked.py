@@ -156,24 +156,15 @@ class Checked:
 # -- constants that vary ------------------------------------------------------------------------------------------------
 
 
-def level_problem(level: object) -> str | None:
-    """A message if the argument ``level``, (LOW, HIGH), is invalid, or None."""
-    if isinstance(level, tuple | list) and len(level) == 2:
-        low, high = level
-        if not (POSITIVE.problem(low) or POSITIVE.problem(high)) and low <= high:
-            return None
-    return f"{arg('level')}: {show(level)}: must be two finite numbers, 0 < LOW <= HIGH"
-
-
 def at_level(law: Law, level: tuple[float, float]) -> Varied:
     """The law with the ranges of a level.
 
     Raises:
         InputError: ``level`` is not a range, the law has no level, or an end is not allowed.
     """
-    if text := level_problem(level):
-        raise InputError(text)
-    low, high = level
+    low, high = level if isinstance(level, tuple | list) and len(level) == 2 else (0, 0)
+    if POSITIVE.problem(low) or POSITIVE.problem(high) or low > high:
+        raise InputError(f"{arg('level')}: {show(level)}: must be two finite numbers, 0 < LOW <= HIGH")
     this = f"{arg('level')}: {show([low, high])}: law '{law.name}'"
     if "F_c" not in law.values:
         raise InputError(f"{this} has no F_c, and so no level that could vary")

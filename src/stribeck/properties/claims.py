@@ -32,11 +32,11 @@ class ClaimProver:
     @contextmanager
     def at_most(self, amount: float) -> Iterator[None]:
         """Limit the work of the proofs within the context."""
-        whole, self.work = self.work, self.work.reserved(amount)
+        whole = self.work
         try:
-            yield
+            with whole.limited(amount) as self.work:
+                yield
         finally:
-            whole.add(self.work)
             self.work = whole
 
     def number(self, x: Fraction) -> Expr:

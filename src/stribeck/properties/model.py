@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property
 
+import numpy as np
+
+from stribeck.arrays import Array
 from stribeck.errors import InputError
+from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import (
     ONE,
     ZERO,
@@ -24,7 +28,7 @@ from stribeck.expressions.graph import (
     wrap,
 )
 from stribeck.expressions.intervals import Box, Range
-from stribeck.expressions.ops import where
+from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Law
 from stribeck.properties.prover.leaf import Leaf, Rules
 from stribeck.properties.prover.region import Axis, Region
@@ -134,6 +138,13 @@ class Model:
                     for name, root in linear_roots(difference):
                         switching[name].add(root)
         return {name: {x for x in roots if 0 < x < _FARTHEST} for name, roots in switching.items()}
+
+    def numeric(self, outputs: Sequence[Expr], **inputs: Array) -> tuple[Value, ...]:
+        """Expressions of the named inputs and the constants, in floats."""
+        names = [n for n in self.values if n.isidentifier()]
+        function = python_function([*names, *inputs], outputs)
+        with np.errstate(all="ignore"):
+            return function(*(float(self.values[n]) for n in names), *inputs.values())
 
     # -- forms -----------------------------------------------------------------------------------------------------
 

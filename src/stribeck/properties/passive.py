@@ -8,8 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from stribeck.arrays import Array
-from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, wrap
 from stribeck.expressions.ops import where
 from stribeck.properties import cycles, damped, enclosed, fitted
@@ -95,15 +93,7 @@ def _slowly_unwound(model: Model, at_rest: Expr) -> Expr | None:
 
 
 def _numeric(model: Model, slope: Expr) -> fitted.Slope:
-    names = [n for n in model.values if n.isidentifier()]
-    function = python_function([*names, "z"], [slope])
-    values = [float(model.values[n]) for n in names]
-
-    def slope_at(z: Array) -> Array:
-        with np.errstate(all="ignore"):
-            return np.asarray(function(*values, z)[0]) + 0 * z
-
-    return slope_at
+    return lambda z: np.asarray(model.numeric([slope], z=z)[0]) + 0 * z
 
 
 def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certificate | None) -> Verdict:

@@ -34,12 +34,9 @@ def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
     if isinstance(signal, SineSignal):
         return _of_sine(signal, t_end)
     if isinstance(signal, Curve):
-        pieces = [(values, start) for start, values in signal.pieces if start <= t_end]
-        ends = [*(start for _, start in pieces[1:]), t_end]
-        lows, highs = zip(
-            *(_of_polynomial(piece, end) for (piece, _), end in zip(pieces, ends, strict=True)), strict=True
-        )
-        return min(lows), max(highs)
+        starts = [start for start, _ in signal.pieces if start <= t_end]
+        bounds = [_of_polynomial(x, end) for (_, x), end in zip(signal.pieces, [*starts[1:], t_end], strict=False)]
+        return min(low for low, _ in bounds), max(high for _, high in bounds)
     if isinstance(signal, PointsSignal):
         return _of_points(np.asarray(signal.t, float), np.asarray(signal.value, float), t_end)
     s = signal.segments

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, ClaimProver, every
@@ -38,7 +37,7 @@ def prove(
     w: tuple[Fraction, Fraction | None] = (NULL, within)
     for growth in _growths(model, within):
         with claims.at_most(claims.work.left / 2):  # leaves work for the next claim
-            more = _bounded_slope(claims, growth, w)
+            more = every(claims.lipschitz((s, t), w, growth, r) for s in (0, *SIGNS) for t in SIGNS for r in SIGNS)
         if more is None:
             continue
         at_0 = {**growth, **{n: growth[n] * growth["l"] for n in "ab"}}  # m/s; the slope's bound is in 1/s
@@ -80,12 +79,6 @@ def _continuous(model: Model, claims: ClaimProver) -> list[Claim] | str:
     return proofs
 
 
-def _bounded_slope(
-    claims: ClaimProver, growth: Mapping[str, Json], w: tuple[Fraction, Fraction | None]
-) -> list[Claim] | None:
-    return every(claims.lipschitz((s, t), w, growth, sign) for s in (0, *SIGNS) for t in SIGNS for sign in SIGNS)
-
-
 def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Json]]:
     """Bounds (a + b u^k)(1 + (w/l)^m) of the derivative that agree with samples, the simplest first."""
     length = model.bound[1]
@@ -124,14 +117,11 @@ def _samples(model: Model, within: Fraction | None) -> tuple[Array, Array, Array
     u = np.geomspace(law_speeds[0] * 1e-4, law_speeds[-1] * 1e6, 61)
     top = float(within) if within is not None else length * 1e4
     w = np.concatenate([[0.0], np.geomspace(length * 1e-6, top, 60)])
-    names = [n for n in model.values if n.isidentifier()]
     slope = size = np.zeros((len(u), len(w)))
     for s in SIGNS:
         for t in SIGNS:
             form = model.form(s, t)
-            function = python_function([*names, "u", "w"], [form, derivative(form, W)])
-            with np.errstate(all="ignore"):
-                values = function(*(float(model.values[n]) for n in names), u[:, None], w)
+            values = model.numeric([form, derivative(form, W)], u=u[:, None], w=w)
             first, second = (np.broadcast_to(abs(np.asarray(x)), size.shape) for x in values)
             size, slope = np.fmax(size, first), np.fmax(slope, second)
     return u, w, slope, size

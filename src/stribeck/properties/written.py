@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from stribeck.errors import left_out, unbroken
 from stribeck.files import together, write_text
 from stribeck.mouth import page
-from stribeck.properties.verdicts import Verdict, Verdicts
+from stribeck.properties.verdicts import Verdicts
 
 if TYPE_CHECKING:
     from stribeck.properties.ports import MachineVerdicts
@@ -45,11 +45,7 @@ def _scenarios(verdicts: Verdicts, place: Path, prefix: str = "") -> list[Path]:
     for name, verdict in verdicts.properties.items():
         if verdict.holds is False and verdict.scenario is not None:
             files.append(place / f"{prefix}{name}.toml")
-            head = unbroken(f"# {verdicts.law.name} is not {name}: {verdict.method}") + "\n" + _stated(verdict)
-            write_text(files[-1], head + dumps(verdict.scenario))
+            lines = [unbroken(f"# {verdicts.law.name} is not {name}: {verdict.method}")]
+            lines += [f"# at the end: {n} = {value!r}" for n, value in verdict.evidence.get("replay", {}).items()]
+            write_text(files[-1], "\n".join([*lines, dumps(verdict.scenario)]))
     return files
-
-
-def _stated(verdict: Verdict) -> str:
-    stated = verdict.evidence.get("replay", {})
-    return "".join(f"# at the end: {name} = {value!r}\n" for name, value in stated.items())

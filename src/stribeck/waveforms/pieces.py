@@ -59,11 +59,6 @@ class Pieces:
         return np.asarray(self.start[self.restart == JUMP])
 
 
-def equation_of(kind: type[Signal] | None) -> type[Signal] | type[Segment]:
-    """The class with the equation of a kind of signal; None means piecewise linear."""
-    return Segment if kind is None else kind
-
-
 def fields(kind: type[Signal] | None, turns: bool = False) -> tuple[str, ...]:
     """Names of the numbers of a piece; with ``turns`` the pieces are cut where the signal reverses."""
     names = STRAIGHT if kind is None else tuple(kind.constants) if issubclass(kind, _IN_PIECES) else ()
@@ -77,7 +72,7 @@ def constants(kind: type[Signal] | None) -> tuple[str, ...]:
 
 def reference(kind: type[Signal] | None, p: SimpleNamespace, t: Expr, direction: Value = 0.0) -> Reference:
     """The signal and its derivatives as expressions of its numbers ``p`` and the time."""
-    value = wrap(equation_of(kind).equation(p, t))
+    value = wrap((Segment if kind is None else kind).equation(p, t))  # None: piecewise linear
     rate = derivative(value, t)
     return Reference(value, rate, derivative(rate, t), direction)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
@@ -99,7 +99,9 @@ class Signal:
 
     def at(self, t: ArrayLike) -> Array:
         """The signal at the times t (s), as an array of the same shape."""
-        return self.segments.at(t)
+        if not self.smooth:
+            return self.segments.at(t)
+        return np.asarray(self.equation(SimpleNamespace(**self.values_at(t)), np.asarray(t, float)))
 
     def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
         """The times in (0, t_end] at which \\|signal\\| passes ``level``, each with True where it rises."""
@@ -196,9 +198,6 @@ class SineSignal(Signal):
     def longest_step(self) -> float:
         return 0.125 / self.values["frequency"]
 
-    def at(self, t: ArrayLike) -> Array:
-        return np.asarray(self.equation(SimpleNamespace(**self.values), np.asarray(t, float)))
-
     def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
         v = self.values
         crossings: list[tuple[float, bool]] = []
@@ -214,17 +213,15 @@ class SineSignal(Signal):
         return sorted(crossings)
 
 
-@dataclass
 class PointsSignal(Signal):
     """Straight lines between points, constant outside; two equal times make a jump."""
 
-    t: Array = field(default_factory=lambda: np.zeros(1))
-    value: Array = field(default_factory=lambda: np.zeros(1))
-    kind: ClassVar[str] = "points"
-    meaning: ClassVar[str] = "linear interpolation between points, constant outside; two equal times make a jump"
+    kind = "points"
+    meaning = "linear interpolation between points, constant outside; two equal times make a jump"
 
-    def __post_init__(self) -> None:
-        self.values = {}
+    def __init__(self, t: Array, value: Array) -> None:
+        super().__init__()
+        self.t, self.value = t, value
 
     @staticmethod
     def problems(t: Array, value: Array) -> list[tuple[str, str]]:

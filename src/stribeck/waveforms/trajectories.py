@@ -78,9 +78,6 @@ class Curve(Signal):
         i = np.clip(np.searchsorted(self._start, np.asarray(t, float), side="right") - 1, 0, None)
         return {"start": self._start[i], **{name: self._rows[i, n] for n, name in enumerate(COEFFICIENTS)}}
 
-    def at(self, t: ArrayLike) -> Array:
-        return np.asarray(self.equation(SimpleNamespace(**self.values_at(t)), np.asarray(t, float)))
-
     def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
         crossings: list[tuple[float, bool]] = []
         ends = [*(start for start, _ in self.pieces[1:]), np.inf]

@@ -76,8 +76,10 @@ def function(leaf: Leaf, node: Expr, x: Quotient) -> Quotient:
         return ring.one if op in ("exp", "cos") else ring.zero
     if op in ("sin", "cos") and (wave := _quarter(ring, op, x)) is not None:
         return ring.constant(Fraction(wave))
-    if op in ("atan", "tanh", "sin", "cos") and _leads_negative(x):  # odd, but for cos: one atom for x and -x
-        mirrored = function(leaf, _opposite(node), ring.apply("neg", x))
+    if (
+        op in ("atan", "tanh", "sin", "cos") and x.top.leading_coefficient() < 0
+    ):  # odd, but for cos: one atom for x and -x
+        mirrored = function(leaf, rebuild(node, (-node.args[0],)), ring.apply("neg", x))
         return mirrored if op == "cos" else ring.apply("neg", mirrored)
     if op == "sqrt" and (root := _exact_root(leaf, x)) is not None:
         return root
@@ -246,12 +248,3 @@ def _quarter(ring: Ring, op: str, x: Quotient) -> int | None:
     if value is None or value.denominator != 1:
         return None
     return (0, 1, 0, -1)[(int(value) + (1 if op == "cos" else 0)) % 4]
-
-
-def _leads_negative(x: Quotient) -> bool:
-    return bool(x.top.leading_coefficient() < 0)
-
-
-def _opposite(node: Expr) -> Expr:
-    """The same function of minus its argument."""
-    return rebuild(node, (-node.args[0],))

@@ -216,7 +216,9 @@ class Leaf:
                     return x if above else y
         if self.rules.cases == "range":
             return self._by_range(node)
-        key = self._key(condition)
+        key: Hashable = condition
+        if condition.op in ("lt", "le"):
+            key = (condition.op, *(self.convert(a).number for a in condition.args))
         x, y = self.convert(a), self.convert(b)
         share = self._share(key, node)
         return self.ring.apply("add", y, self.ring.apply("mul", share, self.ring.apply("sub", x, y)))
@@ -226,11 +228,6 @@ class Leaf:
             return self.convert(node)
         except Unclear:
             return None
-
-    def _key(self, condition: Expr) -> Hashable:
-        if condition.op in ("lt", "le"):
-            return (condition.op, *(self.convert(a).number for a in condition.args))
-        return condition
 
     def holds(self, condition: Expr) -> bool | None:
         """Whether a condition holds on the whole region, or nowhere on it; None where it is not settled."""

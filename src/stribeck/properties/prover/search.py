@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import frexp, ldexp, log
@@ -47,14 +48,15 @@ class Budget:
         if self.left < 0:
             raise Spent
 
-    def reserved(self, most: float) -> Budget:
-        """At most so much of it, to be given back by :meth:`add`."""
-        return Budget(min(most, self.left))
-
-    def add(self, part: Budget) -> None:
-        """Count what a part has done."""
-        self.left -= part.done
-        self.done += part.done
+    @contextmanager
+    def limited(self, most: float) -> Iterator[Budget]:
+        """At most so much of it; what is done within the context counts."""
+        part = Budget(min(most, self.left))
+        try:
+            yield part
+        finally:
+            self.left -= part.done
+            self.done += part.done
 
 
 @dataclass(frozen=True)
@@ -139,14 +141,10 @@ class _Search:
                 yield ["polar w", ["split", "p", str(1 / slope), first, second]]
         if w.high is None:
             polar = region.with_axes(u, Axis("q", Fraction(0), None))
-            whole, self.work = self.work, self.work.reserved(self.work.left / 3)
-            try:
+            whole, tree = self.work, None
+            with suppress(Spent), whole.limited(whole.left / 3) as self.work:
                 tree = self.divide(polar)
-            except Spent:
-                tree = None
-            finally:
-                whole.add(self.work)
-                self.work = whole
+            self.work = whole
             yield ["polar u", tree] if tree is not None else None
 
     def divide(self, region: Region, cuts: Mapping[str, int] = _NONE) -> Tree | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.laws.base import Law
-from stribeck.properties.steepness.search import DERIVATIVE, Requirement, Tolerance, smallest, unit, with_k_v
+from stribeck.properties.steepness.search import DERIVATIVE, Requirement, Tolerance, smallest, unit
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def stiffness(law: Law, v_max: float) -> float:
 
 def cost(law: Law, k_v: float, v_max: float, mass: float | None) -> Cost:
     """The price of a steepness, from the law's own derivatives on a grid."""
-    law = with_k_v(law, k_v)
+    law = law.replace(k_v=k_v)
     v, z = _grid(law, v_max)
     rate_v, rate_z = law.jacobian(v, z)
     largest = float(np.max(np.abs(rate_z)))
@@ -80,9 +80,9 @@ class SampleTime(Tolerance):
         name = f"explicit step, |v| <= {self.v_max:g} {unit(law, 'm/s')}"
         limit, steep = 2 / self.tolerance, 1e12 / self.v_max
         k_v, detail = None, "2/largest |d(dz/dt)/dz|"
-        if self.measure(with_k_v(law, steep)) <= limit:
-            k_v, _ = smallest(lambda k: self.measure(with_k_v(law, k)), limit, 1e3 / self.v_max, 1e-9)
-        achieved = 2 / self.measure(with_k_v(law, k_v or steep))
+        if self.measure(law.replace(k_v=steep)) <= limit:
+            k_v, _ = smallest(lambda k: self.measure(law.replace(k_v=k)), limit, 1e3 / self.v_max, 1e-9)
+        achieved = 2 / self.measure(law.replace(k_v=k_v or steep))
         if k_v is None:
             detail = (
                 f"sliding at v_max asks for a step below {achieved:.3g} s, whatever k_v is: take an exact (zero-order "

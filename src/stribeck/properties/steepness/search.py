@@ -57,12 +57,7 @@ class Tolerance(ABC):
     def curve(self, law: Law, k_v: float | None) -> tuple[tuple[float, float], ...]:
         """The measure at steepnesses around one."""
         around: Sequence[float] = [k_v * 10 ** (i / 6) for i in range(-12, 13)] if k_v else []
-        return tuple((k, self.measure(with_k_v(law, k))) for k in around)
-
-
-def with_k_v(law: Law, k_v: float) -> Law:
-    """The law with another steepness."""
-    return law.replace(k_v=k_v)
+        return tuple((k, self.measure(law.replace(k_v=k))) for k in around)
 
 
 def family(law: Law) -> str:

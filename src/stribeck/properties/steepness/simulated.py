@@ -21,7 +21,6 @@ from stribeck.properties.steepness.search import (
     family,
     smallest,
     unit,
-    with_k_v,
 )
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
@@ -78,7 +77,7 @@ class _Simulated(Tolerance):
         """By bisection between powers of ten."""
         name, detail = self.words(law)
         start = 1e3 / law.scales(law.p).speed
-        k_v, points = smallest(lambda k: self.measure(with_k_v(law, k)), self.tolerance, start, _ACCURACY)
+        k_v, points = smallest(lambda k: self.measure(law.replace(k_v=k)), self.tolerance, start, _ACCURACY)
         achieved = dict(points).get(k_v) if k_v else None
         detail = f"{detail}; {len(points)} simulations"
         return Requirement(

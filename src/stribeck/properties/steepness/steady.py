@@ -22,7 +22,6 @@ from stribeck.properties.steepness.search import (
     family,
     smallest,
     unit,
-    with_k_v,
 )
 
 # Relative, of a k_v found by a root: it costs nothing, and agrees with the formulas to all digits shown
@@ -72,7 +71,7 @@ class Creep(Tolerance):
             return Requirement(
                 name, v, unit(law, "m/s"), 0.0, 0.0, FORMULA, "z has no bound: it does not creep below F_s"
             )
-        if self._elastic(law, load):
+        if "z_ba" in law.constants() and load <= law.p.sigma_0 * law.p.z_ba:
             detail = "the load is below sigma_0 z_ba: it does not creep"
             return Requirement(name, v, unit(law, "m/s"), 0.0, 0.0, FORMULA, detail)
         sliding = law.p.sigma_0 * g(law.p, v) + law.p.sigma_2 * v
@@ -84,15 +83,11 @@ class Creep(Tolerance):
             detail = f"{formula}, q = (share F_s - sigma_2 v)/(sigma_0 g(v)), v the tolerated speed"
             return self._requirement(law, name, x / v, FORMULA, detail)
         # carried at the tolerated speed: then the creep is slower
-        k_v, _ = smallest(lambda k: 0.0 if _carries(with_k_v(law, k), v, load) else inf, 0.0, 1 / v, _ACCURACY)
+        k_v, _ = smallest(lambda k: 0.0 if _carries(law.replace(k_v=k), v, load) else inf, 0.0, 1 / v, _ACCURACY)
         return self._requirement(law, name, k_v, STEADY, "at the tolerated speed, steady friction equals the load")
 
-    @staticmethod
-    def _elastic(law: Law, load: float) -> bool:
-        return "z_ba" in law.constants() and load <= law.p.sigma_0 * law.p.z_ba
-
     def _requirement(self, law: Law, name: str, k_v: float | None, method: str, detail: str) -> Requirement:
-        achieved = self.measure(with_k_v(law, k_v)) if k_v else None
+        achieved = self.measure(law.replace(k_v=k_v)) if k_v else None
         return Requirement(name, self.tolerance, unit(law, "m/s"), k_v, achieved, method, detail, self.curve(law, k_v))
 
 
@@ -120,6 +115,6 @@ class SteadyError(Tolerance):
             method, detail = FORMULA, f"{formula}, q = 1 {sign} error (1 + sigma_2 v/(sigma_0 g(v)))"
         else:
             method, detail = STEADY, "steady friction differs by the tolerance"
-            k_v, _ = smallest(lambda k: self.measure(with_k_v(law, k)), self.tolerance, 1 / self.speed, _ACCURACY)
-        achieved = self.measure(with_k_v(law, k_v)) if k_v else None
+            k_v, _ = smallest(lambda k: self.measure(law.replace(k_v=k)), self.tolerance, 1 / self.speed, _ACCURACY)
+        achieved = self.measure(law.replace(k_v=k_v)) if k_v else None
         return Requirement(name, self.tolerance, "", k_v, achieved, method, detail, self.curve(law, k_v))
