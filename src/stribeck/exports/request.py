@@ -106,16 +106,20 @@ class Request:
         return identifier(self.law.name, "law")
 
     @property
+    def moved_mass(self) -> float | None:
+        """The mass that the scenario's drive moves, kg (kg m^2); None if there is no scenario, or none in it."""
+        return None if self.scenario is None else self.scenario.elements.mass
+
+    @property
     def mass(self) -> float:
         """The body's mass in kg (kg m^2): the scenario's.
 
         Raises:
             InputError: there is no scenario, or it has no mass.
         """
-        mass = getattr(self.scenario, "mass", None)
-        if mass is None:
+        if self.moved_mass is None:
             raise InputError(f"{arg('scenario')}: part '{self.part}' needs one with a mass (plant.mass)")
-        return float(mass)
+        return float(self.moved_mass)
 
     @property
     def start(self) -> dict[str, float]:

@@ -46,7 +46,7 @@ def unstable(request: Request) -> list[str]:
     law, step, warnings = request.law, request.step, resolution(request)
     if step is None or not law.has_z:
         return warnings
-    mass = getattr(request.scenario, "mass", None)
+    mass = request.moved_mass
     if mass is not None and radius(law, mass, step) > _LIMIT:
         low, high = 0.0, step
         for _ in range(60):

@@ -102,7 +102,7 @@ def _step(request: Request) -> float:
 def _mass(request: Request) -> float:
     if request.part == "body":
         return request.mass
-    return float(getattr(request.scenario, "mass", None) or 1.0)
+    return float(request.moved_mass or 1.0)
 
 
 def _model(request: Request, actuator: str, how: str, integrator: str) -> str:
