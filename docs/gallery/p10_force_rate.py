@@ -5,6 +5,8 @@ dF/dt through a reversal
 A controller that compensates friction through an inner loop needs dF/dt. LuGre has none at v = 0; the smooth laws have.
 """
 
+import textwrap
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -21,7 +23,7 @@ plt.legend()
 try:
     stribeck.law("lugre", parameters="canudas1995").force_rate(v=0.0, z=1e-5, dv_dt=0.01)
 except NotDifferentiable as error:
-    print("lugre:", error)
+    print(textwrap.fill(f"lugre: {error}", 88))
 
 # %%
 # .. explorer:: sine_force --law lugre_majorant --law lugre_sobczyk

@@ -22,7 +22,8 @@ lanes = stribeck.simulate(scenario, {"law.parameters.F_s": F_s})
 plt.plot(lanes.t, lanes["y"].T, color="C0", alpha=0.2)
 plt.xlabel("time (s)")
 plt.ylabel("position (m)")
-print("slips of each lane:", sorted(int(n) for n in lanes.slips))
+slips, counts = np.unique(lanes.slips, return_counts=True)
+print("lanes by their number of slips:", dict(zip(slips.tolist(), counts.tolist(), strict=True)))
 
 # %%
 # .. explorer:: stick_slip --law lugre_majorant

@@ -31,7 +31,8 @@ above.set_ylabel("angle (rad)")
 above.legend()
 below.plot(solution["t"], 1e3 * (solution["arm.y"] - 0.02 * solution["rotor.y"]))
 below.set(xlabel="time (s)", ylabel="difference (mrad)")
-print("the teeth meet and part:", solution.events["gear"])
+for event, times in solution.events["gear"].items():  # the teeth meet and part
+    print(f"{event}: {len(times)} times")
 
 # %%
 # An arm with a sampled controller, live (``stribeck new arm``):

@@ -24,6 +24,7 @@ plt.rcParams.update(
 )
 BLUE, RED, GREY = "#3572b0", "#c4412f", "#999999"
 PAPER = "canudas1995"  # the parameters of the paper's Table 1
+WIDTH = 5.2  # inches: a phone, 358 px wide, then shows text of 10 points as 9.5 px
 
 
 def saved(figure: plt.Figure, file: Path) -> None:
@@ -41,7 +42,7 @@ def example(name: str, folder: Path, **changes: object) -> stribeck.Scenario:
 
 def draw_hunts(file: Path) -> None:
     """The axis of 'stribeck new axis-hunts', with its integral gain and with a fiftieth of it."""
-    figure, plot = plt.subplots(figsize=(6.4, 2.6), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.6), layout="constrained")
     with tempfile.TemporaryDirectory() as folder:
         for gain, words, color in ((2e5, "K_i = 200 kN/(m s): hunts", RED), (4e3, "K_i = 4 kN/(m s): quiet", BLUE)):
             solution = stribeck.simulate(example("axis_hunts", Path(folder), controllers__axis__K_i=gain))
@@ -49,7 +50,7 @@ def draw_hunts(file: Path) -> None:
             plot.plot(solution.t[shown][::5], 1e3 * solution["slide.y"][shown][::5], color=color, label=words, lw=1)
     plot.axhline(10, color=GREY, lw=0.8, ls="--", label="target")
     plot.set(xlabel="time (s)", ylabel="position (mm)", ylim=(8, 12))
-    figure.legend(frameon=False, loc="outside upper center", ncols=3)
+    figure.legend(frameon=False, loc="outside upper center", ncols=2)
     saved(figure, file)
 
 
@@ -58,7 +59,7 @@ def draw_windup(file: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         solution = stribeck.simulate(example("axis_hunts", Path(folder)))
     shown = (solution.t > 4) & (solution.t < 6)
-    figure, (above, below) = plt.subplots(2, figsize=(6.4, 3.4), sharex=True, layout="constrained")
+    figure, (above, below) = plt.subplots(2, figsize=(WIDTH, 3.4), sharex=True, layout="constrained")
     above.plot(solution.t[shown], 1e3 * solution["slide.y"][shown], color=RED, lw=1)
     above.axhline(10, color=GREY, lw=0.8, ls="--")
     above.set_ylabel("slide.y (mm)")
@@ -73,7 +74,7 @@ def draw_two_laws(file: Path) -> None:
         first, second = (
             stribeck.simulate(example("stick_slip", Path(folder), law__name=law)) for law in ("lugre", "lugre_sobczyk")
         )
-    figure, (above, below) = plt.subplots(2, figsize=(6.4, 3.4), sharex=True, layout="constrained")
+    figure, (above, below) = plt.subplots(2, figsize=(WIDTH, 3.4), sharex=True, layout="constrained")
     for solution, color, dashes, law in ((first, GREY, "-", "lugre"), (second, BLUE, "--", "lugre_sobczyk")):
         above.plot(solution.t[::4], solution["F"][::4], dashes, color=color, lw=1.2, label=law)
     above.set_ylabel("F (N)")
@@ -98,7 +99,7 @@ def draw_joint(file: Path) -> None:
             "solve.t_end": float(measured["t"][-1]),
         }
         solution = stribeck.simulate(stribeck.load(folder / "fit" / "machine.toml", changes))
-    figure, (above, below) = plt.subplots(2, figsize=(6.4, 3.4), sharex=True, layout="constrained")
+    figure, (above, below) = plt.subplots(2, figsize=(WIDTH, 3.4), sharex=True, layout="constrained")
     above.plot(measured["t"][::4], measured["torque"][::4], color=GREY, lw=1)
     above.set_ylabel("torque (N m)")
     below.plot(measured["t"][::24], measured["angle"][::24], ".", ms=5, color=GREY, label="held-out recording")
@@ -110,7 +111,7 @@ def draw_joint(file: Path) -> None:
 
 def draw_kv(file: Path) -> None:
     """How fast a body creeps under 0.95 F_s, against k_v, for two smooth laws."""
-    figure, plot = plt.subplots(figsize=(6.4, 2.6), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.6), layout="constrained")
     steepness = np.geomspace(1e5, 1e8, 13)
     for name, color in (("lugre_sobczyk", RED), ("lugre_majorant", BLUE)):
         creep = []
@@ -128,7 +129,7 @@ def draw_kv(file: Path) -> None:
 
 def draw_creep(file: Path) -> None:
     """A joint that holds a load: the torque of regularized friction lets it sink, bristles do not."""
-    figure, plot = plt.subplots(figsize=(6.4, 2.4), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.4), layout="constrained")
     for law, words, color in (
         ({"name": "stribeck_tanh", "k_v": 100.0, "parameters": PAPER}, "tanh(100 v), as engines regularize", RED),
         ({"name": "elastoplastic_majorant", "k_v": 1e7, "z_ba": 9.5e-6, "parameters": PAPER}, "bristles", BLUE),
@@ -148,7 +149,7 @@ def draw_creep(file: Path) -> None:
 
 def draw_blocks(file: Path) -> None:
     """The block of an FMU of a law within a model of a mass: the friction is subtracted from the force that drives the mass."""
-    figure, plot = plt.subplots(figsize=(6.4, 2.2), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.2), layout="constrained")
     plot.set(xlim=(0, 10), ylim=(0.2, 3.2), aspect="equal")
     plot.axis("off")
     for x, width, words in ((3.0, 1.7, "mass\n1/(m s)"), (6.5, 1.9, "FMU\nfriction")):
@@ -175,7 +176,7 @@ def draw_map(file: Path) -> None:
         F_s, stiffness = np.meshgrid(np.linspace(1.02, 2.0, 40), np.linspace(0.5, 6.0, 40))
         varied = {"law.parameters.F_s": F_s.ravel(), "drive.stiffness": stiffness.ravel()}
         ensemble = stribeck.simulate(scenario, varied)
-    figure, plot = plt.subplots(figsize=(6.4, 3.0), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 3.0), layout="constrained")
     image = plot.pcolormesh(F_s, stiffness, ensemble.slips.reshape(F_s.shape), cmap="Blues", rasterized=True)
     figure.colorbar(image, label="slips in 40 s")
     once = ensemble.slips.reshape(F_s.shape) <= 1
@@ -204,7 +205,7 @@ class RootLuGre(BristleLaw):
 
 def draw_own_law(file: Path) -> None:
     """Hysteresis of the guide's own law beside LuGre's, under a small sine of the speed."""
-    figure, plot = plt.subplots(figsize=(6.4, 2.8), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.8), layout="constrained")
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "mylaw.py").write_text(OWN_LAW, encoding="utf-8")
         for name, constants, color in (("lugre", {}, GREY), (f"{folder}/mylaw.py:RootLuGre", {"k_v": 1e4}, BLUE)):
@@ -226,7 +227,7 @@ def draw_plan(file: Path) -> None:
     from stribeck.identify.plan import Limits, programme
 
     tests = programme(Limits(stroke=0.05, speed=0.1, force=50.0, deflection=1e-5))
-    figure, (above, below) = plt.subplots(2, figsize=(6.4, 4.0), layout="constrained")
+    figure, (above, below) = plt.subplots(2, figsize=(WIDTH, 4.0), layout="constrained")
     time, kinds = 0.0, dict[str, list[float]]()
     for test in (each for each in tests if each.control == "motion"):
         v = test.velocity(1e-3)
@@ -261,7 +262,7 @@ def draw_intervals(file: Path) -> None:
     force = truth.steady_force(v) + 0.05 * rng.standard_normal(len(t))
     fit = stribeck.fit({"t": t, "v": v, "F": force}, "stribeck_tanh", time="t", velocity="v", force="F")
     shown = [(n, fit[n]) for n in ("F_c", "F_s", "sigma_2", "v_s") if n in fit.parameters]
-    figure, plot = plt.subplots(figsize=(6.4, 2.2), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.2), layout="constrained")
     for row, (name, each) in enumerate(reversed(shown)):
         true = truth.values[name]
         if each.range is not None:
@@ -279,7 +280,7 @@ def draw_intervals(file: Path) -> None:
     bars = [Line2D([], [], color=color, lw=width) for color, width in (("#a9c4e4", 8), (BLUE, 4), (RED, 1))]
     bars.append(Line2D([], [], marker="o", ls="", ms=4, mfc="white", mec=BLUE))
     names = ["model range", "95 % interval", "true value", "estimate"]
-    figure.legend(bars, names, frameon=False, loc="outside upper center", ncols=4, handlelength=1.5, columnspacing=1.2)
+    figure.legend(bars, names, frameon=False, loc="outside upper center", ncols=2, handlelength=1.5)
     saved(figure, file)
 
 
@@ -301,10 +302,9 @@ EXPERIMENTS = (  # the example, its title, what is drawn over what, their units 
 
 
 def draw_law(name: str, file: Path) -> None:
-    """What a law does in five experiments: the built-in examples, with this law. Two panels wide, so that a phone shows its
-    numbers in a readable size."""
+    """What a law does in five experiments: the built-in examples, with this law."""
     names = [name for name, *_ in EXPERIMENTS]
-    figure = plt.figure(figsize=(5.2, 4.8), layout="constrained")
+    figure = plt.figure(figsize=(WIDTH, 4.8), layout="constrained")
     plots = figure.subplot_mosaic([names[:2], names[2:4], names[4:] * 2])
     with tempfile.TemporaryDirectory() as folder:
         for example_name, title, horizontal, vertical in EXPERIMENTS:
@@ -337,19 +337,19 @@ def draw_fits_flow(file: Path) -> None:
         ("search", "least squares,\nmany starts"), ("judge", "profiles, residuals,\ncross-validation"),
         ("estimate", "interval, range,\nstate, experiment"),
     )  # fmt: skip
-    figure, plot = plt.subplots(figsize=(6.8, 2.9), layout="constrained")
-    plot.set(xlim=(0, 10.2), ylim=(0, 4.4))
+    figure, plot = plt.subplots(figsize=(WIDTH, 3.6), layout="constrained")
+    plot.set(xlim=(0, 7), ylim=(-2.2, 4.4))
     plot.axis("off")
-    for i, (name, words) in enumerate(boxes):
-        x, y = 0.2 + 3.4 * (i % 3), 2.7 - 2.4 * (i // 3)
-        plot.add_patch(FancyBboxPatch((x, y), 2.6, 1.4, "round,pad=0.05", fc="white", ec=BLUE, lw=1.5))
-        plot.text(x + 1.3, y + 1.1, name, ha="center", va="center", weight="bold", fontsize=9)
-        plot.text(x + 1.3, y + 0.5, words, ha="center", va="center", fontsize=8)
     arrow = {"arrowstyle": "-|>", "color": "black", "lw": 1.2}
-    for y in (3.4, 1.0):
-        for x in (2.85, 6.25):
-            plot.annotate("", (x + 0.7, y), (x, y), arrowprops=arrow)
-    plot.annotate("", (1.5, 1.8), (8.3, 2.6), arrowprops=arrow)
+    for i, (name, words) in enumerate(boxes):
+        x, y = 0.2 + 3.8 * (i % 2), 2.8 - 2.3 * (i // 2)
+        plot.add_patch(FancyBboxPatch((x, y), 2.8, 1.4, "round,pad=0.05", fc="white", ec=BLUE, lw=1.5))
+        plot.text(x + 1.4, y + 1.1, name, ha="center", va="center", weight="bold")
+        plot.text(x + 1.4, y + 0.45, words, ha="center", va="center", fontsize=9)
+        if i % 2 == 0:
+            plot.annotate("", (x + 3.75, y + 0.7), (x + 2.85, y + 0.7), arrowprops=arrow)
+        elif i < len(boxes) - 1:
+            plot.annotate("", (1.6, y - 0.85), (x + 1.4, y - 0.05), arrowprops=arrow)
     saved(figure, file)
 
 

@@ -19,6 +19,7 @@ plt.rcParams.update(
     {"svg.hashsalt": "stribeck", "svg.fonttype": "none", "axes.spines.top": False, "axes.spines.right": False}
 )
 PAPER = "canudas1995"  # the parameters of the paper's Table 1
+WIDTH = 5.2  # inches: a phone, 358 px wide, then shows text of 10 points as 9.5 px
 # A ball-screw stage: kg, N, m.
 STAGE = {"sigma_0": 8e5, "sigma_1": 2500.0, "sigma_2": 40.0, "F_c": 14.0, "F_s": 20.0, "v_s": 5e-3}
 
@@ -87,10 +88,10 @@ def axis(compensation: dict[str, object] | None) -> stribeck.Solution:
 
 def draw_hunting(file: Path) -> None:
     """The tracking error after reversals, with and without compensation."""
-    figure, plot = plt.subplots(figsize=(6.4, 2.4), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.4), layout="constrained")
     for compensation, words, color in (
         (None, "no compensation", "#c4412f"),
-        ({"contact": "guide", "speed": "reference"}, "friction at the reference speed added", "#3572b0"),
+        ({"contact": "guide", "speed": "reference"}, "with compensation", "#3572b0"),
     ):
         solution = axis(compensation)
         shown = solution.t > 2
@@ -110,7 +111,7 @@ def draw_fit(file: Path) -> None:
     v = 0.05 * np.sin(2 * np.pi * 0.1 * t) * np.sin(2 * np.pi * 0.37 * t)
     force = truth.steady_force(v) + 0.05 * rng.standard_normal(len(t))
     fit = stribeck.fit({"t": t, "v": v, "F": force}, "stribeck_tanh", time="t", velocity="v", force="F")
-    figure, plot = plt.subplots(figsize=(6.4, 2.4), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.4), layout="constrained")
     plot.plot(1e3 * v[::5], force[::5], ".", ms=2, color="#999999", label="log", rasterized=True)
     speeds = np.linspace(v.min(), v.max(), 2001)
     plot.plot(1e3 * speeds, fit.law(guessing=True).steady_force(speeds), color="#3572b0", label="fit")
@@ -124,7 +125,7 @@ def draw_passive(file: Path) -> None:
     """The counterexample of `check`: a motion in which friction returns more energy than it took."""
     law = stribeck.law("lugre_sobczyk", parameters=PAPER, k_v=1e7)
     solution = stribeck.simulate(stribeck.check(law)["passive"].scenario)
-    figure, plot = plt.subplots(figsize=(6.4, 2.4), layout="constrained")
+    figure, plot = plt.subplots(figsize=(WIDTH, 2.4), layout="constrained")
     t, energy = solution.t, 1e6 * solution["E_in"]
     least, gain = int(energy.argmin()), -energy[-1]
     plot.axhline(0, color="#bbbbbb", lw=1)

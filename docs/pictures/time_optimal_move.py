@@ -105,10 +105,11 @@ if __name__ == "__main__":
     if len(sys.argv) > 1:
         from matplotlib import pyplot
 
-        figure, axes = pyplot.subplots(3, 1, figsize=(7, 6), sharex=True, layout="constrained")
-        axes[0].stairs(move.u, move.t, color="C3", baseline=None)
+        figure, axes = pyplot.subplots(3, 1, figsize=(5.2, 5), sharex=True, layout="constrained")
+        axes[0].stairs(move.u, move.t, color="C3", baseline=None, label="torque")
         axes[0].plot(solution.t, solution["F"], color="C0", label="friction")
-        axes[0].set_ylabel("torque, friction (N m)")
+        axes[0].set_ylabel("torque, friction (N m)", fontsize=9)
+        axes[0].legend(frameon=False)
         for axis, name, unit in ((axes[1], "y", "rad"), (axes[2], "v", "rad/s")):
             axis.plot(solution.t, solution[name], label="simulated")
             axis.plot(move.t, getattr(move, name), ".", color="C3", label="optimised")

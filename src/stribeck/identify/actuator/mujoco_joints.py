@@ -91,7 +91,6 @@ def from_mujoco(
         time: the column of times, s, evenly sampled.
         cutoff: cut-off frequency, Hz, of the zero-phase low-pass (Butterworth, order 4) before derivatives; a tenth of
             the sampling rate unless given.
-        window: length of the fitted stretches, s: without a controller, a simulated joint drifts off its measured path.
         hold_out: indices of recordings, from 0, that are predicted and not fitted.
 
     Raises:
