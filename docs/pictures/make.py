@@ -133,12 +133,12 @@ def draw_passive(file: Path) -> None:
     arrow = {"arrowstyle": "<->", "color": "black", "shrinkA": 0, "shrinkB": 0}
     plot.annotate("", (t[-1], 0), (t[-1], energy[-1]), arrowprops=arrow)
     unit = "\N{MICRO SIGN}J"
-    plot.text(0.98 * t[-1], -gain / 2, f"energy gained in a cycle: {gain:.0f} {unit}", ha="right", va="center")
+    plot.text(0.98 * t[-1], -gain / 2, f"energy gained\nin a cycle: {gain:.0f} {unit}", ha="right", va="center")
     plot.text(
         0.02 * t[-1], -gain / 2, f"fast, unwinding the bristles:\n{-energy[least]:.0f} {unit} come out", va="center"
     )
     plot.text(
-        0.4 * t[-1],
+        0.25 * t[-1],
         1.12 * energy[least],
         f"slow, winding them up again: {energy[-1] - energy[least]:.0f} {unit} go in",
         va="top",
