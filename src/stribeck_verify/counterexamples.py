@@ -12,8 +12,8 @@ from flint import arb, ctx
 
 from stribeck_verify.expressions import Json
 
-_BITS = 400
-_POINTS = 64
+_BITS = 400  # 120 digits: a difference quotient over _TINY times _SHARE keeps more than half of them
+_POINTS = 64  # samples of a stated motion: enough to catch a wrong statement; its proof is the enclosure
 _NEAR = 1e-9  # of a place that is known to 1e-13
 _TINY = 1e-30  # of a natural scale, beside an axis
 _SHARE = 1e-6  # of the distance from the place: steps of difference quotients
@@ -58,17 +58,19 @@ def evaluate(law: Mapping[str, Json], what: str, **at: Ball) -> Ball:
     known = {n: arb(x) for n, x in law["constants"].items()} | {"pi": arb.pi()} | at
     done: dict[int, Ball] = {}
 
-    def of(x: Json) -> Ball:
+    def value(x: Json) -> Ball:
         if isinstance(x, str):
             return known[x]
         if not isinstance(x, list):
             return arb(x)
         if id(x) not in done:
             op, *args = x
-            done[id(x)] = of(args[1 if of(args[0]) else 2]) if op == "where" else _OPERATIONS[op](*map(of, args))
+            done[id(x)] = (
+                value(args[1 if value(args[0]) else 2]) if op == "where" else _OPERATIONS[op](*map(value, args))
+            )
         return done[id(x)]
 
-    return of(law[what])
+    return value(law[what])
 
 
 def _between(start: float, end: float) -> list[Ball]:
@@ -109,7 +111,7 @@ def _differs(law: Mapping[str, Json], evidence: Mapping[str, Json], of: Function
     beside = [abs(x) * _NEAR if x != 0 else arb(size) * _TINY for x, size in zip(place, scales, strict=True)]
     by = {"by v": 0, "by z": 1}.get(str(evidence["derivative"])[-4:])
 
-    def at(moved: int, distance: Ball) -> Ball:
+    def beside_place(moved: int, distance: Ball) -> Ball:
         """The value, or its difference quotient, at a distance from the place."""
         point = list(place)
         point[moved] = point[moved] + distance
@@ -127,7 +129,10 @@ def _differs(law: Mapping[str, Json], evidence: Mapping[str, Json], of: Function
     gap = abs(above - below) / 4
     for moved in (0, 1):
         # along the line through two points, to the place itself: what changes on the way may be more than the gap
-        extrapolated = [2 * at(moved, side * beside[moved]) - at(moved, 2 * side * beside[moved]) for side in (-1, 1)]
+        extrapolated = [
+            2 * beside_place(moved, side * beside[moved]) - beside_place(moved, 2 * side * beside[moved])
+            for side in (-1, 1)
+        ]
         for first, second in ((below, above), (above, below)):
             if bool(abs(extrapolated[0] - first) < gap) and bool(abs(extrapolated[1] - second) < gap):
                 return True

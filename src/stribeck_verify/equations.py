@@ -108,11 +108,13 @@ def to_node(tree: Json, constants: Mapping[str, float]) -> Node:
     """
     known: dict[int, Node] = {}
 
-    def made(x: Json) -> Node:
+    def converted(x: Json) -> Node:
         if isinstance(x, list):
             if id(x) not in known:
                 decided = endless(x[1]) if x[0] == "where" else None
-                known[id(x)] = made(x[2 if decided else 3]) if decided is not None else node(x[0], *map(made, x[1:]))
+                known[id(x)] = (
+                    converted(x[2 if decided else 3]) if decided is not None else node(x[0], *map(converted, x[1:]))
+                )
             return known[id(x)]
         if isinstance(x, str) and x not in constants:
             return name(x)
@@ -121,7 +123,7 @@ def to_node(tree: Json, constants: Mapping[str, float]) -> Node:
             raise Refused(f"the law holds the number {value}")
         return number(exactly(value))
 
-    return made(tree)
+    return converted(tree)
 
 
 def compare_bound(law: Mapping[str, Json], Z: fmpq) -> None:

@@ -113,7 +113,7 @@ _AT_0 = {"exp": 1, "sqrt": 0, "sin": 0, "cos": 1, "atan": 0, "tanh": 0}
 _ENDS = {"exp": (fmpq(0), None), "tanh": (fmpq(-1), fmpq(1)), "sqrt": (fmpq(0), None), "log": (None, None)}
 
 
-def at(function: str, x: fmpq, up: bool) -> fmpq | None:
+def bound_at(function: str, x: fmpq, up: bool) -> fmpq | None:
     """An upper or lower bound of a function's value at a rational number."""
     if x == 0 and function in _AT_0:
         return fmpq(_AT_0[function])
@@ -141,8 +141,8 @@ def rising(function: str, a: Range) -> Range:
     if function in ("log", "sqrt") and (lo is None or lo < 0 or (lo == 0 and function == "log")):
         raise Refused(f"the argument of {function} may be below 0")
     ends = (neg(PI_HALF)[0], PI_HALF[1]) if function == "atan" else _ENDS[function]
-    low = ends[0] if lo is None else at(function, lo, False)
-    high = ends[1] if hi is None else at(function, hi, True)
+    low = ends[0] if lo is None else bound_at(function, lo, False)
+    high = ends[1] if hi is None else bound_at(function, hi, True)
     return low, high
 
 
@@ -157,7 +157,7 @@ def wave(function: str, a: Range) -> Range:
         first, last = (exact(n[0], False), exact(n[1], True))
     if first is None or last is None or last - first > 4:
         return fmpq(-1), fmpq(1)
-    values = [at(function, x, up) for x in (lo, hi) for up in (False, True)]
+    values = [bound_at(function, x, up) for x in (lo, hi) for up in (False, True)]
     extremes = [x for x in values if x is not None]
     if len(extremes) != 4:
         return fmpq(-1), fmpq(1)

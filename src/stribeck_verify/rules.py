@@ -107,8 +107,8 @@ def _check_pi_range(leaf: Leaf, x: Node, lo: fmpq, hi: fmpq) -> None:
     if x.op != "atan":
         raise Refused("the rule 'pi range' is for atan")
     low, high = leaf.inside(x.args[0])
-    below = lo <= -1 or (low is not None and _at_least(intervals.at("atan", low, False), lo))
-    above = hi >= 1 or (high is not None and _at_least(_negative(intervals.at("atan", high, True)), -hi))
+    below = lo <= -1 or (low is not None and _at_least(intervals.bound_at("atan", low, False), lo))
+    above = hi >= 1 or (high is not None and _at_least(_negative(intervals.bound_at("atan", high, True)), -hi))
     if not (below and above):
         raise Refused(f"atan is not within [{decimal(lo)}, {decimal(hi)}] pi/2")
 
@@ -121,11 +121,11 @@ def _check_slope(leaf: Leaf, x: Node, lo: fmpq, hi: fmpq) -> None:
         raise Refused("the argument may be below 0")
     low, high = leaf.inside(x.args[0])
     if lo > 0:
-        least = None if high is None or high <= 0 else intervals.at(x.op, high, False)
+        least = None if high is None or high <= 0 else intervals.bound_at(x.op, high, False)
         if least is None or high is None or least / high < lo:
             raise Refused(f"{x.op}(y)/y may be below {decimal(lo)}")
     if hi < 1:
-        most = None if low is None or low <= 0 else intervals.at(x.op, low, True)
+        most = None if low is None or low <= 0 else intervals.bound_at(x.op, low, True)
         if most is None or low is None or most / low > hi:
             raise Refused(f"{x.op}(y)/y may be above {decimal(hi)}")
 

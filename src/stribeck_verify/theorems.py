@@ -357,14 +357,14 @@ def damped(case: Case) -> None:
 def _decays_fast(s: fmpq, d: fmpq, c: fmpq, least: fmpq, above: fmpq, knots: Sequence[fmpq]) -> None:
     """s (d/sqrt(2 e) + above) <= 4 N; or s E (d x + above) <= 4 N (1 + c/(s E)), E = exp(-x^2), between and beyond knots."""
     if not knots:
-        room, e = 4 * least - s * above, intervals.at("exp", fmpq(1), False)
+        room, e = 4 * least - s * above, intervals.bound_at("exp", fmpq(1), False)
         if e is None or room < 0 or (s * d) ** 2 > 2 * e * room**2:
             raise Refused("s (d/sqrt(2 e) + above) <= 4 N does not hold")
         return
     if knots[0] != 0 or knots[-1] < 1 or any(a >= b for a, b in pairwise(knots)):
         raise Refused("the knots do not rise from 0 to 1 or beyond")
     for x, end in pairwise([*knots, knots[-1]]):  # E there, x here: as E falls, the left falls and the right rises
-        share = intervals.at("exp", -x * x, True)
+        share = intervals.bound_at("exp", -x * x, True)
         if share is None or s * s * share * share * (d * end + above) > 4 * least * (s * share + c):
             raise Refused(
                 f"s^2 E^2 (d x + above) <= 4 N (s E + c) is not shown between {decimal(x)} and {decimal(end)}"

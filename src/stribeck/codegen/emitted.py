@@ -48,7 +48,7 @@ from stribeck.expressions.graph import (
 from stribeck.machine.system import MachineSystem
 
 ADD, SUB, MUL, DIV = (OPS[name] for name in ("add", "sub", "mul", "div"))
-STAGES = 8
+STAGES = 8  # of Rodas5P
 # From so many states on, each stage calls the rates as a function: Cranelift allots registers badly to eight copies of them.
 LARGE = 5
 LINE = 64  # bytes: arrays begin on lines of their own

@@ -77,7 +77,7 @@ class Work:
         items = list(of)
         results: list[T | None] = [None] * len(items)
 
-        def one(i: int) -> None:
+        def compute(i: int) -> None:
             try:
                 self.check()
                 results[i] = what(items[i])
@@ -86,7 +86,7 @@ class Work:
 
         pool = ThreadPoolExecutor(threads_of_this_machine())
         try:
-            for future in [pool.submit(one, i) for i in range(len(items))]:
+            for future in [pool.submit(compute, i) for i in range(len(items))]:
                 future.result()
         except KeyboardInterrupt:
             self.stop()

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from stribeck.constants import DECIDED, rotary_words
-from stribeck.laws.base import Law
+from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.render import equations
 from stribeck.mouth.document import PAGE, Cell, Chapter, Document, Table
 from stribeck.parameter_sets import ParameterSet
@@ -92,12 +92,16 @@ def _claims(guarantees: Mapping[str, object]) -> str:
 
 def parameter_set(parameters: ParameterSet) -> Document:
     """A law's parameters as published."""
-    rows: list[list[Cell]] = [[n, x] for n, x in parameters.values.items()]
+    words = rotary_words if parameters.rotary else str
+    rows: list[list[Cell]] = [
+        [n, x, PARAMETERS[n].unit_for(parameters.rotary), words(PARAMETERS[n].meaning)]
+        for n, x in parameters.values.items()
+    ]
     return Document(
         parameters.name,
         f"{parameters.title} ({parameters.motion})",
         [f"source: {parameters.source}"],
-        [Chapter("values", "Values", tables=[Table(["constant", "value (SI)"], rows)])],
+        [Chapter("values", "Values", tables=[Table(["constant", "value", "unit", "meaning"], rows)])],
     )
 
 

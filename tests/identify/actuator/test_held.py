@@ -27,9 +27,9 @@ def test_a_held_input_is_followed_as_held_and_told_where_it_is_not_said(tmp_path
     found = fit_machine(body(mass=1.2), path, starts=1, baselines=False)
     for name in (F_C, MASS):
         assert found.estimates[name].low < 1.0 < found.estimates[name].high
-    assert not any("sample to sample (held" in n for n in found.notes), found.notes
+    assert not any("between samples (held" in n for n in found.notes), found.notes
     told = fit_machine(body(mass=1.2), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
-    assert any("inputs held from sample to sample (held = true)" in n for n in told.notes), told.notes
+    assert any("inputs held between samples (held = true)" in n for n in told.notes), told.notes
     for name in (F_C, MASS):
         low, high = told.estimates[name].range
         assert low < 1.0 < high

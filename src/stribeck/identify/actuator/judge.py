@@ -131,7 +131,7 @@ def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
 
 
 def _explained(choice: Selection[MachineLibrary]) -> list[str]:
-    """The forms that would explain the residual, in words, with alternatives that explain as much."""
+    """The forms that would explain the residual, in words, and alternatives that explain as much: a note each."""
     lib = choice.library
     _, k, _, ratio = choice.choose(np.ones(len(lib.gram)), alone=False)
     if not (chosen := lib.models[k][1]):
@@ -143,7 +143,8 @@ def _explained(choice: Selection[MachineLibrary]) -> list[str]:
         if i != k and score[i] < score[k] + EQUAL and len(lib.models[i][1]) == len(chosen)
     ]  # fmt: skip
     words = [forms_in_words(_coefficients(lib, i, solved[i]), lib.forms) for i in [k, *near][:FORMS]]
-    return [f"What is left would fall by {100 * (1 - ratio):.2g} % with {'; or as well '.join(words)}."]
+    first = f"These effects would lower the residual by {100 * (1 - ratio):.3g} %: {words[0]}."
+    return [first, *(f"These effects would lower it as much: {other}." for other in words[1:])]
 
 
 def _coefficients(lib: MachineLibrary, i: int, x: Array) -> dict[str, float]:

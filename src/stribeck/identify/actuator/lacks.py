@@ -95,7 +95,7 @@ def missing_forms(problem: MachineProblem, u: Array, motion: RunMotion, words: M
 
 def forms_in_words(chosen: Mapping[str, float], every: Sequence[MissingForm]) -> str:
     """Forms with their coefficients, in words."""
-    return " and ".join(form.tell(chosen[form.name]) for form in every if form.name in chosen)
+    return ", ".join(form.tell(chosen[form.name]) for form in every if form.name in chosen)
 
 
 # -- friction --------------------------------------------------------------------------------------------------------------
@@ -143,7 +143,7 @@ def _times(at: AtSpeed, size: float) -> AtSpeed:
 
 
 def _of_friction(contact: str, term: str) -> Callable[[float], str]:
-    return lambda x: f"{term} of {100 * abs(x):.2g} % of the friction of {contact}"
+    return lambda x: f"{term} ({100 * abs(x):.2g} % of {contact}.F)"
 
 
 def _loads(run: RecordedRun, contact: str) -> dict[str, tuple[str, float]]:
@@ -241,7 +241,7 @@ def _fixed(problem: MachineProblem, u: Array) -> Iterator[MissingForm]:
 
 
 def _of_number(path: str, now: float) -> Callable[[float], str]:
-    return lambda x: f"{path} fixed at {now:.4g} and rather {now * float(np.exp(np.clip(x, -3, 3))):.4g}"
+    return lambda x: f"{path} = {now * float(np.exp(np.clip(x, -3, 3))):.4g} in place of {now:.4g}"
 
 
 def _sensors(problem: MachineProblem, u: Array, r: Array, words: Mapping[str, str]) -> Iterator[MissingForm]:
@@ -304,7 +304,7 @@ def _files(problem: MachineProblem) -> dict[int | None, str]:
 
 
 def _of_sensor(label: str, neutral: float, file: str, unit: str) -> Callable[[float], str]:
-    return lambda x: f"{label}{f' ({file})' if file else ''} {x + neutral:.3g} {unit}".rstrip()
+    return lambda x: f"{label}{f' ({file})' if file else ''} = {x + neutral:.3g} {unit}".rstrip()
 
 
 def rows_of(problem: MachineProblem, log: int | None) -> Array:
@@ -325,9 +325,9 @@ def _inputs(problem: MachineProblem, u: Array, r: Array) -> Iterator[MissingForm
     every = [x for run in problem.runs for x in run.inputs.values()]
     if any(not x.spline for x in every):
         held = not all(x.held for x in every if not x.spline)
-        words = f"inputs {'held' if held else 'straight'} from sample to sample (held = {str(held).lower()})"
+        words = f"inputs {'held' if held else 'linear'} between samples (held = {str(held).lower()})"
         off = instead(lambda x: replace(x, held=held and not x.spline))
-        yield MissingForm("inputs", off, 1.0, lambda x: f"{words}, {x:.2g} of the way", words)
+        yield MissingForm("inputs", off, 1.0, lambda x: f"{words}, {100 * x:.3g} % of this change", words)
     if any(x.smooth() is not x for x in every):
-        bend, off = "inputs that bend between their samples", instead(RecordedInput.smooth)
-        yield MissingForm("inputs smooth", off, 1.0, lambda x: f"{bend}, {x:.2g} of the way", bend)
+        bend, off = "inputs smooth between samples", instead(RecordedInput.smooth)
+        yield MissingForm("inputs smooth", off, 1.0, lambda x: f"{bend}, {100 * x:.3g} % of this change", bend)

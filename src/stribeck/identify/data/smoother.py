@@ -72,9 +72,9 @@ def _of_order(
     tried = np.linspace(low, high, 2 + int((high - low) / np.log(_STEP)))
     i = int(np.argmin([deviance(x)[0] for x in tried]))
     around = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
-    found = minimize_scalar(lambda x: deviance(x)[0], bounds=around, method="bounded", options={"xatol": _CLOSE})
-    value, noise = deviance(float(found.x))
-    return value, Smoother(order, float(np.exp(found.x)), 2 * step * noise)
+    minimum = minimize_scalar(lambda x: deviance(x)[0], bounds=around, method="bounded", options={"xatol": _CLOSE})
+    value, noise = deviance(float(minimum.x))
+    return value, Smoother(order, float(np.exp(minimum.x)), 2 * step * noise)
 
 
 def encoder_step(runs: Sequence[Array]) -> float:
@@ -114,8 +114,8 @@ def _prediction_error(differences: Sequence[Array], poles: Array) -> float:
     above = poles[poles.imag > -_REAL]  # one of each conjugate pair
     for x in differences:
         errors = signal.sosfilt(sections, x)
-        own = above ** np.arange(min(len(x), lasts))[:, None]
-        basis = np.linalg.qr(np.hstack([own.real, own.imag[:, above.imag > _REAL]]))[0]
+        responses = above ** np.arange(min(len(x), lasts))[:, None]
+        basis = np.linalg.qr(np.hstack([responses.real, responses.imag[:, above.imag > _REAL]]))[0]
         errors[: len(basis)] -= basis @ (basis.T @ errors[: len(basis)])
         total, count = total + float(errors @ errors), count + len(errors)
     return total / count

@@ -61,9 +61,9 @@ TERMS: dict[str, Term] = {
 
 def column(name: str, log: Log) -> Array:
     """The column of the log that a term multiplies."""
-    made = TERMS[name].column
-    assert made is not None
-    return np.asarray(made(log))
+    formula = TERMS[name].column
+    assert formula is not None
+    return np.asarray(formula(log))
 
 
 def problem(name: str, value: object) -> str:
