@@ -1,8 +1,10 @@
-"""The directive ``commands``: the reference of every command, from the commands themselves."""
+"""The directive ``commands``: the reference of every command, from the commands themselves; and options on one line."""
 
 from __future__ import annotations
 
+import re
 import textwrap
+from typing import Any
 
 import typer
 from docutils import nodes
@@ -55,7 +57,21 @@ class Commands(SphinxDirective):
         return made
 
 
+def unbroken(html: str) -> str:
+    """A page on which no line ends within an option: browsers break words after each hyphen."""
+    span = '<span class="option">{}</span>'
+    words = r"<[^>]*>|(?<![\w-])--[a-z][\w-]*"  # a tag as it stands, or an option
+    return re.sub(words, lambda m: m[0] if m[0].startswith("<") else span.format(m[0]), html)
+
+
+def keep_options(app: Sphinx, name: str, template: str, context: dict[str, Any], doctree: object) -> None:
+    """Apply :func:`unbroken` to the page that Sphinx writes."""
+    if "body" in context:
+        context["body"] = unbroken(context["body"])
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Tell Sphinx of the directive."""
+    """Tell Sphinx of the directive, and of what is done with each page."""
     app.add_directive("commands", Commands)
+    app.connect("html-page-context", keep_options)
     return {"parallel_read_safe": True}
