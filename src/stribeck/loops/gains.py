@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,10 +11,9 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import needed
-from stribeck.expressions.boxes import grid, not_negative
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
-from stribeck.expressions.intervals import Evaluator, Interval, point
+from stribeck.expressions.intervals import Box, Range, add, neg, not_negative
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.loops.proof import derive
@@ -147,13 +146,12 @@ def _largest_speed(law: Law, decay_rate: Callable[[Value], Value], w: float) -> 
 
 def _never_above(law: Law, w: float) -> bool:
     """Whether w(v) stays at or below a value at every speed, by interval arithmetic."""
-    evaluate = Evaluator([decay(law)])
-    constants = {name: point(x) for name, x in law.p.numbers.items()}
+    rate, constants = decay(law), {name: (float(x), float(x)) for name, x in law.p.numbers.items()}
 
-    def margin(box: Sequence[Interval]) -> Interval:
-        return point(w) - evaluate({**constants, "v": box[0]})[0]
+    def margin(v: Range) -> Range:
+        return add((w, w), neg(Box({**constants, "v": v})(rate)))
 
-    return all(not_negative(margin, *grid([edges])).holds for edges in ([0.0, np.inf], [-np.inf, 0.0]))
+    return not_negative(margin, [(0.0, math.inf), (-math.inf, 0.0)]).holds
 
 
 @dataclass(frozen=True)
@@ -200,22 +198,21 @@ def prove(law: Law, gains: Mapping[str, float], v: tuple[float, float]) -> Proof
     """
     form = derive()
     tests = [decay(law), *(_graph_of(test, w=decay(law), sigma_1=damping(law)) for test in (form.exact, form.ss))]
-    evaluate = Evaluator(tests)
     values = {**law.values, "K_D": gains["K_D"], "K": gains["K"]}
-    constants = {name: point(x) for name, x in values.items() if x is not None}
+    constants = {name: (float(x), float(x)) for name, x in values.items() if x is not None}
 
-    def least(box: Sequence[Interval]) -> Interval:
-        tests = evaluate({**constants, "v": box[0]})
-        ends = [np.broadcast_arrays(*x) for x in ([f.low for f in tests], [f.high for f in tests])]
-        return Interval(*(np.min(x, axis=0) for x in ends))
+    def least(part: Range) -> Range:
+        box = Box({**constants, "v": part})
+        lows, highs = zip(*(box(test) for test in tests), strict=True)
+        return min(lows), min(highs)
 
-    cover = not_negative(least, *grid([[v[0], 0.0, v[1]] if v[0] < 0 < v[1] else v]))
+    cover = not_negative(least, [(v[0], 0.0), (0.0, v[1])] if v[0] < 0 < v[1] else [v])
     if cover.where is None:
-        return Proof(True, cover.boxes, "")
-    place = f"near v = {sum(cover.where[0]) / 2:.6g} m/s"
+        return Proof(True, cover.parts, "")
+    place = f"near v = {sum(cover.where) / 2:.6g} m/s"
     if cover.negative:
-        return Proof(False, cover.boxes, f"dV/dt can be positive {place}")
-    return Proof(None, cover.boxes, f"the sign is not settled {place}: {cover.reason}")
+        return Proof(False, cover.parts, f"dV/dt can be positive {place}")
+    return Proof(None, cover.parts, f"the sign is not settled {place}: {cover.reason}")
 
 
 def _graph_of(expr: sympy.Expr, **replaced: Expr) -> Expr:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from stribeck.expressions.graph import Expr
-from stribeck.expressions.intervals import Box, Evaluator, Interval, Range, interval, point
+from stribeck.expressions.intervals import Box, Range, add, div, mul
 from stribeck.properties.model import Model
 
-_PANELS = (64, 1024, 16384)  # of the enclosing quadrature: sixteen times as many while the sign is open
+_PANELS = (1024, 16384)  # of the enclosing quadrature: sixteen times as many while the sign is open
 _PARTS = 400  # most intervals of z for a lower bound, which are halved while the bound is not above 0
 _ROUNDING = 1e-12  # of a sum: exceeds its rounding
 
@@ -21,26 +22,22 @@ def energy(model: Model, v: float, a: float, b: float, panels: int) -> tuple[flo
 
     It is the integral of F v/(dz/dt) over z, which does not depend on time.
     """
-    edges = np.linspace(a, b, panels + 1)
-    if not np.all(np.diff(edges) * (b - a) > 0):
+    edges = np.linspace(a, b, panels + 1).tolist()
+    lows, highs = [], []
+    for start, end in pairwise(edges):
+        if not (end - start) * (b - a) > 0:
+            return None
+        box = Box({**model.inputs, "v": (v, v), "z": (min(start, end), max(start, end))})
+        rate, force = box(model.rate), box(model.power_force)
+        if not (rate[0] > 0 if b > a else rate[1] < 0):
+            return None
+        put_in = mul(div(mul(force, (v, v)), rate), add((end, end), (-start, -start)))
+        lows.append(put_in[0])
+        highs.append(put_in[1])
+    if not np.all(np.isfinite([lows, highs])):
         return None
-    z = interval(np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:]))
-    constants = {n: interval(*x) for n, x in model.inputs.items()}
-    rate, force = Evaluator([model.rate, model.power_force])({**constants, "v": point(v), "z": z})
-    forward = rate.low > 0 if b > a else rate.high < 0
-    if not np.all(forward):
-        return None
-    with np.errstate(all="ignore"):
-        put_in = force * point(v) / rate * (point(edges[1:]) - point(edges[:-1]))
-    return _sum(put_in)
-
-
-def _sum(x: Interval) -> tuple[float, float] | None:
-    low, high = np.broadcast_arrays(x.low, x.high)
-    if not (np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
-        return None
-    slack = _ROUNDING * float(np.sum(np.maximum(abs(low), abs(high))))
-    return math.fsum(low) - slack, math.fsum(high) + slack
+    slack = _ROUNDING * math.fsum(max(abs(low), abs(high)) for low, high in zip(lows, highs, strict=True))
+    return math.fsum(lows) - slack, math.fsum(highs) + slack
 
 
 def programme(pieces: Sequence[tuple[Model, float, float, float]]) -> tuple[float, float] | None:
