@@ -1,4 +1,4 @@
-"""Interpolates a machine's inputs across gaps of missing samples, with an estimate of the error."""
+"""Interpolates a machine's inputs across missing samples, with an estimate of the error."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import make_smoothing_spline
 
 from stribeck.arrays import Array
+from stribeck.identify.data.smoother import smoothing
 
 GAP = 1.6  # sampling periods: a longer interval lacks a sample
-_INSIDE = 50  # interpolated points in a gap, at most: a cubic needs no more
-# Sampling periods from which the slope at an end of a gap is estimated: few follow the motion, many average the noise.
-_NEAR = (4.5, 12.5)
-_LEAST, _MOST = 4, 12  # samples for such a slope
-_TESTS = 24  # artificial gaps of the same length elsewhere, from which the error is estimated to 15 %
+_SHIFTS = 12  # places at which the same samples are left out: their median error is known to a quarter
 _DRAWS = 4  # of the interpolation error, with a random sign in each gap
 
 
@@ -33,75 +31,56 @@ class Bridged:
 
 
 def bridged(t: Array, x: Array) -> Bridged:
-    """Interpolate the gaps of a signal by a straight line, or by a cubic with the slopes before and after.
+    """Interpolate missing samples by straight lines or by the likeliest spline: in each gap by the better of both elsewhere.
 
-    The method with the smaller error in artificial gaps of the same length is chosen.
+    The errors are the medians where samples are left out in the same pattern, later in the record.
     """
-    gaps = np.diff(t)
-    step = float(np.median(gaps)) if len(gaps) else 1.0
-    before = np.flatnonzero(gaps > GAP * step).tolist()
-    if not before or len(t) < 3 * _LEAST:
-        return Bridged(t, x, x[None][:0])
-    number = np.rint((t - t[0]) / step).astype(np.int64)
-    if not np.diff(number).all():  # without an even grid, a long interval lacks no sample
-        return Bridged(t, x, x[None][:0])
-    even = np.full(int(number[-1]) + 1, np.nan)
-    even[number] = x
-    times, values, errors = zip(*(_across(t, x, i, step, number, even) for i in before), strict=True)
-    order = np.argsort(new := np.concatenate([t, *times]))
-    whole = np.concatenate([x, *values])[order]
-    if not max(errors) > 0:
+    step = float(np.median(np.diff(t))) if len(t) > 1 else 1.0
+    number = np.rint((t - t[:1]) / step).astype(np.int64)
+    lost = np.setdiff1d(np.arange(number[-1] + 1 if len(t) else 0), number)
+    if not len(lost) or not np.diff(number).all() or not np.max(np.diff(t)) > GAP * step:
+        return Bridged(t, x, x[None][:0])  # without an even grid, a long interval lacks no sample
+    gap = np.cumsum(np.diff(lost, prepend=lost[0]) > 1).astype(np.intp)
+    lam = smoothing(number.astype(float), x)
+    errors = _errors(number, x, lost, gap, lam)
+    ways = _ways(number, x, lost, lam)
+    best = np.argmin(errors, axis=0)
+    there = np.interp(lost, number, t)
+    order = np.argsort(new := np.concatenate([t, there]))
+    whole = np.concatenate([x, ways[best[gap], np.arange(len(lost))]])[order]
+    error = np.min(errors, axis=0)
+    if not np.max(error) > 0:
         return Bridged(new[order], whole, whole[None][:0])
-    sides = np.random.default_rng(0).choice([-1.0, 1.0], (_DRAWS, len(before)))
-    added = [np.zeros((_DRAWS, len(t)))]
-    for i, inner, error, side in zip(before, times, errors, sides.T, strict=True):
-        parabola = (inner - t[i]) * (t[i + 1] - inner)
-        added.append(error * side[:, None] * (parabola / np.sqrt(np.mean(parabola**2))))
-    return Bridged(new[order], whole, whole + np.concatenate(added, axis=1)[:, order])
+    sides = np.random.default_rng(0).choice([-1.0, 1.0], (_DRAWS, len(error)))
+    bulge = np.concatenate([_bulge(lost[gap == i]) for i in range(len(error))])
+    added = np.concatenate([np.zeros((_DRAWS, len(t))), (error * sides)[:, gap] * bulge], axis=1)
+    return Bridged(new[order], whole, whole + added[:, order])
 
 
-def _across(
-    t: Array, x: Array, i: int, step: float, number: NDArray[np.int64], even: Array
-) -> tuple[Array, Array, float]:
-    """Times and values in the gap after sample i, and their rms error, by the best method in artificial gaps elsewhere.
-
-    Args:
-        even: the signal on an even grid, nan where a sample is missing; ``number``: the samples' indices there.
-    """
-    some = slice(max(i - _MOST, 0), min(i + 2 + _MOST, len(t)))
-    here, lack = i - some.start, round((t[i + 1] - t[i]) / step)
-    inner = np.linspace(t[i], t[i + 1], min(lack, _INSIDE) + 1)[1:-1]
-    ways = _ways(t[some], x[some, None], here, inner, step)[:, :, 0]
-    around, within = number[some] - number[i], np.arange(1, number[i + 1] - number[i])
-    first, last = -int(around[0]), len(even) - int(around[-1])
-    places = np.arange(first, max(last, first))
-    places = places[np.isfinite(even[places[:, None] + np.concatenate([around, within])]).all(axis=1)]
-    if not len(places):
-        return inner, ways[0], float(np.std(x))
-    places = places[np.unique(np.linspace(0, len(places) - 1, _TESTS).astype(int))]
-    tried = _ways(around * step, even[places + around[:, None]], here, within * step, step)
-    missed = np.sqrt(np.mean((tried - even[places + within[:, None]]) ** 2, axis=(1, 2)))
-    best = int(np.argmin(missed))
-    return inner, ways[best], float(missed[best])
+def _ways(number: NDArray[np.int64], x: Array, lost: NDArray[np.int64], lam: float) -> Array:
+    """Straight lines and the likeliest spline at lost samples, (2, lost)."""
+    return np.stack([np.interp(lost, number, x), make_smoothing_spline(number, x, lam=lam)(lost)])
 
 
-def _ways(t: Array, x: Array, i: int, when: Array, step: float) -> Array:
-    """Interpolations of signals (times, signals) from sample i to the next, (methods, when, signals).
+def _errors(number: NDArray[np.int64], x: Array, lost: NDArray[np.int64], gap: NDArray[np.intp], lam: float) -> Array:
+    """The rms error of both ways in each gap, (2, gaps); where too few samples are left, that of no knowledge."""
+    count, gaps = int(number[-1]) + 1, int(gap[-1]) + 1
+    squares = np.full((_SHIFTS, 2, gaps), np.nan)
+    for k, shift in enumerate(np.linspace(0, count, _SHIFTS + 2).astype(int)[1:-1].tolist()):
+        away = (lost + shift) % count
+        inside = (away > number[1]) & (away < number[-2]) & np.isin(away, number)
+        rest = ~np.isin(number, away)
+        if inside.any() and np.count_nonzero(rest) > 4:  # a cubic spline has four coefficients
+            off = (_ways(number[rest], x[rest], away[inside], lam) - np.interp(away[inside], number, x)) ** 2
+            known = np.bincount(gap[inside], minlength=gaps)
+            squares[k] = np.array([np.bincount(gap[inside], each, gaps) for each in off]) / np.where(
+                known, known, np.nan
+            )
+    squares[0] = np.where(np.isnan(squares).all(axis=0), np.var(x), squares[0])
+    return np.asarray(np.sqrt(np.nanmedian(squares, axis=0)))
 
-    The methods are a straight line, and cubics with slopes from few and from many samples.
-    """
-    span = t[i + 1] - t[i]
-    s = ((when - t[i]) / span)[:, None]
-    secant = (x[i + 1] - x[i]) / span
-    straight = x[i] + secant * span * s
-    ways = [straight]
-    for reach in _NEAR:
-        slopes = []
-        for end, near in ((i, np.arange(i, -1, -1)[:_MOST]), (i + 1, np.arange(i + 1, len(t))[:_MOST])):
-            far = abs(t[near] - t[end])
-            near = near[(far < reach * step) | (np.arange(len(near)) < _LEAST)]  # another gap may lie nearby
-            order = 2 if len(near) > 3 else 1
-            slopes.append(np.polyfit((t[near] - t[end]) / step, x[near], order)[-2] / step if len(near) > 1 else secant)
-        before, after = (slopes[0] - secant) * span, (slopes[1] - secant) * span
-        ways.append(straight + s * (1 - s) * ((1 - s) * before - s * after))
-    return np.stack(ways)
+
+def _bulge(lost: NDArray[np.int64]) -> Array:
+    """A parabola over the lost samples of a gap, 0 at the samples beside it, with rms 1."""
+    x = (lost - lost[0] + 1.0) * (lost[-1] + 1.0 - lost)
+    return np.asarray(x / np.sqrt(np.mean(x**2)))

@@ -16,7 +16,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.runs import roughness
-from stribeck.identify.data.smoother import likeliest
+from stribeck.identify.data.smoother import smoothing
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import unused_prefix
 
@@ -56,9 +56,7 @@ def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
         t, x = channel.bridged.t, channel.bridged.x
         if not np.ptp(x) > 0:
             continue
-        step = float(np.median(np.diff(t)))
-        cutoff = likeliest([x], step, orders=(2,)).cutoff
-        spline = make_smoothing_spline(t, x, lam=1 / (step * (2 * np.pi * cutoff) ** 4))  # whose gain there is one half
+        spline = make_smoothing_spline(t, x, lam=smoothing(t, x))
         table, smooth, rate = scenario.data["bodies"][name], spline(t), spline.derivative()(t)
         inertia = float(table.get("mass", table.get("inertia", 1.0)))
         y, v = (smooth, rate) if what == "y" else (None, smooth)

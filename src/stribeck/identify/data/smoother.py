@@ -51,6 +51,16 @@ def likeliest(runs: Sequence[Array], step: float, orders: Sequence[int] = range(
     return min((_of_order(n, some, step, ends, least) for n in orders), key=lambda each: each[0])[1]
 
 
+def smoothing(t: Array, x: Array) -> float:
+    """The parameter of the likeliest cubic smoothing spline of a signal that may lack samples: the smoother of order 2."""
+    steps = np.diff(t)
+    step = float(np.median(steps))
+    gaps = np.flatnonzero(steps > 1.5 * step) + 1  # two steps lack a sample
+    runs = [part for part in np.split(x, gaps) if len(part) > 2]
+    cutoff = likeliest(runs or [x], step, orders=(2,)).cutoff
+    return float(1 / (step * (2 * np.pi * cutoff) ** 4))  # the spline's gain at the cut-off is one half
+
+
 def _of_order(
     order: int, runs: Sequence[Array], step: float, ends: tuple[float, float], least: float
 ) -> tuple[float, Smoother]:
