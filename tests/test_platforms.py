@@ -1,6 +1,7 @@
 """The lock of a folder: another waits for it or is told; a file system without locks is no obstacle."""
 
 import errno
+import math
 
 import pytest
 
@@ -36,3 +37,15 @@ def test_free_memory_is_the_least_of_the_machine_s_and_the_container_s(container
     texts = {"meminfo": "MemFree: 1 kB\nMemAvailable: 4 kB\n", "memory.max": container}
     monkeypatch.setattr(platforms.Path, "read_text", lambda self, encoding: texts[self.name])
     assert platforms.free_memory() == room
+
+
+def test_where_the_system_says_nothing_of_what_is_free_all_its_memory_counts(monkeypatch):
+    def absent(self, encoding):
+        raise FileNotFoundError
+
+    monkeypatch.setattr(platforms.Path, "read_text", absent)
+    monkeypatch.setattr(platforms.os, "sysconf_names", {"SC_PHYS_PAGES": 1}, raising=False)
+    monkeypatch.setattr(platforms.os, "sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 3}.get, raising=False)
+    assert platforms.free_memory() == 12288.0
+    monkeypatch.delattr(platforms.os, "sysconf")
+    assert platforms.free_memory() == math.inf

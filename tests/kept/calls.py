@@ -132,7 +132,12 @@ SIGNALS = {
     "staircase": {"t": [0.0, 0.3, 0.6], "value": [0.1, 0.5, -0.4]},
     "point_to_point": {"t": [0.1, 0.5, 0.8], "value": [0.0, 1.0, -0.5]},
     "spline": {"t": [0.0, 0.3, 0.7, 1.0], "value": [0.0, 0.4, -0.2, 0.1]},
-    "sum": {"parts": [{"kind": "sine", "amplitude": 1.0, "frequency": 1.0}, {"kind": "ramp", "rate": 0.5}]},
+    "sum": {
+        "of": [
+            {"kind": "sine", "amplitude": 1.0, "frequency": 1.0},
+            {"kind": "points", "t": [0.1, 0.4, 0.4, 0.9], "value": [0, 1, -1, 2]},
+        ]
+    },
 }
 
 
@@ -148,6 +153,7 @@ def _():
             yield from error.problems
             continue
         yield f"at: {numbers(signal.at(t))}"
+        yield from (f"{name} there: {numbers(x)}" for name, x in signal.values_at(t[::3]).items())
         yield f"smooth {signal.smooth}, longest step {signal.longest_step:g}, {len(signal.pieces)} pieces"
         for level in (0.1, 0.45):
             yield f"passes {level}: {[(float(f'{x:.10g}'), bool(up)) for x, up in signal.crossings(level, 1.2)]}"

@@ -121,6 +121,20 @@ def test_a_curve_is_the_steady_force_of_its_law(name, own, given, size):
     assert found == pytest.approx(find(name)(values | steep).steady_force(v), rel=1e-5)
 
 
+def test_a_law_s_columns_are_of_the_constants_that_its_steady_force_shows_anywhere(tmp_path):
+    """A law for one direction, whose force is 0 at first; one constant acts at high speeds only, and one nowhere."""
+    (tmp_path / "valve.py").write_text(
+        "from stribeck.constants import Constant\nfrom stribeck.expressions.ops import sqrt, where\n"
+        "from stribeck.laws import Scales, StaticLaw\n\n\nclass Valve(StaticLaw):\n"
+        "    F_c, top, idle = (Constant('N', 'level', above=0, example=1.0) for _ in range(3))\n\n"
+        "    @staticmethod\n    def friction(p, v, z, dz_dt):\n"
+        "        return p.F_c * sqrt(v) * where(v < 1e-4, 0.0, 1.0) + p.top * where(v < 0.05, 0.0, v) + 0 * p.idle\n\n"
+        "    @staticmethod\n    def scales(p):\n        return Scales(1e-4, 1e-2, p.F_c)\n",
+        encoding="utf-8",
+    )
+    assert curve_of(f"{tmp_path / 'valve.py'}:Valve", {}).names == ("F_c", "top")
+
+
 def test_given_constants_are_taken_off_the_force():
     given = {"mass": 2.0, "F_s": 8.0, "sigma_2": 12.0}
     found = judged(choice_of(record(9), given=given))
