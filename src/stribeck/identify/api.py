@@ -14,7 +14,6 @@ from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.api import fit_machine
 from stribeck.identify.actuator.recordings import Logs
-from stribeck.identify.actuator.result import MachineFit
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES, with_counts
@@ -91,17 +90,11 @@ def fit(
     if logs is None:
         return _fit_read(data, law, of_file, options, cutoff, progress)
     _refuse_of_a_log(options, of_file, cutoff)
-    return _fit_recorded(data, logs, law, options, progress)
-
-
-def _fit_recorded(
-    data: Data, logs: Logs | str | Path, law: Law, options: FitOptions, progress: Progress | None
-) -> MachineFit:
-    """Fit a machine to its recordings."""
+    if not (law is None or isinstance(law, Mapping)):
+        raise InputError(f"{arg('law')}: {show(law)}: must be laws by contact with {arg('logs')}")
     of_machine = fit_machine(
-        data, logs, laws=_by_contact(law), unknown=options.unknown, starts=options.starts,
-        seed=options.seed, progress=progress,
-    )  # fmt: skip
+        data, logs, laws=law or {}, unknown=options.unknown, starts=starts, seed=seed, progress=progress
+    )
     return with_requirements(of_machine, options.require)
 
 
@@ -141,17 +134,6 @@ def _refuse_of_a_log(options: FitOptions, columns: ColumnNames, cutoff: float | 
     if wrong:
         text = f"is for a log: with {arg('logs')}, LOGS.toml says what is measured and sought"
         raise InputError([f"{arg(n)}: {text}" for n in wrong])
-
-
-def _by_contact(law: Law) -> dict[str, Sequence[str]]:
-    """The laws to try by contact.
-
-    Raises:
-        InputError: they are not given by contact.
-    """
-    if law is None or isinstance(law, Mapping):
-        return dict(law or {})
-    raise InputError(f"{arg('law')}: {show(law)}: must be laws by contact with {arg('logs')}")
 
 
 def files_of(data: Data) -> tuple[str, ...]:

@@ -43,15 +43,11 @@ class FitOptions:
     require: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if self.method is not None and self.method not in METHODS:
-            guess = nearest(self.method, METHODS)
-            raise InputError(f"{arg('method')}: {self.method!r}: must be {', '.join(METHODS)}{guess}")
-        if self.filter is not None and self.filter not in FILTERS:
-            raise InputError(f"{arg('filter')}: {self.filter!r}: must be {', '.join(FILTERS)}")
-        if self.output not in OUTPUTS:
-            raise InputError(
-                f"{arg('output')}: {self.output!r}: must be {', '.join(OUTPUTS)}{nearest(self.output, OUTPUTS)}"
-            )
+        for name, value, known in (
+            ("method", self.method, METHODS), ("filter", self.filter, FILTERS), ("output", self.output, OUTPUTS)
+        ):  # fmt: skip
+            if value is not None and value not in known:
+                raise InputError(f"{arg(name)}: {value!r}: must be {', '.join(known)}{nearest(value, known)}")
         wide = [(n, x) for n, x in self.require.items() if not 0 < x <= LOOSEST]
         if wide:
             text = f"must be a half width above 0, and at most {LOOSEST:g} of the number"

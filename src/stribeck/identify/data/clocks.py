@@ -74,13 +74,11 @@ def released(columns: dict[str, Array], name: str, notes: list[str], whole: bool
         if clock is None:
             continue
         rows, every, known = clock
-        at = np.concatenate([[0], changes]) if changes[0] > 0 else changes
-        own_time = np.interp(np.concatenate([[0.0], rows]) if changes[0] > 0 else rows, np.arange(len(time)), time)
-        columns[role] = np.interp(time, own_time, x[at])
+        own_time = np.interp(rows, np.arange(len(time)), time)
+        columns[role] = np.interp(time, np.append(time[0], own_time), x[np.append(0, changes)])
         remedy = "it was interpolated linearly between its samples"
-        if role == "force" and one_run and known and not whole and len(own_time) > _ENOUGH * FEWEST:
-            first = int(changes[0] > 0)  # the sampling time of the first held value is unknown
-            force_samples, remedy = (own_time[first:], x[at][first:]), "the log was resampled at its samples"
+        if role == "force" and one_run and known and not whole and len(own_time) >= _ENOUGH * FEWEST:
+            force_samples, remedy = (own_time, x[changes]), "the log was resampled at its samples"
         notes.append(f"{name}: {role} has a slower clock, with one sample in {every} rows; {remedy}")
     if force_samples is None:
         return columns

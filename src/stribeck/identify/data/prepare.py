@@ -45,8 +45,7 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         InputError: a file cannot be read or used; a line for each problem.
     """
     names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
-    cleaned, owners, how = [], [], how or Preparation()
-    rotary = list[bool]()
+    cleaned, owners, rotary, how = [], [], list[bool](), how or Preparation()
     for each, name in zip(sources, names, strict=True):
         source = opened(each)
         named = named_in(source, columns)
@@ -91,7 +90,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     else:
         notes += _given(cutoff, parts, measured, step)
     trim = max(round(SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, order, trim, spline)
+    columns, lengths = _columns(parts, measured, step, cutoff, order, trim, spline)
     notes += _too_short(parts, lengths, trim)
     numbers = np.arange(len(lengths), dtype=np.int32)
     run = np.repeat(numbers, lengths) if len(lengths) > 1 else np.broadcast_to(numbers, lengths)  # one takes no memory
@@ -129,29 +128,18 @@ def _given(cutoff: float, parts: Sequence[Clean], measured: str, step: float) ->
 
 
 def _columns(
-    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, order: int, trim: int, spline: bool
-) -> tuple[dict[str, Array], list[int]]:  # fmt: skip
-    """Every column of the log, and the rows of each run. Columns are made one by one, which saves memory."""
-    if len(parts) == 1 and len(parts[0].runs) == 1:  # a long run is not copied
-        grid = _grid(parts[0], parts[0].runs[0], step)
-        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, order, measured, spline)
-        parts[0].columns.clear()
-        return {name: x[trim:] for name, x in whole.items()}, [_require_rows(len(whole["time"]), trim)]
-    grids = [_grid(part, r, step) for part in parts for r in part.runs]
-    kept = [max(len(grid) - trim, 0) for grid in grids]
-    _require_rows(max(len(grid) for grid in grids), trim)
-    place = np.concatenate([[0], np.cumsum(kept)])
-    names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
-    names += ["unfiltered"]
-    out = {name: np.empty(place[-1]) for name in names}
-    number = 0
-    for part in parts:
-        for r in part.runs:
-            rows = slice(place[number], place[number + 1])
-            for name, x in _run(part, r, grids[number], step, cutoff, order, measured, spline).items():
-                out[name][rows] = x[trim:]
-            number += 1
-    return out, kept
+    parts: Sequence[Clean], measured: str, step: float, cutoff: float, order: int, trim: int, spline: bool
+) -> tuple[dict[str, Array], list[int]]:
+    """Every column of the log, and the rows of each run."""
+    runs = [
+        _run(part, rows, _grid(part, rows, step), step, cutoff, order, measured, spline)
+        for part in parts for rows in part.runs
+    ]  # fmt: skip
+    lengths = [max(len(run["time"]) - trim, 0) for run in runs]
+    _require_rows(max(len(run["time"]) for run in runs), trim)
+    if len(runs) == 1:  # a long run is not copied
+        return {name: x[trim:] for name, x in runs[0].items()}, lengths
+    return {name: np.concatenate([run.pop(name)[trim:] for run in runs]) for name in list(runs[0])}, lengths
 
 
 def _too_short(parts: Sequence[Clean], lengths: Sequence[int], trim: int) -> list[str]:
@@ -181,8 +169,8 @@ def _without_ends(
     return (slice(None, -end) if len(lengths) == 1 else keep), [text]  # a slice copies nothing
 
 
-def _require_rows(rows: int, trim: int) -> int:
-    """The rows of the longest run after the filter has settled.
+def _require_rows(rows: int, trim: int) -> None:
+    """Check the rows of the longest run after the filter has settled.
 
     Raises:
         InputError: fewer than a fit needs.
@@ -192,7 +180,6 @@ def _require_rows(rows: int, trim: int) -> int:
             f"{arg('data')}: the longest run has {rows} rows, and the filter needs {trim} to settle: fewer than {FEWEST} are "
             f"left; use a longer record or a higher {arg('cutoff')}"
         )
-    return rows - trim
 
 
 _MOTION = ("time", "position", "velocity", "acceleration")

@@ -25,7 +25,6 @@ _GLITCH, _SCATTER = 20.0, 2.5  # times the usual distance from a cubic: an outli
 _TRACE = (1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6)  # distances from cubics that an outlier of 1 causes
 _MOST_LOOKED_AT = 5000  # rows: each takes nine small regressions, which take some seconds in all
 _WRAPPED = 0.4  # of the position's range: a step between rows that is larger is the wrap of an angle
-_STUCK = 50  # samples of one value while the body moves: as many as a run needs
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value: noise repeats an extreme value once or twice
 # An outlier's limit: a multiple of the 99 % quantile, or an SI value if that quantile is 0.
 _OUTLIER, _OUTLIER_OF_ZEROS, _QUANTILE = 1e6, 1e9, 0.99
@@ -69,8 +68,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     columns = _without_empty(columns, number, notes)
     _require_magnitudes(columns, number)
     time, run_numbers = columns["time"], columns.pop("run", None)
-    steps = np.diff(time)
-    new_run = np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
+    steps, new_run = _steps(time, run_numbers)
     if (back := np.flatnonzero((steps < 0) & ~new_run)).size:
         row = int(back[0]) + 1
         raise InputError(
@@ -85,8 +83,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         columns = {name: x[~repeated] for name, x in columns.items()}
         run_numbers = None if run_numbers is None else run_numbers[~repeated]
         time = columns["time"]
-        steps = np.diff(time)
-        new_run = np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
+        steps, new_run = _steps(time, run_numbers)
     _require_rows(columns, number)
     some = steps[:: max(len(steps) // MANY_ROWS, 1)]
     step = float(np.median(some[some > 0]))
@@ -113,6 +110,12 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
             "they were resampled evenly by linear interpolation"
         )
     return Clean(columns, runs, step, even, notes)
+
+
+def _steps(time: Array, run_numbers: Array | None) -> tuple[Array, Mask]:
+    """The steps between rows, and which of them begin a run."""
+    steps = np.diff(time)
+    return steps, np.zeros(len(steps), bool) if run_numbers is None else np.diff(run_numbers) != 0
 
 
 def _require_agreement(columns: dict[str, Array], runs: list[slice], number: str) -> None:
@@ -265,9 +268,7 @@ def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[st
 def _jitter(time: Array) -> float:
     """The largest distance of the times from an even grid, in steps."""
     step = float(time[-1] - time[0]) / (len(time) - 1)
-    blocks = range(0, len(time), MANY_ROWS)
-    off = (time[b : b + MANY_ROWS] - time[0] - step * np.arange(b, min(b + MANY_ROWS, len(time))) for b in blocks)
-    return max(float(np.max(abs(x))) for x in off) / step
+    return float(np.max(abs(time - time[0] - step * np.arange(len(time))))) / step
 
 
 def _require_rows(columns: dict[str, Array], number: str) -> None:
@@ -367,27 +368,16 @@ def _stuck(columns: dict[str, Array], number: str, notes: list[str], known: Mask
     """Rows of a stuck sensor: one value for many samples while the body moves, though the sensor usually changes."""
     bad = np.zeros(len(columns["time"]), bool)
     motion = columns["position"] if "position" in columns else np.cumsum(columns["velocity"])
+    still = 0.02 * float(np.ptp(motion))
     for role in ("force", "velocity", "load", "pressure"):
         if role not in columns:
             continue
         starts, lengths, usual, count = _repeats(columns[role])
-        candidates = np.flatnonzero(lengths > max(_STUCK, 20 * usual)).tolist()
-        still = 0.02 * float(np.ptp(motion))
-        long = [
-            i
-            for i in candidates
-            if abs(motion[starts[i] + lengths[i] - 1] - motion[starts[i]]) > still and not known[starts[i]]
-        ]
-        if not long or count < _LEVELS:
-            continue
-        rows = int(sum(lengths[i] for i in long))
-        first = columns["time"][starts[long[0]]]
-        notes.append(
-            f"{number}: {role}: the sensor is stuck at one value while the body moves, in {rows} rows "
-            f"(first at {first:.6g} s); these rows were left out and the log was split there"
-        )
-        for i in long:
-            bad[starts[i] : starts[i] + lengths[i]] = True
+        moved = abs(motion[starts + lengths - 1] - motion[starts])
+        long = (lengths > max(FEWEST, 20 * usual)) & (moved > still) & ~known[starts]
+        if count >= _LEVELS and long.any():
+            text = f"{number}: {role}: the sensor is stuck at one value while the body moves,"
+            notes.append(_left_out(bad, columns["time"], starts[long], lengths[long], text))
     return bad
 
 
@@ -401,15 +391,19 @@ def _clipped(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
         starts, lengths, usual, count = _repeats(x)
         if count < _LEVELS or usual > 2:
             continue
-        values = x[starts]
         for end, word in ((x.max(), "largest"), (x.min(), "smallest")):
-            at = np.flatnonzero((values == end) & (lengths >= _AT_LIMIT))
-            rows = int(lengths[at].sum())
-            if rows:
-                notes.append(
-                    f"{number}: {role}: clipped at its {word} value {end:.6g} in {rows} rows "
-                    f"(first at {columns['time'][starts[at[0]]]:.6g} s); these rows were left out and the log was split there"
-                )
-                for i in at:
-                    bad[starts[i] : starts[i] + lengths[i]] = True
+            at = (x[starts] == end) & (lengths >= _AT_LIMIT)
+            if at.any():
+                text = f"{number}: {role}: clipped at its {word} value {end:.6g}"
+                notes.append(_left_out(bad, columns["time"], starts[at], lengths[at], text))
     return bad
+
+
+def _left_out(bad: Mask, time: Array, starts: NDArray[np.intp], lengths: NDArray[np.intp], text: str) -> str:
+    """Mark stretches of rows as bad, in place; the note about them, which begins with ``text``."""
+    for first, length in zip(starts.tolist(), lengths.tolist(), strict=True):
+        bad[first : first + length] = True
+    return (
+        f"{text} in {lengths.sum()} rows (first at {time[starts[0]]:.6g} s); these rows were left out and the log was "
+        "split there"
+    )

@@ -54,15 +54,15 @@ class SteadyCurve(ABC):
     def known(self, v: Array, shape: Mapping[str, float]) -> Array | None:
         """The given part of the force, or None."""
 
-    @abstractmethod
     def constants(
         self, c: Mapping[str, float], shape: Mapping[str, float], bends: Array, speeds: Array
     ) -> dict[str, float]:
         """The law's fitted constants from coefficients; ``bends``: what forms add to the level at ``speeds``."""
+        return {**c, **shape}
 
-    @abstractmethod
     def sign(self, v: Array, shape: Mapping[str, float]) -> Array:
         """The direction of the friction."""
+        return np.sign(v)
 
     def least(self, name: str) -> float:
         """The least value that the law allows a constant; -inf for what is none of its constants."""
@@ -238,16 +238,6 @@ class SlidingCurve(SteadyCurve):
             return None
         speeds, table = self._table(v, shape)
         return np.asarray(sum(self.given[n] * np.interp(v, speeds, table[n]) for n in held))
-
-    def constants(
-        self, c: Mapping[str, float], shape: Mapping[str, float], bends: Array, speeds: Array
-    ) -> dict[str, float]:
-        """As they were fitted."""
-        return dict(c) | dict(shape)
-
-    def sign(self, v: Array, shape: Mapping[str, float]) -> Array:
-        """Of the speed."""
-        return np.sign(v)
 
     def _steady(self, values: Mapping[str, float], v: Array) -> Array:
         """The steady force; not finite where the law has none."""

@@ -34,7 +34,7 @@ class Rows:
     Attributes:
         log: the record, with a velocity of 0 where the body rests; of a very long one stretches evenly over it.
         source: all of it.
-        q: one row in so many is kept behind the filter; ``why`` in words.
+        q: one row in so many is kept behind the filter.
         kept: the rows of the log that are; ``weight``: 0 for those in which the body rests.
         rest: the rows of the log in which it does.
     """
@@ -42,7 +42,6 @@ class Rows:
     log: Log
     source: Log
     q: int
-    why: list[str]
     kept: NDArray[np.intp]
     weight: Array
     rest: NDArray[np.bool_]
@@ -54,7 +53,7 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     Args:
         to_choose: laws are to be chosen from: a wider band, as another record is met at all frequencies.
     """
-    notes, source = [], log
+    source = log
     rest = at_rest(log)
     share = float(np.mean(rest))
     if share <= _LITTLE_REST or share > 0.98:
@@ -63,18 +62,14 @@ def rows_of(log: Log, to_choose: bool = False) -> Rows:
     if len(log) > ENOUGH_ROWS:
         log, every = in_stretches(log, rest, ENOUGH_ROWS)
         rest, smeared = rest[every], smeared[every]
-        notes.append(f"{len(log)} of {len(source)} rows are fitted, in stretches spread evenly over every run")
     if rest.any():
         log = log.with_columns(velocity=np.where(rest, 0.0, log.velocity))
-        notes.append(
-            f"the body is at rest in {share:.0%} of the rows, which were left out: friction there has any value up to break-away"
-        )
-    q, why = decimation(log, _FEW_TO_CHOOSE if to_choose else _FEW_ROWS)
+    q = decimation(log, _FEW_TO_CHOOSE if to_choose else _FEW_ROWS)
     kept = kept_rows(log, q)
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
         near = np.convolve(rest, np.ones(2 * q + 1), mode="same") > 0.5
-    return Rows(log, source, q, [why, *notes], kept, np.where((near | smeared)[kept], 0.0, 1.0), rest)
+    return Rows(log, source, q, kept, np.where((near | smeared)[kept], 0.0, 1.0), rest)
 
 
 def beside_rest(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
@@ -94,8 +89,8 @@ def beside_rest(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
     return out
 
 
-def decimation(log: Log, few: int = _FEW_ROWS) -> tuple[int, str]:
-    """By what the rate can be lowered and still hold the force's band, and so many rows; and why."""
+def decimation(log: Log, few: int) -> int:
+    """By what the rate can be lowered and still hold the force's band, and so many rows."""
     longest = max(log.runs(), key=lambda r: r.stop - r.start)
     x = log.force[longest.start : min(longest.stop, longest.start + (1 << 18))]
     f, p = signal.welch(x - x.mean(), 1 / log.step, nperseg=min(len(x), 4096))
@@ -107,12 +102,11 @@ def decimation(log: Log, few: int = _FEW_ROWS) -> tuple[int, str]:
         q = RATES[RATES.index(q) - 1]
     while len(log) / q > MOST_ROWS and q < RATES[-1]:
         q = next(r for r in RATES if r > q)
-    return q, f"{100 * _POWER_KEPT:g} % of the force's power lies below {band:.3g} Hz: one row in {q} is fitted"
+    return q
 
 
 def thinning(log: Log, q: int) -> Reduce:
     """Filter and decimation of each run; runs of one length at once."""
-    filters.stages(q)
     if q == 1:
         return lambda x: x
     rows = list(log.runs())
