@@ -104,6 +104,11 @@ class Log:
         return replace(self, **columns)
 
 
+def size_ratio(left: Array, of: Array) -> float:
+    """norm(left)/norm(of): a residual as a share of what it is left of."""
+    return float(np.linalg.norm(left)) / max(float(np.linalg.norm(of)), 1e-300)
+
+
 def thinned(log: Log) -> Log:
     """A long log with fewer rows, for sizes that do not need all of them."""
     every = len(log) // MANY_ROWS

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import tomli_w
+from scipy.integrate import cumulative_trapezoid
 
 from stribeck import laws
 from stribeck.arrays import Array
@@ -53,12 +54,9 @@ def write_rig(limits: Limits, folder: Path) -> list[str]:
     tests = programme(limits)
     t, v = motion(tests, STEP)
     write_text(folder / "programme.csv", table(tests))
-    _write_columns(folder / "motion.csv", {"time": t, "position": _position(v), "velocity": v})
+    position = cumulative_trapezoid(v, dx=STEP, initial=0)
+    _write_columns(folder / "motion.csv", {"time": t, "position": position, "velocity": v})
     return ["programme.csv", "motion.csv"]
-
-
-def _position(v: Array) -> Array:
-    return np.concatenate([[0.0], np.cumsum((v[1:] + v[:-1]) * STEP / 2)])
 
 
 def _write_columns(path: Path, columns: Mapping[str, Array]) -> None:

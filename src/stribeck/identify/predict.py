@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify import api
 from stribeck.identify.actuator.result import Trace
@@ -19,7 +17,7 @@ from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import with_counts
 from stribeck.identify.features.rest import at_rest
-from stribeck.identify.log import Log
+from stribeck.identify.log import Log, size_ratio
 from stribeck.identify.models import terms
 from stribeck.identify.onebody import initial_deflections, parts
 from stribeck.identify.result import Fit, LogFit, RecordReading
@@ -133,16 +131,19 @@ def predict(
         raise InputError(
             f"{arg('fit')}: {model.title}: is a fit of a machine; give its machine.toml as {arg('machine')}"
         )
-    log = data if isinstance(data, Log) else api.read_log(data, _columns(model, names), _preparation(model, cutoff))
+    if isinstance(data, Log):
+        return force_along(model, data)
+    kept = model.reading
+    how = Preparation(kept.cutoff if cutoff is None else cutoff, kept.simulated, kept.published)
+    log = api.read_log(data, _columns(kept, names), how)
     return force_along(model, log, RecordReading(api.files_of(data)).title)
 
 
-def _columns(fit: LogFit, given: ColumnNames) -> ColumnNames:
+def _columns(kept: RecordReading, given: ColumnNames) -> ColumnNames:
     """The columns as in the fit, unless given."""
-    kept = fit.reading
     names = {**kept.columns, **given.names}
-    units = {**{n: u for n, u in kept.units.items() if n in names.values()}, **given.units}
-    return ColumnNames(names, units, given.force_gain if given.force_gain is not None else kept.force_gain)
+    units = {n: u for n, u in kept.units.items() if n in names.values()}
+    return given.over(ColumnNames(names, units, kept.force_gain))
 
 
 def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
@@ -165,23 +166,11 @@ def force_along(fit: LogFit, log: Log, title: str = "the record") -> Predicted:
     rows = np.ones(len(log), bool) if simulated else ~rest
     left = log.force - not_friction
     unit = log.unit("N")
-    friction_error = float(np.linalg.norm((log.force - force)[rows])) / max(float(np.linalg.norm(left[rows])), 1e-300)
-    mean = np.full(len(log), float(np.mean(log.force[rows])))
+    residual, measured = log.force - force, log.force[rows]
     return Predicted(
-        fit, _error(log.force, force, rows), friction_error, _error(log.force, force, np.ones(len(log), bool)),
-        _error(log.force, mean, rows), float(np.mean(rest)),
-        beyond(fit.seen, fit.hangs_on, log, rows, log.force - force) if fit.seen else None,
+        fit, size_ratio(residual[rows], measured), size_ratio(residual[rows], left[rows]), size_ratio(residual, log.force),
+        size_ratio(measured - float(np.mean(measured)), measured), float(np.mean(rest)),
+        beyond(fit.seen, fit.hangs_on, log, rows, residual) if fit.seen else None,
         Trace("force", unit, log.time, log.force, force), Trace("friction", unit, log.time, left, modeled_friction),
         title, log.hash == fit.data_hash,
     )  # fmt: skip
-
-
-def _preparation(fit: LogFit, cutoff: float | None) -> Preparation:
-    """The preparation of another log for a model, as in the fit."""
-    chosen = cutoff if cutoff is not None else fit.reading.cutoff
-    return Preparation(chosen, fit.reading.simulated, fit.reading.published)
-
-
-def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:
-    size = float(np.linalg.norm(measured[rows]))
-    return float(np.linalg.norm((measured - predicted)[rows])) / max(size, 1e-300)

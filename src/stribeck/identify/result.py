@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
-import numpy as np
-
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
@@ -18,7 +16,7 @@ from stribeck.identify.core.states import Estimate as Estimate
 from stribeck.identify.core.states import EstimateState
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
-from stribeck.identify.log import Log, thinned
+from stribeck.identify.log import Log, size_ratio, thinned
 from stribeck.identify.models.curves import REACHED
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
@@ -309,10 +307,8 @@ class LogFit(Fit):
     @property
     def output_error(self) -> float | None:
         """The residual of the fitted motion as a share of it."""
-        if self.output is None:
-            return None
-        left, size = np.linalg.norm(self.output.measured - self.output.predicted), np.linalg.norm(self.output.measured)
-        return float(left) / max(float(size), 1e-300)
+        shown = self.output
+        return None if shown is None else size_ratio(shown.measured - shown.predicted, shown.measured)
 
     @property
     def terms(self) -> tuple[str, ...]:

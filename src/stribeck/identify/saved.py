@@ -6,7 +6,7 @@ The file is a result, not an input. A digest of its content shows every change. 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from hashlib import sha256
 from pathlib import Path
 
@@ -114,7 +114,6 @@ def _log_fit(data: Kept, path: Path, trust: bool) -> LogFit:
         raise InputError(f"{arg('fit')}: '{path}': {show(data['law'])}: {text}: {remedy}")
     law, known = laws.find(data["law"]), data["fit"]
     files = tuple(str(path.parent / name) for name in data["files"])
-    ways = ("columns", "units", "force_gain", "cutoff", "output", "published", "simulated")
     return LogFit(
         **_parts(data, "method", "values", "given", "candidates"),
         predictor=of_json(data["predictor"]) if data["predictor"] else None,
@@ -122,7 +121,7 @@ def _log_fit(data: Kept, path: Path, trust: bool) -> LogFit:
         law_name=data["law"] if ".py:" in data["law"] else law.name, data_hash=data["data_sha256"],
         relative_force_error=float("nan") if known["relative_force_error"] is None else known["relative_force_error"],
         cross_validated_error=known["cross_validated_error"], friction_error=known["friction_error"],
-        missed=known["missed"], reading=RecordReading(files, **{n: data[n] for n in ways}),
+        missed=known["missed"], reading=RecordReading(files, **{x.name: data[x.name] for x in fields(RecordReading)[1:]}),
     )  # fmt: skip
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,50 +22,30 @@ _KNOTS = 32  # of a cubic spline: each reduces the effect of an end by 2 + sqrt(
 _ENDS = 1.2  # periods of the cut-off by which a run is continued: 5 % of an edge remains there
 
 
-class Filter(NamedTuple):
-    """Coefficients of a filter, and its settled state for a constant input of 1."""
-
-    b: Array
-    a: Array
-    settled: Array
-
-
-def zero_phase(filter: Filter, x: Array, padding: int = 0) -> Array:
-    """Filter forwards and backwards, each row of a matrix by itself.
+def zero_phase(b: Array, a: Array, x: Array, padding: int = 0) -> Array:
+    """Filter forwards and backwards.
 
     The padding is MATLAB's, three times the order, or ``padding`` if that is more. Long arrays are filtered in overlapping
     pieces, so that no whole copy is needed.
     """
-    padding = max(3 * len(filter.settled), padding)
-    if x.ndim > 1 or len(x) <= 2 * MANY_ROWS:
-        return _there_and_back(filter, x, min(padding, x.shape[-1] - 1))
-    slowest = float(np.max(abs(np.roots(filter.a))))
+    padding = max(3 * (len(a) - 1), padding)
+    if len(x) <= 2 * MANY_ROWS:
+        return np.asarray(signal.filtfilt(b, a, x, padlen=min(padding, len(x) - 1)))
+    slowest = float(np.max(abs(np.roots(a))))
     overlap = min(int(np.log(_FORGOTTEN) / np.log(slowest)) + padding, MANY_ROWS)
     out = np.empty(len(x))
     for first in range(0, len(x), MANY_ROWS):
         last = min(first + MANY_ROWS, len(x))
         low, high = max(first - overlap, 0), min(last + overlap, len(x))
-        out[first:last] = _there_and_back(filter, x[low:high], padding)[first - low : last - low]
+        out[first:last] = signal.filtfilt(b, a, x[low:high], padlen=padding)[first - low : last - low]
     return out
 
 
-def _there_and_back(filter: Filter, x: Array, padding: int) -> Array:
-    """SciPy's filtfilt with a given settled state, which filtfilt computes at each call."""
-    ends = 2 * x[..., :1] - x[..., padding:0:-1], 2 * x[..., -1:] - x[..., -2 : -padding - 2 : -1]
-    out = np.concatenate([ends[0], x, ends[1]], axis=-1)
-    for _ in range(2):
-        out = signal.lfilter(filter.b, filter.a, out, zi=filter.settled * out[..., :1])[0][..., ::-1]
-    return np.asarray(out[..., padding : out.shape[-1] - padding])
-
-
-def _settled(b: Array, a: Array) -> Filter:
-    return Filter(b, a, signal.lfilter_zi(b, a))
-
-
 @lru_cache
-def _butterworth(order: int, share: float) -> Filter:
-    """A Butterworth filter; ``share``: cut-off over half the sampling rate."""
-    return _settled(*signal.butter(order, share))
+def _butterworth(order: int, share: float) -> tuple[Array, Array]:
+    """Coefficients of a Butterworth filter; ``share``: cut-off over half the sampling rate."""
+    b, a = signal.butter(order, share)
+    return b, a
 
 
 def low_pass(x: Array, cutoff: float, step: float, order: int = ORDER) -> Array:
@@ -74,7 +53,7 @@ def low_pass(x: Array, cutoff: float, step: float, order: int = ORDER) -> Array:
 
     The padding is at least 1.2 periods: MATLAB's 12 samples are too short for a cut-off far below the sampling rate.
     """
-    return zero_phase(_butterworth(order, 2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
+    return zero_phase(*_butterworth(order, 2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
 
 
 def stages(q: int) -> list[int]:
@@ -87,14 +66,15 @@ def stages(q: int) -> list[int]:
 
 
 @lru_cache
-def _anti_alias(q: int) -> Filter:
-    return _settled(*signal.cheby1(8, 0.05, 0.8 / q))
+def _anti_alias(q: int) -> tuple[Array, Array]:
+    b, a = signal.cheby1(8, 0.05, 0.8 / q)
+    return b, a
 
 
 def decimate(x: Array, q: int) -> Array:
     """Samples 1, 1 + q, 1 + 2 q, ... (counted from 0) after a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
     for part in stages(q):
-        x = zero_phase(_anti_alias(part), x)[..., 1::part].copy()  # a view would keep the whole array
+        x = zero_phase(*_anti_alias(part), x)[1::part]
     return x
 
 

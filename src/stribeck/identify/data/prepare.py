@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
@@ -206,9 +207,7 @@ def _run(
     if "velocity" not in signals:
         signals["velocity"] = slope(signals["position"], step, spline)
     if "position" not in signals:
-        signals["position"] = np.concatenate(
-            [[0.0], np.cumsum((signals["velocity"][1:] + signals["velocity"][:-1]) * step / 2)]
-        )
+        signals["position"] = cumulative_trapezoid(signals["velocity"], dx=step, initial=0)
     if "acceleration" not in signals:
         signals["acceleration"] = slope(signals["velocity"], step, spline)
     return signals

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
@@ -145,7 +146,7 @@ def disagreement(runs: Iterable[tuple[Array, Array, Array]]) -> float | None:
     """
     ways, sums = [], []
     for time, x, v in runs:
-        way = np.append(0.0, np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(time)))
+        way = cumulative_trapezoid(v, time, initial=0)
         jumps = np.flatnonzero(abs(np.diff(x)) > _WRAPPED * np.ptp(x))
         whole = np.diff(np.searchsorted(jumps, np.arange(0, len(x), FEWEST - 1))) == 0
         ways.append(np.diff(x[:: FEWEST - 1])[whole])

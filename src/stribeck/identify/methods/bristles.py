@@ -12,7 +12,7 @@ from stribeck.errors import StribeckError, first_line
 from stribeck.identify.core.choice import rows_together
 from stribeck.identify.data.smoother import encoder_step
 from stribeck.identify.features.guess import rises, sizes_of
-from stribeck.identify.log import MANY_ROWS, Log, thinned
+from stribeck.identify.log import MANY_ROWS, Log, size_ratio, thinned
 from stribeck.identify.models.static_problem import shortened
 from stribeck.identify.onebody import Simulated, raw, simulated
 from stribeck.identify.options import FitOptions
@@ -106,8 +106,7 @@ def _error_everywhere(fit: LogFit, log: Log) -> float:
     """The relative residual of a static fit in all rows, including rest; of a very long record in stretches of it."""
     assert fit.predictor is not None
     log = shortened(log, MANY_ROWS)
-    size = max(float(np.linalg.norm(log.force)), 1e-300)
-    return float(np.linalg.norm(log.force - fit.predictor.force(log))) / size
+    return size_ratio(log.force - fit.predictor.force(log), log.force)
 
 
 def shows_presliding(log: Log) -> bool:

@@ -13,7 +13,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stribeck import laws
-from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.beyond import seen
 from stribeck.identify.core.choice import Selection, chosen
@@ -23,7 +22,7 @@ from stribeck.identify.core.library import SteadyLibrary
 from stribeck.identify.core.predictor import predictor
 from stribeck.identify.core.states import Estimate
 from stribeck.identify.features.filtering import smoother_log
-from stribeck.identify.log import Log, thinned
+from stribeck.identify.log import Log, size_ratio, thinned
 from stribeck.identify.models import terms
 from stribeck.identify.models.curves import SteadyCurve, curve_of
 from stribeck.identify.models.record import Record, record_of
@@ -40,7 +39,6 @@ FOUND = 0.05  # of a column's variance that motion does not explain: its coeffic
 WEIGHT = ("gravity_sin", "gravity_cos")
 _STEADY = 0.02  # relative spread of the speed: less is constant velocity
 _ROUNDING = 1e-13  # of a position: filtered rounding of a constant position
-_CHOSEN, _JUDGED = 0.4, 0.7  # of the time after reading: measured at 0.34 to 0.52 and 0.60 to 0.86
 _SHARP, _SHARPEST = 1e9, 1e6  # s/m, and over the largest speed: steepness for an exact sign
 _LEAST = 1e-9  # of the largest force: the least level of a law for simulation
 
@@ -62,9 +60,9 @@ def fit_static(log: Log, names: Sequence[str], options: FitOptions, progress: Pr
     body, unused = _terms(log, options)
     with threadpool_limits(1):  # the matrices are too small for more threads
         choice = _chosen(rows, names, body, options)
-        tell(_CHOSEN)
+        tell(1 / 3)  # choice, judging and predictor take about the same time
         estimates = judged(choice, trusted=not unused, lower=_filtered_lower(rows, choice, body, options))
-        tell(_JUDGED)
+        tell(2 / 3)
         wide = rows_of(log, to_choose=True)  # held-out data have all frequencies
         same = wide.q == rows.q or options.published
         predicting = predictor(choice if same else _chosen(wide, names, body, options), rows.source)
@@ -77,8 +75,7 @@ def _filtered_lower(
     """The estimates of the reported law at a lower cut-off, or None if the motion was not filtered."""
     if rows.log.bandwidth is None or options.published:
         return None
-    smooth = replace(rows, log=smoother_log(rows.log))
-    again = _chosen(smooth, [choice.library.curve.law], body, options)
+    again = _chosen(replace(rows, log=smoother_log(rows.log)), [choice.library.curve.law], body, options)
     return again.library.parameters(again.model, again.coefficients)
 
 
@@ -189,7 +186,7 @@ def _finished(
         law_name=curve.law, method="static", estimates={n: e for n, e in estimates.items() if n not in lib.levels},
         levels={n: estimates[n] for n in lib.levels}, speeds=lib.levels,
         values=fixed | _used(choice, judged_estimates, float(np.max(abs(log.force)))) | body, given=tuple(fixed),
-        relative_force_error=float(np.linalg.norm(r)) / max(_size(lib.record.column(lib.record.log.force)), 1e-300),
+        relative_force_error=size_ratio(r, lib.record.column(lib.record.log.force)),
         cross_validated_error=error, friction_error=friction_error, missed=missed(choice), data_hash=rows.source.hash,
         friction=friction, notes=tuple(_notes(choice, estimates, unused, forms, log)), candidates=tuple(_candidates(choice)),
         log=rows.source, rest=float(np.mean(rows.rest)), seen=seen(log, ~rows.rest), forms=forms,
@@ -231,15 +228,13 @@ def _rms_of_forms(choice: Selection[SteadyLibrary]) -> dict[str, float]:
 def _friction(choice: Selection[SteadyLibrary]) -> tuple[FrictionRows, float]:
     """Measured and fitted friction at the compared rows, and norm(residual)/norm(measured friction)."""
     lib, record, x = choice.library, choice.library.record, choice.coefficients
-    i, friction = lib.index(choice.model), np.zeros(len(record.at))
-    place = lib.k
+    i = lib.index(choice.model)
     friction = lib.columns[:, i[: lib.k]] @ x[: lib.k]
     known = lib.law.known(lib.nodes[choice.model[0]])
     friction = friction if known is None else friction + known
-    for name in lib.body:
+    for j, name in enumerate(lib.body, lib.k):
         if name == "sigma_2" or TERMS[name].level or TERMS[name].friction:
-            friction = friction + lib.columns[:, i[place]] * x[place]
-        place += 1
+            friction = friction + lib.columns[:, i[j]] * x[j]
     if "sigma_2" in record.given:
         friction = friction + record.given["sigma_2"] * record.column(record.log.velocity)
     for j in range(lib.first_form, len(i)):
@@ -247,11 +242,7 @@ def _friction(choice: Selection[SteadyLibrary]) -> tuple[FrictionRows, float]:
             friction = friction + lib.columns[:, i[j]] * x[j]
     measured = friction + lib.residual(choice.model, x)
     rows = FrictionRows(record.log.time[record.at], record.log.velocity[record.at], measured, friction)
-    return rows, _size(measured - friction) / max(_size(measured), 1e-300)
-
-
-def _size(x: Array) -> float:
-    return float(np.linalg.norm(x))
+    return rows, size_ratio(measured - friction, measured)
 
 
 def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
@@ -266,8 +257,7 @@ def _candidates(choice: Selection[SteadyLibrary]) -> list[Candidate]:
         for alone, name in kinds.items():
             _, i, x, _ = choice.choose(every, within=n, alone=alone)
             r, model = lib.residual(lib.models[i], x), lib.models[i]
-            size = _size(lib.record.column(lib.record.log.force))
-            error = float(np.linalg.norm(r)) / max(size, 1e-300)
+            error = size_ratio(r, lib.record.column(lib.record.log.force))
             is_fit = n == choice.law and alone == choice.alone
             candidates.append({
                 "name": name, "law": lib.curve.law, "forms": list(model[1]), "numbers": len(lib.index(model)),
@@ -287,7 +277,7 @@ def nearest_stribeck(choice: Selection[SteadyLibrary]) -> dict[str, float]:
         rise = np.exp(-((v / v_s) ** 2))
         a = np.column_stack([np.ones(len(v)), rise, v])
         x = np.linalg.lstsq(a, level, rcond=None)[0]
-        left = _size(level - a @ x) / max(_size(level), 1e-300)
+        left = size_ratio(level - a @ x, level)
         if x[0] > 0 and x[1] >= 0 and left < best[0]:
             best = (
                 left,

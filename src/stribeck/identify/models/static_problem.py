@@ -106,29 +106,11 @@ def decimation(log: Log, few: int) -> int:
 
 
 def thinning(log: Log, q: int) -> Reduce:
-    """Filter and decimation of each run; runs of one length at once."""
+    """Filter and decimation of each run."""
     if q == 1:
         return lambda x: x
-    rows = list(log.runs())
-    lengths = np.array([r.stop - r.start for r in rows])
-    starts = np.array([r.start for r in rows])
-    kept = {n: filters.decimated_rows(n, q) for n in np.unique(lengths).tolist()}
-    counts = [len(kept[n]) for n in lengths.tolist()]
-    ends = np.concatenate([[0], np.cumsum(counts)])
-    groups = []  # the rows of runs of one length, a run in each line, and where they go to
-    for length, reduced in kept.items():
-        same = np.flatnonzero(lengths == length)
-        groups.append((starts[same, None] + np.arange(length), ends[same, None] + np.arange(len(reduced))))
-
-    def reduce(x: Array) -> Array:
-        if len(rows) == 1:
-            return filters.decimate(x, q)
-        out = np.empty(ends[-1])
-        for source, target in groups:
-            out[target] = filters.decimate(x[source], q)
-        return out
-
-    return reduce
+    runs = list(log.runs())
+    return lambda x: np.concatenate([filters.decimate(x[rows], q) for rows in runs])
 
 
 def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
@@ -152,7 +134,7 @@ def in_stretches(log: Log, rest: NDArray[np.bool_], enough: int) -> tuple[Log, N
     counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, BLOCKS)) for share in shares]
     usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
     for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):
-        length = min(usual, rows.stop - rows.start)  # of one length where it can be: they are filtered together
+        length = min(usual, rows.stop - rows.start)  # of one length where it can be
         if count * length >= rows.stop - rows.start:
             count, length = 1, rows.stop - rows.start
         starts = _starts(rest[rows], count, length, rows.start)
