@@ -165,6 +165,8 @@ def test_devices_and_links_stay_what_they_are(tmp_path):
     write_text(link, "text")
     assert link.is_symlink()
     assert real.read_text() == "text"
+    (tmp_path / "astray").symlink_to(tmp_path / "none" / "file")  # no folder is made for a link's target
+    assert "there is no folder" in trouble(tmp_path / "astray")
     write_text(type(real)(os.devnull), "text")
     assert not type(real)(os.devnull).is_file()
 

@@ -35,6 +35,12 @@ def written(folder, name="c"):
     return path
 
 
+def test_a_file_knows_where_it_lies(tmp_path):
+    path = written(tmp_path)
+    path.write_text(path.read_text() + "    source = __file__\n")
+    assert find(f"{path}:Mine").source == str(path)
+
+
 def test_an_edit_that_keeps_size_and_time_is_seen(tmp_path):
     """Python's own byte code is keyed on both: the old law would run."""
     path = written(tmp_path)

@@ -187,3 +187,14 @@ def test_a_sentence_keeps_the_name_that_it_begins_with(tmp_path):
     assert "overcompensated.toml replays it." in text
     assert "lugre_majorant with" in text
     assert "Quiet from here." in text
+
+
+def test_a_page_that_cannot_be_written_is_an_error(tmp_path, monkeypatch):
+    def full(path, text):
+        path.touch()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(page, "write_text", full)
+    with pytest.raises(OSError, match="No space left"):
+        page.write(document("one"), tmp_path, pictures=False)
+    assert not list(tmp_path.iterdir())

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
 import stribeck
-from stribeck import law
+from stribeck import InputError, law, parameter_sets
 from stribeck.parameter_sets import load, parameters
 
 
@@ -30,3 +32,12 @@ def test_a_file(tmp_path):
 
 def test_sets_are_told_apart_by_their_hash():
     assert len({*parameters().values()}) == len(parameters())
+
+
+def test_a_file_larger_than_the_memory(monkeypatch):
+    def full(path):
+        raise MemoryError
+
+    monkeypatch.setattr(parameter_sets, "read_file", full)
+    with pytest.raises(InputError, match=r"large\.toml: cannot be read: it does not fit into memory"):
+        load("large.toml")

@@ -188,6 +188,11 @@ def test_a_cell_that_is_no_number_makes_its_row_no_line_of_names(tmp_path, cell)
     assert opened(tmp_path / "a.csv").names == ["1", "2"]
 
 
+def test_a_first_row_with_a_word_in_it_is_no_line_of_names(tmp_path):
+    (tmp_path / "a.csv").write_text("position,force\n0,bad\n1,2\n2,3\n")
+    assert opened(tmp_path / "a.csv").names == ["position", "force"]
+
+
 def test_complex_numbers_are_refused(tmp_path):
     savemat = pytest.importorskip("scipy.io").savemat
     savemat(tmp_path / "a.mat", {"time": T, "force": T + 1j})

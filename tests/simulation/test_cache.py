@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 
 from stribeck import Scenario, simulate
-from stribeck.errors import StribeckNote
+from stribeck.errors import BuildError, StribeckNote
 from stribeck.simulation import cache, compiler
+from stribeck.simulation.layout import declare
 from tests.simulation import independent
 from tests.simulation.rig import needs_compiler, rig
 
@@ -341,3 +342,14 @@ def test_processes_that_build_at_once(tmp_path, monkeypatch):
         assert kept
         assert all(file.stem.split("-")[1] == cache._digest(file) for file in kept)
     assert [built for built, _ in values(start("late"))] == ["False"] * turns
+
+
+def test_a_library_of_another_version_is_not_called():
+    class Shared(ctypes.Structure):
+        _fields_ = (("t", ctypes.c_double),)
+
+    class Library:
+        size = staticmethod(lambda: 16)
+
+    with pytest.raises(BuildError, match="built for another version of Stribeck"):
+        declare(Library(), "a system", Shared, "size", {})

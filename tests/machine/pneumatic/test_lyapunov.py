@@ -11,7 +11,7 @@ from stribeck import StribeckError, examples
 from stribeck.expressions import ops
 from stribeck.laws import BristleLaw
 from stribeck.loops.gains import at_speed, decay, gain_verdict, prove
-from stribeck.loops.lyapunov import along, gains_of
+from stribeck.loops.lyapunov import along, gains_of, rises
 from stribeck.loops.proof import ERRORS, _form, derive
 from stribeck.machine.pneumatic import observer
 from tests.machine.pneumatic.servos import servo, solved
@@ -264,3 +264,7 @@ def test_small_errors_decide():
     for size in (1.0, 1e-6, 1e-12):
         worst = {"s": size, "p_err": 0.0, "z_err": -values["sigma_1"] * values["K"] / 2 * size, "w": w}
         assert expr.subs({sympy.Symbol(n, real=True): x for n, x in worst.items()}) > 0
+
+
+def test_a_rise_is_measured_by_the_first_value():
+    assert rises(np.array([1.0, 0.5, 0.5 + 8e-10, 0.5 + 3e-9])).tolist() == [False, False, True, False]
