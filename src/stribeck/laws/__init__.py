@@ -68,7 +68,6 @@ def overflow(law: Law) -> str | None:
         speed, length = np.float64(law.scales(law.p).speed), np.float64(0.0)
         with np.errstate(all="ignore"):  # the constants are Python's floats, which raise an error on overflow
             law.friction(law.p, speed, length, law.dz_dt(law.p, speed, length))
-        bool(law.jumps_at_rest)
     except ArithmeticError as error:
         return f"its equations cannot be evaluated with these constants: {type(error).__name__}"
     return None
