@@ -620,7 +620,8 @@ def _():
     nothing, one, two = Fraction(0), Fraction(1), Fraction(2)
     regions = [{"u": (nothing, None), "w": (nothing, None)}, {"u": (nothing, one), "w": (one, two)}, {"u": (one, None)}]
     many = sum((ops.clip(k * U - W, 0.0, 1.0) for k in range(1, 30)), constant(1.0))
-    for expr in [many, U / W, (U - W) / (U - 1), *(_grown(rng, 3) for _ in range(70))]:
+    rooted = [ops.where(ops.sqrt(x) < 2, 1 + U, -U) for x in (U, U - 0.5)]
+    for expr in [many, U / W, (U - W) / (U - 1), *rooted, *(_grown(rng, 3) for _ in range(70))]:
         yield f"== {pretty.write(expr, {'u': 'u', 'w': 'w'}, latex=False)}"
         for ranges, closed in zip(regions, (False, True, False), strict=True):
             if not symbols([expr]) <= set(ranges):
