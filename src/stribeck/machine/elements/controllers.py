@@ -398,9 +398,19 @@ class Controller(AnyController, for_users=True):
             text = f"{show(self.on)}: must be another {what}: controllers.{before[0]} drives it already"
             problems.append((("on",), text))
         c = self.compensation
-        if c is None or c.lead is None:
+        if c is None:
             return problems
         contact = m.machine.contacts.get(str(c.contact))
+        motor = m.machine.motors.get(str(self.on))
+        bodies = m.machine.bodies
+        driven = bodies.get(str(self.on if motor is None else motor.on))
+        rubs = None if contact is None else bodies.get(contact.start)
+        if driven is not None and rubs is not None and rubs.turns != driven.turns:
+            has, wanted = (force_unit(each.turns) for each in (rubs, driven))
+            text = f"{show(c.contact)}: its friction is in {has}, and {self.on} is driven in {wanted}"
+            problems.append((("compensation", "contact"), f"{text}; must be a contact in {wanted}, or give a law"))
+        if c.lead is None:
+            return problems
         friction = c.law or (contact.law if contact is not None else None)
         if friction is not None and friction.law is not None and not friction.law.differentiable:
             text = f"law '{friction.law.name}' has no dF/dt; must be left out, or the law a smooth one"
