@@ -40,17 +40,17 @@ def test_a_long_whole_number_is_counted(value, text):
 
 def test_no_message_holds_the_marks_of_arguments():
     """Python showed control characters, and the command the argument's bare name."""
-    assert str(StribeckError(f"{arg('cluster')} gone")) == "cluster gone"
-    assert str(MissingExtra(f"{arg('out')} s3://x", "pyarrow", "parquet")).startswith("out s3://x needs pyarrow")
+    assert str(StribeckError(f"{arg('out')} gone")) == "out gone"
+    assert str(MissingExtra(f"{arg('out')} x", "pyarrow", "plot")).startswith("out x needs pyarrow")
 
 
 def test_a_computation_that_failed_names_the_option(monkeypatch, capsys):
     def fails(*args, **options):
-        raise StribeckError(f"{arg('cluster')} gone")
+        raise StribeckError(f"{arg('out')} gone")
 
     monkeypatch.setattr("stribeck.cli.app.with_command", fails)
     assert _status(["sweep"]) == 1
-    assert capsys.readouterr().err == "stribeck: --cluster gone\n"
+    assert capsys.readouterr().err == "stribeck: --out gone\n"
 
 
 def test_problems_survive_another_process():

@@ -170,7 +170,7 @@ EXTRAS = {
     **dict.fromkeys(("matplotlib", "jinja2", "markupsafe", "pyarrow", "pandas", "bokeh"), "plot"),
     **dict.fromkeys(("scipy", "threadpoolctl", "h5py", "flint", "sympy"), "fit"),
     **dict.fromkeys(("mujoco", "mcap", "mcap_ros2", "rosbags"), "robotics"),
-    "ziglang": "fmu", "distributed": "cluster", "fsspec": "cluster",
+    "ziglang": "fmu",
     **dict.fromkeys(("control", "casadi", "jax", "torch", "warp"), ""),
 }  # fmt: skip
 _CALLED = {"warp": "warp-lang"}  # where a package is not called as its module

@@ -204,12 +204,10 @@ def test_usage_is_one_line_too(stribeck, scenario, word):
         ("fit", "arm.toml", "--logs", "logs.toml"),
         ("fit", "log.csv", "--law", "lugre", "--time", "a", "--position", "b"),
         ("design", "arm.toml", "--vary", "bodies.arm.inertia"),
-        ("sweep", "rig.toml", "--vary", "law.k_v=1e6:1e7:2", "--cluster", "nothing"),
-        ("sweep", "rig.toml", "--vary", "law.k_v=1e6:1e7:2", "--cluster", "127.0.0.1:1:1"),
     ],
 )
 def test_what_is_refused_after_the_folder_was_tried_leaves_no_folder(stribeck, scenario, monkeypatch, words):
-    """Each left an empty folder, the sweeps one with a manifest."""
+    """Each left an empty folder."""
     monkeypatch.chdir(scenario.parent)
     stribeck("new", "arm")
     Path("logs.toml").write_text("[unknown]\nx = 1\n")

@@ -135,25 +135,6 @@ def test_a_table_holds_texts_numbers_and_what_is_missing():
     assert table.schema.field("F").metadata == {b"unit": b"N", b"meaning": b"what it is"}
 
 
-@pytest.mark.parametrize(
-    ("words", "line"),
-    [
-        (("--cluster", "spark"), "--cluster: 'spark': no scheduler answers there: missing port"),
-        (("--cluster", "127.0.0.1:1"), "--cluster: '127.0.0.1:1': no scheduler answers there"),
-        (("--cluster", "127.0.0.1:1:1"), "--cluster: '127.0.0.1:1:1': no scheduler answers there"),
-        (("--out", "nothing://a/b"), "--out: 'nothing://a/b': must be a folder, or a URL that fsspec knows"),
-        (("--out", "zip://none/x.zip"), "--out: 'zip://none/x.zip': cannot be opened: "),
-    ],
-    ids=lambda x: x[0] if isinstance(x, tuple) else "",
-)
-def test_mistakes_about_clusters_and_stores_are_one_line(words, line, stribeck, scenario, tmp_path):
-    out = () if "--out" in words else ("--out", tmp_path / "out")
-    found = stribeck("sweep", scenario, "--vary", "law.k_v=1e6:1e8:5:log", "--summary", *out, *words)
-    assert found.status == 2
-    assert found.err.startswith(line)
-    assert found.err.count("\n") == 1
-
-
 def test_a_range_whose_ends_are_as_far_apart_as_numbers_can_be():
     assert Range.parse("a=1e-308:1e308:3:log").values == pytest.approx([1e-308, 1.0, 1e308], rel=1e-12)
     assert Range.parse("a=-1e308:1e308:3").values == pytest.approx([-1e308, 0.0, 1e308])

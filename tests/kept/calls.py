@@ -489,7 +489,7 @@ GIVEN = {  # a value of each option that takes one
     "unit": "v=mm/s", "counts": "4096", "term": "stiffness", "method": "static", "free": "k_v", "filter_": "published",
     "cutoff": "20", "starts": "3", "seed": "4", "output": "velocity", "unknown": "F_c=1:2", "require": "F_c=5%",
     "plan": "stroke=1,speed=1,force=1", "logs": "axis.logs.toml", "fit": "fit", "machine": "body.toml", "command": "F",
-    "samples": "5", "cluster": "host:1", "threads": "2",
+    "samples": "5", "threads": "2",
 }  # fmt: skip
 
 

@@ -3,13 +3,12 @@
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd); folder=$1; cd "$2"; shift 2
 # what the tests need beside the base installation, as far as wine loads it
-needed=(pytest pytest-xdist hypothesis scipy matplotlib jinja2 pyarrow pandas bokeh threadpoolctl python-flint sympy jsonschema
-        distributed fsspec)
+needed=(pytest pytest-xdist hypothesis scipy matplotlib jinja2 pyarrow pandas bokeh threadpoolctl python-flint sympy jsonschema)
 [ -x "$folder/winpython" ] || bash "$here/setup.sh" "$folder" . "${needed[@]}"
 trap '"$folder/stop"' EXIT
-# Not here: what needs a browser, Linux's shells, or packages that wine does not load; Dask's processes, which do not come up.
+# Not here: what needs a browser, Linux's shells, or packages that wine does not load.
 # ruff, which one test calls, is not found by its own package.
-left_out=(tests/sweeps/test_cluster.py tests/site tests/fuzz tests/proofs tests/explore/test_browser.py
+left_out=(tests/site tests/fuzz tests/proofs tests/explore/test_browser.py
           tests/simulation/test_compiler.py tests/test_published_records.py tests/test_benchmarks.py)
 export PYTHONUTF8=1 STRIBECK_CC=${STRIBECK_CC-none} # UTF-8 for the tests' own reading
 "$folder/winpython" -m pytest -p no:cacheprovider -n auto --dist worksteal -m "not thorough" "${left_out[@]/#/--ignore=}" \

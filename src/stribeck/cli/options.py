@@ -101,16 +101,11 @@ def flag(name: str, text: str, panel: str | None = None) -> OptionInfo:
     return option
 
 
-def not_empty(text: str) -> str:
+def output_path(text: str) -> Path:
     """Where a command writes: an empty path would be the current folder."""
     if not str(text):
         raise typer.BadParameter("'': must be a path")
-    return text
-
-
-def output_path(text: str) -> Path:
-    """The same as a path."""
-    return Path(not_empty(text))
+    return Path(text)
 
 
 Out = Annotated[

@@ -7,7 +7,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, flag, not_empty, setting
+from stribeck.cli.options import ADVANCED, Json, ScenarioOptions, command, flag, output_path, setting
 from stribeck.cli.output import OutputFolder, tell
 from stribeck.cli.progress import rate
 from stribeck.errors import InputError, check_all
@@ -19,10 +19,7 @@ if TYPE_CHECKING:
 @command("sweep", "stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
 def sweep(
     source: ScenarioOptions,
-    out: Annotated[
-        str,
-        setting("--out", "DIR", "Folder for the results, or a URL that fsspec knows.", parser=not_empty),
-    ],
+    out: Annotated[Path, setting("--out", "DIR", "Folder for the results; created if missing.", parser=output_path)],
     vary: Annotated[
         list[str] | None,
         setting("--vary", "PATH=FIRST:LAST:COUNT[:log]", "Parameter and its range; may be repeated."),
@@ -32,10 +29,6 @@ def sweep(
     ] = None,
     seed: Annotated[int, setting("--seed", "S", "Seed of the random points.", min=0)] = 0,
     summary: Annotated[bool, flag("--summary", "Write one row for each simulation instead of its trajectory.")] = False,
-    cluster: Annotated[
-        str | None,
-        setting("--cluster", "HOST:PORT", "Dask scheduler whose workers run the simulations."),
-    ] = None,
     threads: Annotated[
         int | None,
         setting("--threads", "N", "Number of threads; all cores unless given.", ADVANCED, min=1),
@@ -46,26 +39,21 @@ def sweep(
     from time import perf_counter
 
     from stribeck.simulation.ensemble import inaccurate_lanes
-    from stribeck.sweeps.job import Sweep, check_cluster
-    from stribeck.sweeps.places import Folder
+    from stribeck.sweeps.job import Sweep
 
-    if out.startswith("memory:"):
-        raise InputError(f"--out: {out}: does not outlast the command: must be a folder or a persistent URL")
     lanes = cache(partial(_lanes, vary or [], samples, seed))
     loaded = source.load(lanes)
-    check_cluster(cluster, threads)
     job = Sweep(loaded, lanes(), out, summary)
-    folder: Path | None = job.place.folder if isinstance(job.place, Folder) else None
     started = perf_counter()
-    with OutputFolder(folder), rate(f"{loaded.name}: {len(job.lanes)} lanes", "lanes") as share:
-        job.run(threads, share, cluster)
+    with OutputFolder(out), rate(f"{loaded.name}: {len(job.lanes)} lanes", "lanes") as share:
+        job.run(threads, share)
     seconds = perf_counter() - started
     all_failed = job.failed == len(job.lanes)
     data = {
         "status": "failed" if all_failed else "done", "scenario": loaded.name, "lanes": len(job.lanes),
         "failed": job.failed, "inaccurate": job.inaccurate, "parts": job.parts, "parts_found": job.found, "seconds": seconds,
     }  # fmt: skip
-    shown = [job.place.path(name) for name in ("_manifest.json", "part-*.parquet")]
+    shown = [str(out / name) for name in ("_manifest.json", "part-*.parquet")]
     tell(lambda: job.document(seconds), data if json else None, job.files if json else shown)
     if job.failed:
         print(f"stribeck: {job.failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)

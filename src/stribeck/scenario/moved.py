@@ -1,4 +1,4 @@
-"""A scenario's tables elsewhere: in another folder, or on another machine together with the files that they name."""
+"""A scenario's tables in another folder."""
 
 from __future__ import annotations
 
@@ -20,24 +20,6 @@ def moved(data: Mapping[str, object], folder: Path, to: Path) -> dict[str, objec
         return path if Path(path).is_absolute() else seen_from(to, folder / path)
 
     return _renamed(data, seen)
-
-
-def with_files(data: Mapping[str, object], folder: Path) -> tuple[dict[str, object], dict[str, bytes]]:
-    """The tables with every file that they name by a short name, and the content of each such file by this name.
-
-    Raises:
-        OSError: one cannot be read.
-    """
-    files: dict[str, bytes] = {}
-    names: dict[str, str] = {}
-
-    def short(path: str) -> str:
-        if path not in names:
-            names[path] = f"{len(names)}_{Path(path).name}"
-            files[names[path]] = (folder / path).read_bytes()
-        return names[path]
-
-    return _renamed(data, short), files
 
 
 def _renamed(data: Mapping[str, object], rename: Renamed) -> dict[str, object]:

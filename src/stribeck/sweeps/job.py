@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Generator, Mapping
-from contextlib import AbstractContextManager, closing, nullcontext
+from collections.abc import Callable, Mapping
 from fnmatch import fnmatch
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,13 +20,11 @@ from stribeck.mouth.document import Document
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import variations
+from stribeck.simulation.ensemble import simulate_ensemble
 from stribeck.simulation.native import step_share
-from stribeck.sweeps.parts import MadePart, Order
-from stribeck.sweeps.places import place_of
+from stribeck.sweeps import tables
+from stribeck.sweeps.folder import Folder
 from stribeck.version import __version__
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 Progress = Callable[[float, float], None]
 
@@ -52,19 +49,19 @@ class Sweep:
     Args:
         scenario: the scenario that the lanes vary.
         values: the values of every lane by path.
-        out: the folder of the files, or a URL that fsspec supports.
+        out: the folder of the files.
         summary: keep one row for each lane (peaks, slips, amplitude, period) instead of its trajectory.
 
     Raises:
-        InputError: if a path cannot be varied, or no installed library can write to the URL.
+        InputError: if a path cannot be varied.
         MissingExtra: if pyarrow is not installed.
     """
 
     def __init__(self, scenario: Scenario, values: Mapping[str, Array], out: Path | str, summary: bool) -> None:
         with needed("a sweep"):
             import pyarrow  # noqa: F401  (before hours of work, not after)
-        self.lanes, self.place = variations.vary(scenario, values), place_of(out)
-        self.order = Order(self.lanes.scenario, summary)
+        self.lanes, self.folder = variations.vary(scenario, values), Folder(Path(out))
+        self.summary = summary
         row = 8.0 * (1 + len(scenario.system.columns))
         self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
         self.parts = math.ceil(len(self.lanes) / self.part_size)
@@ -97,8 +94,8 @@ class Sweep:
 
     @property
     def files(self) -> list[str]:
-        """The manifest and the parts, as paths or URLs."""
-        return [self.place.path(name) for name in (_MANIFEST, *map(self.name, range(self.parts)))]
+        """The paths of the manifest and the parts."""
+        return [self.folder.path(name) for name in (_MANIFEST, *map(self.name, range(self.parts)))]
 
     @property
     def failed(self) -> int:
@@ -119,45 +116,43 @@ class Sweep:
         lanes = self.lanes_of(part)
         return {path: x[lanes.start : lanes.stop] for path, x in self.lanes.values.items()}
 
-    def run(
-        self,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        cluster: str | Client | None = None,
-    ) -> None:
+    def run(self, threads: int | None = None, progress: Progress | None = None) -> None:
         """Compute the missing parts.
 
         Args:
-            threads: number of threads of this machine; all cores unless given.
+            threads: number of threads; all cores unless given.
             progress: called with the share of the lanes done, and the number of lanes done in this run.
-            cluster: as for :func:`sweep`.
 
         Raises:
             InputError: if the folder contains another sweep, or another process works in it.
-            StribeckError: if the place cannot be read or written, the cluster is lost, or none of its workers can compute
-                the parts. Written parts stay.
         """
-        with self.place.alone():
+        with self.folder.alone():
             todo = self._missing_parts()
-            finished = len(self.lanes) - sum(len(self.lanes_of(part)) for part in todo)
+            existing = len(self.lanes) - sum(len(self.lanes_of(part)) for part in todo)
+            done = 0
+            self._write_manifest()
+            for part in todo:
+                size = len(self.lanes_of(part))
 
-            def tell(lanes: float) -> None:
-                if progress is not None:
-                    progress((finished + lanes) / len(self.lanes), lanes)
+                def tell(share: float, done: int = done, size: int = size) -> None:
+                    if progress is not None:
+                        lanes = done + share * size
+                        progress((existing + lanes) / len(self.lanes), lanes)
 
-            lanes = 0
-            with self._connected(cluster if todo else None) as client:
+                self._make(part, threads, tell)
                 self._write_manifest()
-                with closing(
-                    self._make_here(todo, threads, tell) if client is None else self._make_on_cluster(client, todo)
-                ) as parts:
-                    for part, result in parts:
-                        self.place.put(self.name(part), result.content)
-                        digest = sha256(result.content).hexdigest()
-                        self._finished[self.name(part)] = Finished(digest, result.failed, result.inaccurate)
-                        self._write_manifest()
-                        lanes += len(self.lanes_of(part))
-                        tell(lanes)
+                done += size
+                tell(1.0)
+
+    def _make(self, part: int, threads: int | None, progress: Callable[[float], None]) -> None:
+        """Simulate the lanes of a part into its file."""
+        first = self.lanes_of(part).start
+        ensemble = simulate_ensemble(self.lanes.scenario, self.values_of(part), threads=threads, progress=progress)
+        columns = tables.summary(ensemble, first) if self.summary else tables.trajectories(ensemble, first)
+        content = tables.as_parquet(columns)
+        self.folder.put(self.name(part), content)
+        failed = sum(reason is not None for reason in ensemble.reason)
+        self._finished[self.name(part)] = Finished(sha256(content).hexdigest(), failed, int(ensemble.inaccurate.sum()))
 
     def _missing_parts(self) -> list[int]:
         """The parts that are missing or whose content changed.
@@ -165,8 +160,8 @@ class Sweep:
         Raises:
             InputError: if the folder contains another sweep, or a part of another sweep.
         """
-        here = f"{arg('out')}: {str(self.place)!r}"
-        names = self.place.names()
+        here = f"{arg('out')}: {str(self.folder)!r}"
+        names = self.folder.names()
         parts = {name for name in names if fnmatch(name, "part-*.*")}
         if _MANIFEST not in names:
             if parts:
@@ -193,7 +188,7 @@ class Sweep:
     def _manifest(self, here: str) -> tuple[dict[str, object], dict[str, Finished]]:
         """The manifest: description of the sweep, and its finished parts by name."""
         try:
-            manifest = json.loads(self.place.get(_MANIFEST) or b"")
+            manifest = json.loads(self.folder.get(_MANIFEST))
             digests, *counts = (dict(manifest.pop(field)) for field in Finished._fields)
             known = [name for name in digests if all(name in each for each in counts)]
             finished = {name: Finished(digests[name], *(each[name] for each in counts)) for name in known}
@@ -207,50 +202,14 @@ class Sweep:
 
     def _digest_of(self, name: str) -> str | None:
         try:
-            content = self.place.get(name)
+            return sha256(self.folder.get(name)).hexdigest()
         except OSError:  # a folder or a pipe in its place
             return None
-        return None if content is None else sha256(content).hexdigest()
 
     def _write_manifest(self) -> None:
         parts = sorted(self._finished.items())
         about = {**self._about, **{n: {name: part[i] for name, part in parts} for i, n in enumerate(Finished._fields)}}
-        self.place.put(_MANIFEST, (json.dumps(about, indent=2, allow_nan=False) + "\n").encode())
-
-    @staticmethod
-    def _connected(cluster: str | Client | None) -> AbstractContextManager[Client | None]:
-        if cluster is None:
-            return nullcontext()
-        from stribeck.sweeps.cluster import connected
-
-        return connected(cluster)
-
-    def _make_on_cluster(self, client: Client, todo: list[int]) -> Generator[tuple[int, MadePart]]:
-        """The parts, computed by the workers of a cluster."""
-        from stribeck.sweeps.cluster import Sent, make_on_cluster
-
-        text = self.order.to_text(self.order.probe(self.values_of(0)))
-        first_lane = {path: x[:1].tobytes() for path, x in self.values_of(0).items()}
-
-        def sent(part: int) -> Sent:
-            numbers = {path: x.tobytes() for path, x in self.values_of(part).items()}
-            return text, first_lane, numbers, self.lanes_of(part).start
-
-        return make_on_cluster(client, todo, sent)
-
-    def _make_here(
-        self, todo: list[int], threads: int | None, tell: Callable[[float], None]
-    ) -> Generator[tuple[int, MadePart]]:
-        """The parts, computed on this machine one by one."""
-        done = 0
-        for part in todo:
-            lanes = self.lanes_of(part)
-
-            def share(x: float, done: int = done, size: int = len(lanes)) -> None:
-                tell(done + x * size)
-
-            yield part, self.order.part(self.values_of(part), lanes.start, threads, share)
-            done += len(lanes)
+        self.folder.put(_MANIFEST, (json.dumps(about, indent=2, allow_nan=False) + "\n").encode())
 
     def _digest(self) -> str:
         """SHA-256 of all inputs of the numbers: equations and solver as C, all constants, the signal, the values."""
@@ -273,17 +232,6 @@ class Sweep:
         return sha256(text.encode() + arrays).hexdigest()
 
 
-def check_cluster(cluster: object, threads: int | None) -> None:
-    """Check that no number of threads is given with a cluster, whose workers have their own.
-
-    Raises:
-        InputError: if both are given.
-    """
-    if cluster is not None and threads is not None:
-        text = f"does not go with {arg('cluster')}: a cluster's workers have their own"
-        raise InputError(f"{arg('threads')}: {threads}: {text}")
-
-
 def sweep(
     scenario: Scenario | Machine | str | Path | Mapping[str, object],
     vary: Mapping[str, ArrayLike] | None = None,
@@ -294,7 +242,6 @@ def sweep(
     summary: bool = False,
     threads: int | None = None,
     progress: Progress | None = None,
-    cluster: str | Client | None = None,
 ) -> Sweep:
     """Simulate every lane into a folder of Parquet files; continue an earlier sweep that was interrupted.
 
@@ -303,23 +250,18 @@ def sweep(
     Args:
         scenario: the scenario or machine that the lanes vary.
         vary: values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
-        out: folder, or a URL that fsspec supports (``"s3://bucket/name"`` with s3fs installed).
+        out: folder of the files.
         t_end, step: as in :func:`stribeck.simulate`.
         summary: keep one row for each lane (peaks, events, amplitude, period) instead of its trajectory.
         threads: number of threads; all cores unless given.
         progress: called with the share of the lanes done, and the number of lanes done in this run.
-        cluster: address of a Dask scheduler (``"10.0.0.5:8786"``) or a ``distributed.Client``; needs
-            ``pip install 'stribeck[cluster]'``. The files are the same to the last byte.
 
     Returns:
         The sweep; ``files`` lists the manifest and the parts, ``failed`` and ``inaccurate`` count lanes.
 
     Raises:
         InputError: if a path cannot be varied, or the folder contains another sweep.
-        StribeckError: if the place cannot be written, the cluster is lost, or no worker can compute the parts. Written parts
-            stay, and the same call continues.
     """
-    check_cluster(cluster, threads)
     job = Sweep(scenario_of(scenario, t_end, step), variations.arrays(dict(vary or {})), out, summary)
-    job.run(threads, progress, cluster)
+    job.run(threads, progress)
     return job
