@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from stribeck.errors import InputError
 from stribeck.identify.actuator import fit_machine
 from stribeck.identify.actuator.bridges import bridged
 from tests.identify.actuator.recorded import body, logs, record
@@ -74,3 +75,38 @@ def test_samples_at_random_times_lack_none():
     np.testing.assert_array_equal(found.t, t)
     np.testing.assert_array_equal(found.x, x)
     assert not len(found.others)
+
+
+def jumped(table):
+    return table | {"t": np.where(table["t"] > 0.5, table["t"] + 1e9, table["t"])}
+
+
+def still(table):
+    return table | {"y": 0 * table["y"]}
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (jumped, "log.0.time: 't': jumps from 0.5 s to 1e+09 s, longer than all the rest: must be two recordings"),
+        (still, "log.0.outputs.a.y: 'y': never changes: some measured column must"),
+    ],
+)
+def test_a_recording_that_shows_no_motion_is_refused(tmp_path, change, text):
+    record(tmp_path / "a.csv", body(amplitude=5.0, step=0.0025), change=change)
+    with pytest.raises(InputError) as caught:
+        fit_machine(body(), logs(tmp_path, ["a.csv"], WANTED), starts=1)
+    assert caught.value.problems[0].endswith(text)
+
+
+def test_four_samples_of_a_sensor_are_used(tmp_path):
+    """A cubic passes through them; a smoothing spline needs more."""
+    record(tmp_path / "a.csv", body(amplitude=5.0, step=0.0025))
+    few = {"y": lambda x: np.where(np.arange(len(x)) % (len(x) // 4) == 9, x, np.nan)}
+    record(
+        tmp_path / "b.csv", body(amplitude=4.0, step=0.0025), change=lambda t: t | {n: f(t[n]) for n, f in few.items()}
+    )
+    found = fit_machine(body(), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
+    for name in (F_C, MASS):
+        low, high = found.estimates[name].range
+        assert low < 1.0 < high < 1.05 * low

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stribeck.constants import show
@@ -117,9 +118,21 @@ def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
             f"unknown.{c.name}: is known of log.{i} ({r.file}): must be one or the other"
             for c in sought for path in c.targets if path in r.known and c.log in (None, i)
         ]  # fmt: skip
+    problems += _still(logs)
     if problems:
         raise InputError(list(dict.fromkeys(problems)))
     return sought
+
+
+def _still(logs: Logs) -> list[str]:
+    """The measured columns of the fitted recordings, if none of them ever changes."""
+    fitted = [
+        (f"log.{i}.outputs.{name}", c)
+        for i, r in enumerate(logs.recordings) if not r.hold_out for name, c in r.outputs.items()
+    ]  # fmt: skip
+    if any(np.nanmax(c.x) > np.nanmin(c.x) for _, c in fitted):
+        return []
+    return [f"{place}: {show(c.column)}: never changes: some measured column must" for place, c in fitted]
 
 
 @dataclass

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_smoothing_spline
 
 from stribeck.arrays import Array
-from stribeck.identify.data.smoother import smoothing
+from stribeck.identify.data.smoother import smooth, smoothing
 
 GAP = 1.6  # sampling periods: a longer interval lacks a sample
 _SHIFTS = 12  # places at which the same samples are left out: their median error is known to a quarter
@@ -59,7 +58,7 @@ def bridged(t: Array, x: Array) -> Bridged:
 
 def _ways(number: NDArray[np.int64], x: Array, lost: NDArray[np.int64], lam: float) -> Array:
     """Straight lines and the likeliest spline at lost samples, (2, lost)."""
-    return np.stack([np.interp(lost, number, x), make_smoothing_spline(number, x, lam=lam)(lost)])
+    return np.stack([np.interp(lost, number, x), smooth(number.astype(float), x, lam)(lost)])
 
 
 def _errors(number: NDArray[np.int64], x: Array, lost: NDArray[np.int64], gap: NDArray[np.intp], lam: float) -> Array:
@@ -70,7 +69,7 @@ def _errors(number: NDArray[np.int64], x: Array, lost: NDArray[np.int64], gap: N
         away = (lost + shift) % count
         inside = (away > number[1]) & (away < number[-2]) & np.isin(away, number)
         rest = ~np.isin(number, away)
-        if inside.any() and np.count_nonzero(rest) > 4:  # a cubic spline has four coefficients
+        if inside.any():
             off = (_ways(number[rest], x[rest], away[inside], lam) - np.interp(away[inside], number, x)) ** 2
             known = np.bincount(gap[inside], minlength=gaps)
             squares[k] = np.array([np.bincount(gap[inside], each, gaps) for each in off]) / np.where(

@@ -63,9 +63,10 @@ class BestPoint:
 
     def _guide_share(self) -> float:
         """The guides' force, relative to the friction or to the other forces on the guided bodies, whichever is larger."""
-        motion, pulls, others = RunMotion.of(self.problem, self.u), list[float](), [0.0]
+        motion, numbers = RunMotion.of(self.problem, self.u), self.problem.numbers(self.u)
+        pulls, others = list[float](), [0.0]
         for run, columns in zip(self.problem.runs, motion.runs, strict=True):
-            pull, other = self.guides.forces(run.log, self.bandwidth, columns)
+            pull, other = self.guides.forces(run.log, self.bandwidth, columns, numbers)
             pulls.append(pull)
             others.append(other)
         contacts = self.problem.runs[0].scenario.data.get("contacts", {})

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import make_smoothing_spline
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.runs import roughness
-from stribeck.identify.data.smoother import smoothing
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import unused_prefix
 
@@ -26,12 +25,13 @@ _DRAWS = 4  # of the measured motion's noise, which the guide carries into the s
 
 @dataclass(frozen=True)
 class _Motion:
-    """A body's measured motion, smoothed, and the body's inertia; without ``y``, only its speed is measured.
+    """A body's measured motion, smoothed; without ``y``, only its speed is measured.
 
-    ``column``, ``noise``: of the measured column.
+    ``path``, ``inertia``: of the machine's file. ``column``, ``noise``: of the measured column.
     """
 
     body: str
+    path: str
     inertia: float
     column: str
     noise: float
@@ -56,11 +56,11 @@ def _motions(scenario: Scenario, recording: Recording) -> Iterator[_Motion]:
         t, x = channel.bridged.t, channel.bridged.x
         if not np.ptp(x) > 0:
             continue
-        spline = make_smoothing_spline(t, x, lam=smoothing(t, x))
-        table, smooth, rate = scenario.data["bodies"][name], spline(t), spline.derivative()(t)
-        inertia = float(table.get("mass", table.get("inertia", 1.0)))
+        smooth, rate = channel.smoothed(t), channel.smoothed.derivative()(t)
+        table = scenario.data["bodies"][name]
+        inertia = "mass" if "mass" in table else "inertia"
         y, v = (smooth, rate) if what == "y" else (None, smooth)
-        yield _Motion(name, inertia, column, roughness([x]), t, v, y)
+        yield _Motion(name, f"bodies.{name}.{inertia}", float(table[inertia]), column, roughness([x]), t, v, y)
 
 
 def _inputs(motions: Sequence[_Motion], bandwidth: float, prefix: str) -> dict[str, Channel]:
@@ -71,6 +71,17 @@ def _inputs(motions: Sequence[_Motion], bandwidth: float, prefix: str) -> dict[s
         force = damping * m.v + (0.0 if m.y is None else stiffness * m.y)
         inputs[f"loads.{prefix}pull_{m.body}.signal"] = Channel("guide", m.t, force, smooth=True)
     return inputs
+
+
+def _with_noise(recording: Recording, motions: Sequence[_Motion]) -> Iterator[Recording]:
+    """The recording with other noise added to the measurements of its motions."""
+    rng = np.random.default_rng(0)
+    for _ in range(_DRAWS):
+        outputs = dict(recording.outputs)
+        for m in motions:
+            x = outputs[m.column].x
+            outputs[m.column] = replace(outputs[m.column], x=x + m.noise * rng.standard_normal(len(x)))
+        yield replace(recording, outputs=outputs)
 
 
 def _with(recording: Recording, inputs: Mapping[str, Channel]) -> Recording:
@@ -87,21 +98,30 @@ class Guided:
 
 
 class Guides:
-    """Guides of several bandwidths along some recordings of a machine.
-
-    Attributes:
-        bandwidths: rad/s; 0 (no guide), then from below the motion's own frequency to the inverse of the sampling interval.
-    """
+    """Guides of several bandwidths along some recordings of a machine."""
 
     def __init__(self, scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -> None:
         self._scenario, self._recordings = scenario, recordings
-        self._motions = {i: list(_motions(scenario, r)) for i, r in recordings}
+
+    @cached_property
+    def _motions(self) -> dict[int, list[_Motion]]:
+        return {i: list(_motions(self._scenario, r)) for i, r in self._recordings}
+
+    @cached_property
+    def _noisier(self) -> dict[int, list[tuple[Recording, list[_Motion]]]]:
+        """The recordings with other noise added to their measured motions, and these motions."""
+        noisier = {i: list(_with_noise(r, self._motions[i])) for i, r in self._recordings}
+        return {i: [(r, list(_motions(self._scenario, r))) for r in same] for i, same in noisier.items()}
+
+    @cached_property
+    def bandwidths(self) -> list[float]:
+        """0 (no guide), then rad/s from below the motion's own frequency to the inverse of the sampling interval."""
         every = [m for motions in self._motions.values() for m in motions]
         frequencies = [1 / np.ptp(m.t) if m.y is None else np.std(m.v) / np.std(m.y) for m in every]
         low = min(frequencies, default=np.inf) / _LOOSER
-        high = 1 / min(float(np.median(np.diff(r.t))) for _, r in recordings)
+        high = 1 / min(float(np.median(np.diff(r.t))) for _, r in self._recordings)
         count = max(int(np.log(high / low) / np.log(_LOOSER)) + 1, 0) if every else 0
-        self.bandwidths: list[float] = [0.0, *(float(low * _LOOSER**n) for n in range(count))]
+        return [0.0, *(float(low * _LOOSER**n) for n in range(count))]
 
     def at(self, bandwidth: float, noisy: bool = False) -> Guided:
         """The machine and its recordings with guides of a bandwidth; without any at 0.
@@ -123,27 +143,19 @@ class Guides:
             others = {cause: [_with(x, pulls) for x in same] for cause, same in recording.as_well.items()}
             if noisy:
                 others["noise of the measured motion"] = [
-                    _with(x, _inputs(list(_motions(self._scenario, x)), bandwidth, prefix))
-                    for x in self._noisier(i, recording)
+                    _with(x, _inputs(motions, bandwidth, prefix)) for x, motions in self._noisier[i]
                 ]
             guided.append((i, replace(_with(recording, pulls), as_well=others)))
         return Guided(self._scenario.with_changes(changes), guided, prefix)
 
-    def _noisier(self, i: int, recording: Recording) -> Iterator[Recording]:
-        """The recording with other noise added to its measured motion."""
-        rng = np.random.default_rng(0)
-        for _ in range(_DRAWS):
-            outputs = dict(recording.outputs)
-            for m in self._motions[i]:
-                x = outputs[m.column].x
-                outputs[m.column] = replace(outputs[m.column], x=x + m.noise * rng.standard_normal(len(x)))
-            yield replace(recording, outputs=outputs)
-
-    def forces(self, i: int, bandwidth: float, motion: Mapping[str, Array]) -> tuple[float, float]:
+    def forces(
+        self, i: int, bandwidth: float, motion: Mapping[str, Array], numbers: Mapping[str, float]
+    ) -> tuple[float, float]:
         """The rms force of the guides along a simulated motion of recording i, and of the other forces on the bodies.
 
         Args:
             motion: simulated columns, and their times ``t``.
+            numbers: the machine's fitted numbers by path.
         """
         pulls, others, t = [0.0], [0.0], motion["t"]
         for m in self._motions[i]:
@@ -153,5 +165,6 @@ class Guides:
             if m.y is not None:
                 pull += stiffness * (np.interp(t, m.t, m.y) - y)
             pulls.append(float(np.mean(pull**2)))
-            others.append(float(np.mean((m.inertia * np.gradient(v, t) - pull) ** 2)))
+            total = numbers.get(m.path, m.inertia) * np.gradient(v, t)
+            others.append(float(np.mean((total - pull) ** 2)))
         return float(np.sqrt(np.sum(pulls))), float(np.sqrt(np.sum(others)))

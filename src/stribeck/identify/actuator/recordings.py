@@ -11,12 +11,14 @@ from typing import Annotated, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError
+from scipy.interpolate import BSpline
 
 from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator.bridges import Bridged, bridged
 from stribeck.identify.data.quality import LARGEST, impossible, isolated_outliers
+from stribeck.identify.data.smoother import smooth, smoothing
 from stribeck.machine.table import ConstantField, FileTable, Problem, problems_of, quantity, refused
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
@@ -58,6 +60,12 @@ class Channel:
         good = np.isfinite(self.x) & np.isfinite(self.t)
         t, first = np.unique(self.t[good], return_index=True)
         return bridged(t, self.x[good][first])
+
+    @cached_property
+    def smoothed(self) -> BSpline:
+        """The likeliest cubic smoothing spline of the valid samples."""
+        t, x = self.bridged.t, self.bridged.x
+        return smooth(t, x, smoothing(t, x))
 
 
 @dataclass(frozen=True)
@@ -352,7 +360,7 @@ def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
     if len(keep) < FEWEST:
         few = f"has {len(keep)} rows with a time: must have at least {FEWEST}"
         raise InputError(f"{where}.file: {show(entry.file)}: {few}")
-    if text := impossible(t[keep]):
+    if text := impossible(t[keep]) or _parted(t[keep]):
         raise InputError(f"{where}.time: {show(time.column)}: {text}")
     origin, channels = float(t[keep[0]]), dict[str, Channel]()
     for use, c in wanted.items():
@@ -361,6 +369,8 @@ def _read(entry: RecordingTable, where: str, folder: Path) -> Recording:
             at = columns[f"{where}.{use}.time"] * time.factor
             rows, more = _in_order(at, f"{entry.file}: {use.partition('.')[2]}")
             notes += [] if np.isnan(at).any() else more  # shorter columns of a table end in empty cells
+            if text := _parted(at[rows]):
+                raise InputError(f"{where}.{use}.time: {show(names[f'{where}.{use}.time'])}: {text}")
         text = impossible(x[rows]) or isolated_outliers(x[rows]) if np.isfinite(x[rows]).any() else "holds no number"
         if text:
             raise InputError(f"{where}.{use}: {show(c.column)}: {text}")
@@ -415,3 +425,12 @@ def _in_order(t: Array, file: str) -> tuple[NDArray[np.int64], list[str]]:
     if not rising.all():
         notes.append(f"{file}: {int((~rising).sum())} rows repeat a time or go back in time and are left out")
     return there[rising], notes
+
+
+def _parted(t: Array) -> str | None:
+    """What is wrong with a time that jumps by more than all other samples last."""
+    steps = np.diff(t)
+    if not len(steps) or not 2 * np.max(steps) > t[-1] - t[0] or len(steps) < FEWEST:
+        return None
+    i = int(np.argmax(steps))
+    return f"jumps from {t[i]:.6g} s to {t[i + 1]:.6g} s, longer than all the rest: must be two recordings"

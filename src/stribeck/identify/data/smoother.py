@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import signal
+from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 from scipy.optimize import minimize_scalar
 
 from stribeck.arrays import Array
@@ -25,6 +26,7 @@ LOOK = 1 << 18  # samples that are predicted: fewer already determine the cut-of
 _STEP, _CLOSE = 1.3, 0.01  # ratio of the cut-offs on the first grid; relative error at which the search ends
 _WHOLE = 0.1  # of an encoder step: rounding of the unit conversion
 _FAINT, _REAL, _LEAST = 1e-6, 1e-12, 1e-300  # zero except for rounding: of a motion, a pole, a square
+_FEWEST = 5  # samples of a smoothing spline: a cubic through fewer leaves no noise
 _SEGMENT = 4096  # samples of a segment of the spectrum: it resolves 0.25 Hz at 1 kHz
 
 
@@ -52,13 +54,25 @@ def likeliest(runs: Sequence[Array], step: float, orders: Sequence[int] = range(
 
 
 def smoothing(t: Array, x: Array) -> float:
-    """The parameter of the likeliest cubic smoothing spline of a signal that may lack samples: the smoother of order 2."""
+    """The parameter of the likeliest cubic smoothing spline of a signal that may lack samples: the smoother of order 2.
+
+    It is 0 if there are too few samples to see their noise.
+    """
+    if len(t) < _FEWEST:
+        return 0.0
     steps = np.diff(t)
     step = float(np.median(steps))
     gaps = np.flatnonzero(steps > 1.5 * step) + 1  # two steps lack a sample
     runs = [part for part in np.split(x, gaps) if len(part) > 2]
     cutoff = likeliest(runs or [x], step, orders=(2,)).cutoff
     return float(1 / (step * (2 * np.pi * cutoff) ** 4))  # the spline's gain at the cut-off is one half
+
+
+def smooth(t: Array, x: Array, parameter: float) -> BSpline:
+    """The cubic smoothing spline with this parameter; the polynomial through too few samples."""
+    if len(t) < _FEWEST:
+        return make_interp_spline(t, x, k=min(3, len(t) - 1))
+    return make_smoothing_spline(t, x, lam=parameter)
 
 
 def _of_order(
