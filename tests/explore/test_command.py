@@ -3,6 +3,7 @@
 import base64
 import html
 import json
+from pathlib import Path
 
 from stribeck import examples
 from tests.cli.conftest import stribeck  # noqa: F401
@@ -35,6 +36,14 @@ def test_the_command_writes_a_page(stribeck, tmp_path):  # noqa: F811
     assert f"<h1>{html.escape(name)}</h1>" in text
     data = json.loads(text.partition('<script type="application/json" id="data">')[2].partition("</script>")[0])
     assert data["name"] == name
+
+
+def test_a_law_in_a_file_is_seen_from_the_working_directory(stribeck, tmp_path, monkeypatch):  # noqa: F811
+    law = (Path(__file__).parents[2] / "docs/howto/own-law.md").read_text(encoding="utf-8")
+    (tmp_path / "mylaw.py").write_text(law.partition("```python\n")[2].partition("```")[0], encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    found = stribeck("explore", "mylaw.py:RootLuGre", "--law", "lugre", "--out", "page.html")
+    assert (found.status, found.err) == (0, "")
 
 
 def test_a_missing_extra_is_one_line(tmp_path):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from os.path import isfile
-from pathlib import Path
 
 from stribeck import examples, laws, parameter_sets
 from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS, Law
+from stribeck.parameter_sets import read_toml
 from stribeck.scenario import Scenario
 
 _TURNED = ("points", "file", "ramp", "sine", "step")  # signals whose pieces the page rebuilds as their numbers change
@@ -36,7 +36,8 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
     if given is not None and (given.endswith(".toml") or isfile(given)):  # noqa: PTH113 (Path raises for long names)
         scenario = Scenario.load(given, changes, trust=trust)
     else:
-        scenario = Scenario.load(Path(str(examples.path("stick_slip"))), {}, trust=True)
+        # in the working directory, from where a law in a file is seen
+        scenario = Scenario(read_toml(examples.path("stick_slip")))
         if given is not None:
             scenario = under(scenario, laws.find(given))
         scenario = scenario.with_changes(changes) if changes else scenario
