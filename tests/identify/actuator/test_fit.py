@@ -132,17 +132,29 @@ def test_gaps_are_told(recordings, tmp_path):
     assert any("gaps.csv: 5 samples are missing" in note for note in found.notes)
 
 
-def test_a_fit_that_was_stopped_keeps_what_it_found(recordings):
+def pressed_at(share):
+    """Progress that presses Ctrl-C once, when this share of the work is done."""
     pressed = []
 
-    def stop(share):
-        if share > 0.02 and not pressed:
-            pressed.append(share)
+    def progress(now):
+        if now > share and not pressed:
+            pressed.append(now)
             raise KeyboardInterrupt
 
-    found = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=4, progress=stop)
+    return progress
+
+
+def test_a_fit_that_was_stopped_keeps_what_it_found(recordings):
+    found = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=4, progress=pressed_at(0.02))
     assert found.status == "stopped"
     assert all(np.isfinite(e.value) and not e.identifiable for e in found.estimates.values())
+
+
+def test_a_comparison_that_was_stopped_shows_no_residual(recordings):
+    """The residuals of searches that Ctrl-C had ended stood as those of simpler friction."""
+    found = fit_machine(machine(), logs(recordings, ["run0.csv"], WANTED), starts=1, progress=pressed_at(0.801))
+    assert (found.status, found.baselines) == ("stopped", {})
+    assert all(e.identifiable for e in found.estimates.values())
 
 
 @pytest.mark.thorough

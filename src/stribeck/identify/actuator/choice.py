@@ -174,7 +174,11 @@ def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, R
 
 
 def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
-    """Residuals of simpler friction: none; Coulomb and viscous; Coulomb, Stribeck and viscous."""
+    """Residuals of simpler friction: none; Coulomb and viscous; Coulomb, Stribeck and viscous.
+
+    Raises:
+        Stopped: after Ctrl-C, when a search may not have converged.
+    """
     fitted_paths = paths(fit.sought)
     contacts = [
         name for name in fit.scenario.data.get("contacts", {})
@@ -195,6 +199,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
                 base = Scenario(result.data, folder=fit.scenario.folder)
                 scenario, sought = with_laws(base, fit.sought, dict.fromkeys(contacts, law), speeds)
             best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values)
+            fit.work.check()
             errors = [held_out_error(scenario, best, part) for part in (fit.fitted, fit.held)]
             rows[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held else None, "numbers": len(sought)}
         except InputError:  # a recorded column that the simpler machine lacks, such as a contact's force
