@@ -128,6 +128,19 @@ def test_the_same_recording_once_more_narrows_an_interval_by_the_root_of_two(tmp
     assert any("(its deviation would fall more than 10 times)" in text for text in advised.values())
 
 
+def test_no_recording_is_advised_for_parameters_of_which_only_ratios_matter(tmp_path):
+    """Twice the drive was to narrow their intervals more than 10 times."""
+    machine, law = body(amplitude=5.0), "contacts.guide.law.parameters."
+    truth = {f"{law}{n}": x for n, x in machine["contacts"]["guide"]["law"]["parameters"].items() if n != "v_s"}
+    truth |= {MASS: 1.0, "loads.push.gain": 1.0}
+    record(tmp_path / "a.csv", machine)
+    wanted = {n: {"low": x / 5, "high": 5 * x} for n, x in truth.items()}
+    told = fit_machine(machine, logs(tmp_path, ["a.csv"], wanted), starts=1, baselines=False)
+    for name, e in told.estimates.items():
+        assert "confounded with" in e.why, name
+        assert e.experiment.startswith("no simulated recording"), name
+
+
 def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     """F_c above the F_s that is fixed: nothing is left that could be compared, which is not little."""
     record(tmp_path / "a.csv", body())

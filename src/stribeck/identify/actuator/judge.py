@@ -96,8 +96,7 @@ def _crept(e: Estimate) -> bool:
 def _relation(lib: MachineLibrary) -> Array:
     """The correlation of the fitted parameters."""
     gram = lib.gram.sum(0)[1 : 1 + lib.k, 1 : 1 + lib.k]
-    d = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    c = np.linalg.pinv(gram / np.outer(d, d), rcond=1e-12, hermitian=True)
+    c = advise.covariance(gram)
     size = np.sqrt(np.maximum(np.diag(c), 1e-300))
     return np.asarray(c / np.outer(size, size))
 
@@ -127,7 +126,7 @@ def _why(e: Estimate, name: str, names: list[str], relation: Array) -> str:
     wide = f"its interval spans a factor of {high / low:.2g}" if low > 0 else f"its interval is {low:.3g} to {high:.3g}"
     row = relation[names.index(name)]
     others = [names[i] for i in np.argsort(-abs(row)) if names[i] != name and abs(row[i]) > RELATED]
-    return f"{wide}; {' and '.join(others[:2])} can make up for it" if others else wide
+    return f"{wide}; confounded with {' and '.join(others[:2])}" if others else wide
 
 
 def _explained(choice: Selection[MachineLibrary]) -> list[str]:
