@@ -23,7 +23,7 @@ from measure import finish, options, say
 
 import stribeck
 from stribeck.exports import export
-from stribeck.exports.python import to_jax, to_torch, to_warp
+from stribeck.exports.python import to_jax, to_torch
 
 jax.config.update("jax_enable_x64", True)
 
@@ -205,22 +205,6 @@ class Jax(Engine):
         return float(self.state[2][0]), float(self.state[1][0])
 
 
-class Kernel(Engine):
-    """The law's kernel in Warp, and nothing else."""
-
-    def __init__(self, step: float, worlds: int) -> None:
-        self.tool = to_warp(LAW)
-        self.given = [wp.full(worlds, x, dtype=self.tool.real) for x in (0.0, 0.0, 0.9, 1.0, step)]
-
-    def push(self, load: float) -> None:
-        """A step of the bristles; the joints stay at rest."""
-        self.given[0], _ = self.tool.step(*self.given)
-
-    def read(self) -> tuple[float, float]:
-        """Deflection of the first world, and no velocity."""
-        return float(self.given[0].numpy()[0]), 0.0
-
-
 def exported(target: str) -> Any:
     """The exported file as a module."""
     path = Path(tempfile.mkdtemp()) / f"friction_{target}.py"
@@ -323,7 +307,6 @@ def main() -> None:
         rows.append(row)
         say(str(row))
     many = {name: make for name, make in ENGINES.items() if name != "MuJoCo, frictionloss"}
-    many["Warp kernel alone, this law"] = lambda step, worlds: Kernel(step, worlds)
     packages = ("mujoco", "mujoco-warp", "mujoco-mjx", "newton", "warp-lang", "torch", "jax")
     result = {"versions": {n: metadata.version(n) for n in packages}, "constants": CONSTANTS, "rows": rows}
     if on_gpu:

@@ -171,14 +171,13 @@ EXTRAS = {
     **dict.fromkeys(("scipy", "threadpoolctl", "h5py", "flint", "sympy"), "fit"),
     **dict.fromkeys(("mujoco", "mcap", "mcap_ros2", "rosbags"), "robotics"),
     "ziglang": "fmu",
-    **dict.fromkeys(("control", "casadi", "jax", "torch", "warp"), ""),
+    **dict.fromkeys(("control", "jax", "torch"), ""),
 }  # fmt: skip
-_CALLED = {"warp": "warp-lang"}  # where a package is not called as its module
 
 
 def remedy(package: str, extra: str) -> str:
     """The command that installs a package, by the extra that brings it if there is one."""
-    return f"pip install 'stribeck[{extra}]'" if extra else f"pip install {_CALLED.get(package, package)}"
+    return f"pip install 'stribeck[{extra}]'" if extra else f"pip install {package}"
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The law in PyTorch, JAX and Warp against NumPy's step, with gradients; and the files for learning simulators, run."""
+"""The law in PyTorch and JAX against NumPy's step, with gradients; and the files for learning simulators, run."""
 
 import importlib.util
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 
 import stribeck
 from stribeck.exports import export
-from stribeck.exports.python import to_jax, to_torch, to_warp
+from stribeck.exports.python import to_jax, to_torch
 from tests.exports.stepped import Stepped, law, problems
 
 SAMPLE = ("lugre_majorant", "elastoplastic", "stribeck")
@@ -57,28 +57,23 @@ def test_jax(name):
         assert np.allclose(slope, wanted, rtol=1e-6, atol=1e-8 * np.max(abs(wanted)))
 
 
-def test_warp():
-    wp = pytest.importorskip("warp")
+@pytest.mark.parametrize("name", SAMPLE)
+def test_kernels(name, tmp_path):
+    """Each machine has one joint, so that the coupled step is the step of a joint; in single precision."""
+    pytest.importorskip("mujoco_warp")
+    import warp as wp
+
     wp.config.quiet = True
-    step, given, results, first, each = both("lugre_majorant")
-    tool = to_warp(step.law, "double")
-    inputs = [wp.array(x, dtype=tool.real, requires_grad=True) for x in given]
-    constants = tool.constants(40, requires_grad=True)
-    with wp.Tape() as tape:
-        z, force = tool.step(*inputs, constants=constants)
-    one = wp.array(np.ones(40), dtype=tool.real)
-    tape.backward(grads={z: one, force: one})
-    assert np.allclose(z.numpy(), results[0], rtol=1e-12)
-    assert np.allclose(force.numpy(), results[1], rtol=1e-10)
-    for x, wanted in zip(inputs, first, strict=True):
-        assert np.allclose(x.grad.numpy(), wanted, rtol=1e-8, atol=1e-10 * np.max(abs(wanted)))
-    for k, n in enumerate(tool.names):  # by k_v two terms cancel: an ulp of v moves it by 4e-9 of its largest
-        atol = (1e-7 if n == "k_v" else 1e-10) * np.max(abs(each[n]))
-        assert np.allclose(constants.grad.numpy()[:, k], each[n], rtol=1e-8, atol=atol)
-    alone = tool.step(*(wp.array(x[7:8], dtype=tool.real) for x in given))
-    assert alone[1].numpy()[0] == force.numpy()[7]
-    with pytest.raises(stribeck.InputError, match="precision"):
-        to_warp(step.law, "half")
+    step, (z, v, effort, inertia, dt), wanted, _, _ = both(name)
+    kernels = module("mjwarp", tmp_path, step.law)
+    one = [wp.array(x[:, None], dtype=wp.float32) for x in (v, effort, 0 * v, 0 * v)]
+    matrix, slot = wp.array(inertia[:, None, None], dtype=wp.float32), wp.array(np.arange(40)[:, None], dtype=int)
+    state, fresh = wp.array(z, dtype=wp.float32), wp.full(40, True, dtype=wp.bool)
+    constants, steps = wp.array(kernels._table(None, 40), dtype=wp.float32), wp.array(dt, dtype=wp.float32)
+    given = [constants, slot, matrix, steps, *one[:2], state, fresh, *one[2:]]
+    wp.launch(kernels.coupled, 40, inputs=given)
+    rounding = 1e-5 * (abs(effort) + inertia / dt * abs(v) + step.law.scales(step.law.p).force)
+    assert np.all(abs(one[3].numpy()[:, 0] - wanted[1]) <= rounding)
 
 
 ELASTIC = {
@@ -93,10 +88,10 @@ ELASTIC = {
 }
 
 
-def module(target, folder):
+def module(target, folder, of=None):
     """The exported file, imported."""
     path = folder / f"friction_{target}.py"
-    export(stribeck.law("elastoplastic_majorant", ELASTIC), target, path)
+    export(of or stribeck.law("elastoplastic_majorant", ELASTIC), target, path)
     spec = importlib.util.spec_from_file_location(path.stem, path)
     found = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(found)

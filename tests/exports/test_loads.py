@@ -10,7 +10,7 @@ import stribeck
 from stribeck import InputError, Scenario
 from stribeck.cli import _status
 from stribeck.exports import contact_law
-from stribeck.exports.python import to_jax, to_torch, to_warp
+from stribeck.exports.python import to_jax, to_torch
 from tests.exports.harness import need, output_of
 from tests.machine.machines import law, machine
 
@@ -191,7 +191,7 @@ LOAD = np.array([[4.0, -3.0, 1.0, 2e-3], [0.0, 2.0, 1.5, 0.0], [-2.0, 1.0, 1.0, 
 V, EFFORT = np.array([0.02, -0.01, 0.0]), np.array([1.0, -2.0, 0.5])
 
 
-@pytest.mark.parametrize("library", ["torch", "jax", "warp"])
+@pytest.mark.parametrize("library", ["torch", "jax"])
 def test_the_step_of_array_libraries(library):
     """Backward Euler of joint and bristles at each joint's own load; the gradient by the load is a difference's."""
     pytest.importorskip(library, reason=f"{library} is not installed")
@@ -229,18 +229,6 @@ def by_jax(chosen, load):
     z, F = step(jnp.zeros(3), jnp.asarray(V), jnp.asarray(EFFORT), 0.5, 1e-3, load)
     slope = jax.grad(lambda x: step(jnp.zeros(3), jnp.asarray(V), jnp.asarray(EFFORT), 0.5, 1e-3, x)[1].sum())(load)
     return (np.asarray(z), np.asarray(F)), np.asarray(slope)
-
-
-def by_warp(chosen, load):
-    import warp as wp
-
-    double = to_warp(chosen, "double")
-    arrays = [wp.array(x, dtype=wp.float64) for x in (0 * V, V, EFFORT)]
-    load = wp.array(load, dtype=wp.float64, requires_grad=True)
-    with wp.Tape() as tape:
-        z, F = double.step(*arrays, 0.5, 1e-3, load)
-    tape.backward(grads={F: wp.ones(3, dtype=wp.float64)})
-    return (z.numpy(), F.numpy()), load.grad.numpy()
 
 
 def test_isaaclab_holds_what_the_machine_holds(tmp_path):

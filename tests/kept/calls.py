@@ -26,7 +26,7 @@ from stribeck.cli.app import app
 from stribeck.codegen import source
 from stribeck.exports import contact_law
 from stribeck.exports.exchange import from_bam
-from stribeck.exports.python import to_casadi, to_control, warp
+from stribeck.exports.python import to_control
 from stribeck.exports.python.constants import with_load
 from stribeck.expressions import coq, emit, ops, pretty
 from stribeck.expressions.graph import constant, derivative, symbol, symbols
@@ -555,14 +555,6 @@ for _name in ENDS:
     kept(f"options/{_name}")(functools.partial(_passed_on, _name))
 
 
-@kept("python/warp")
-def _():
-    for name, law in laws():
-        yield f"== {name}"
-        with contextlib.suppress(InputError):
-            yield from shown.digest(warp.text(law, "float"))
-
-
 @kept("python/control")
 def _():
     pytest.importorskip("control")
@@ -577,21 +569,6 @@ def _():
         for x in ([0.0, 1e-3, 1e-6], [0.1, -0.2, 5e-6]):
             state = np.array(x[: system.nstates])
             yield f"{numbers(system.dynamics(0.0, state, [0.5]))}; {numbers(system.output(0.0, state, [0.5]))}"
-
-
-@kept("python/casadi")
-def _():
-    pytest.importorskip("casadi")
-    for name, law in laws():
-        yield f"== {name}"
-        for free in ((), ("F_c",), ("nothing",)):
-            try:
-                function = to_casadi(law, free)
-            except InputError as error:
-                yield from error.problems
-                continue
-            given = [0.02, 5e-6, *[1.1] * len(free)][: function.n_in()]
-            yield f"{function.name_in()} {function.name_out()}: {numbers([float(x) for x in function.call(given)])}"
 
 
 U, W = symbol("u"), symbol("w")

@@ -1,9 +1,7 @@
 """Laws as objects of other Python libraries; each function needs its library."""
 
-from stribeck.exports.python.casadi import to_casadi
 from stribeck.exports.python.jax import to_jax
 from stribeck.exports.python.python_control import response, to_control
 from stribeck.exports.python.torch import to_torch
-from stribeck.exports.python.warp import to_warp
 
-__all__ = ["response", "to_casadi", "to_control", "to_jax", "to_torch", "to_warp"]
+__all__ = ["response", "to_control", "to_jax", "to_torch"]

@@ -14,7 +14,7 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign", "floor", "where", "both", "either")
-_NAMES = ("p", "v", "z", "i", "wp", "torch", "law", "sign_of", "gradient", "by_rate", "by_force", "at")
+_NAMES = ("p", "v", "z", "i", "wp", "torch", "law", "sign_of")
 _TAKEN = frozenset({*FUNCTIONS, "abs", "pow", "like", "real", *_NAMES})
 ARRAYS = replace(PYTHON, value="like(v, {0})")
 WARP = Dialect(
@@ -86,23 +86,12 @@ class Written:
         outputs = [(t, self._equations.expressions[n]) for t, n in zip(targets, names, strict=True)]
         return self._body(outputs, f"return {', '.join(targets)}", warp, indent)
 
-    def _slopes_by_constants(self) -> list[tuple[str, Expr]]:
-        pairs = enumerate(self._by_constants.values())
-        return [(f"{output}{i}_", e) for i, pair in pairs for output, e in zip("rf", pair, strict=True)]
-
     def of_constants(self) -> str:
         """Lines that return the derivatives of dz/dt and F by each constant, by name."""
-        outputs = self._slopes_by_constants()
+        pairs = enumerate(self._by_constants.values())
+        outputs = [(f"{output}{i}_", e) for i, pair in pairs for output, e in zip("rf", pair, strict=True)]
         text = ", ".join(f'"{n}": (r{i}_, f{i}_)' for i, n in enumerate(self.names))
         return self._body(outputs, f"return {{{text}}}", False, " " * 8)
-
-    def of_constants_warp(self) -> str:
-        """Lines that add the gradient by each constant to ``gradient[i, k]``: by_rate d(rate)/dc + by_force dF/dc."""
-        outputs = self._slopes_by_constants()
-        text = "\n    ".join(
-            f"wp.atomic_add(gradient, i, {i}, by_rate * r{i}_ + by_force * f{i}_)" for i in range(len(self.names))
-        )
-        return self._body(outputs, text, True, " " * 4)
 
     def equations(self, gradients: bool = True) -> str:
         """The class ``law`` that :mod:`stribeck.exports.python.stepping` takes, as text; gradients: by the constants."""

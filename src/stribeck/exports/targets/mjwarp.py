@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from stribeck.exports.python import warp
+from stribeck.exports.joints import joints
 from stribeck.exports.request import Part, Target
 
 TARGET = Target(
-    "mjwarp", "joint friction for MuJoCo Warp", {"law": Part(partial(warp.joints, "mjwarp"))}, folder=False, loads=True
+    "mjwarp", "joint friction for MuJoCo Warp", {"law": Part(partial(joints, "mjwarp"))}, folder=False, loads=True
 )

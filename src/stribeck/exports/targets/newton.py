@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from stribeck.exports.python import warp
+from stribeck.exports.joints import joints
 from stribeck.exports.request import Part, Target
 
 TARGET = Target(
-    "newton", "joint friction for Newton", {"law": Part(partial(warp.joints, "newton"))}, folder=False, loads=True
+    "newton", "joint friction for Newton", {"law": Part(partial(joints, "newton"))}, folder=False, loads=True
 )
