@@ -235,7 +235,7 @@ function summary(result) {
 
 // ---- claims, equation, links --------------------------------------------------------------------------------------
 
-const WORDS = { unique: "one solution", bounded: "bounded", smooth: "smooth", passive: "passive", drift_free: "free of drift" };
+const WORDS = { unique: "unique", bounded: "bounded", smooth: "smooth", passive: "passive", drift_free: "drift-free" };
 
 function claims(values) {
   const box = $("claims");
