@@ -54,11 +54,10 @@ def test_the_evidence(report):
 
 
 def test_which_k_v(chapter):
-    """The largest is for the limit cycle: theory.md has 1.4e-2 m at 1e7, and the error falls like 1/k_v."""
+    """The larger is for creep: theory.md has 12.7/k_v for the paper's law."""
     found = chapter("which_k_v").numbers("which_k_v")
-    assert found["lugre_sobczyk"]["k_v"] == pytest.approx(1.4e8, rel=0.05)
+    assert found["lugre_sobczyk"]["k_v"] == pytest.approx(12.7e6, rel=0.005)
     by_name = {each["name"]: each["k_v"] for each in found["lugre_majorant"]["requirements"]}
-    assert by_name["error of presliding at 0.1425 N/s"] == pytest.approx(1e7 * 0.0161 / 0.02, rel=0.03)
     assert by_name["error of steady friction at 0.0001 m/s"] == pytest.approx(
         (2 / (3 * pi * 0.01)) ** (1 / 3) / 1e-4, rel=0.1
     )

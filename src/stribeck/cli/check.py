@@ -41,9 +41,7 @@ class SteepnessOptions:
     ] = None
     share: Annotated[
         float | None,
-        setting(
-            "--share", "X", "Load of --creep and --presliding-error, as a share of F_s; 0.95 unless given.", STEEPNESS
-        ),
+        setting("--share", "X", "Load of --creep, as a share of F_s; 0.95 unless given.", STEEPNESS),
     ] = None
     steady_error: Annotated[
         float | None,
@@ -51,39 +49,6 @@ class SteepnessOptions:
     ] = None
     speed: Annotated[
         float | None, setting("--speed", "M/S", "Speed at which --steady-error is evaluated (m/s).", STEEPNESS)
-    ] = None
-    presliding_error: Annotated[
-        float | None,
-        setting(
-            "--presliding-error",
-            "X",
-            "Find k_v for this error of the presliding position, relative to its peak.",
-            STEEPNESS,
-        ),
-    ] = None
-    force_rate: Annotated[
-        float | None, setting("--force-rate", "N/S", "Rate of the force of --presliding-error (N/s).", STEEPNESS)
-    ] = None
-    position_error: Annotated[
-        float | None,
-        setting("--position-error", "M", "Find k_v for this error of the position in --scenario (m).", STEEPNESS),
-    ] = None
-    scenario: Annotated[
-        Path | None,
-        setting(
-            "--scenario",
-            "FILE",
-            "Scenario of --position-error; its constants except k_v are used unless --parameters is given.",
-            STEEPNESS,
-        ),
-    ] = None
-    sample_time: Annotated[
-        float | None,
-        setting("--sample-time", "S", "Find k_v with which explicit Euler is stable at this step (s).", STEEPNESS),
-    ] = None
-    mass: Annotated[
-        float | None,
-        setting("--mass", "KG", "Mass of the body for --presliding-error (kg); negligible unless given.", STEEPNESS),
     ] = None
 
     def given(self) -> dict[str, object]:
@@ -262,9 +227,6 @@ class _Law:
         reads = Path(name.rpartition(":")[0]), Path(parameters or "")
         bounds, given = level_of(level), parse_assignments(assignments)
         open_k_v = bool(tolerated) and "k_v" not in given and "k_v" in laws.find(name).constants()
-        if "scenario" in tolerated:
-            tolerated["scenario"] = scenario = load_scenario(Path(str(tolerated["scenario"])), [], trust)
-            given = given if parameters else _constants_of(name, scenario) | given
         if parameters is None and _lacks_parameters(name, given):
             parameters = _DEFAULT_SET
             note(f"no parameters given: checked with the set {parameters}")
@@ -353,13 +315,3 @@ def _lacks_parameters(name: str, given: Mapping[str, object]) -> bool:
 
     kind = laws.find(name)
     return not set(given) & set(PARAMETERS) and any(kind.constants()[n].required for n in kind.uses)
-
-
-def _constants_of(name: str, scenario: Scenario) -> dict[str, float | str | None]:
-    """The constants of a scenario's law that the law of this name has too."""
-    from stribeck import laws
-    from stribeck.laws.base import PARAMETERS
-
-    known, law = {*laws.find(name).constants(), *PARAMETERS}, scenario.law
-    constants = {**law.machine, **law.p.numbers, **law.p.words}
-    return {n: x for n, x in constants.items() if n in known} | {"rotary": law.rotary}

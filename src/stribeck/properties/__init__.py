@@ -53,8 +53,7 @@ def check(
             holds for every such history.
         forces: of a machine, assumed bounds of forces by the name of a link, load or motor, N or N m.
         t_end: of a machine, end of the run over which signals are bounded, s; the scenario's unless given.
-        **tolerated: of a law with k_v, tolerances: ``creep``, ``steady_error`` at a ``speed``, ``presliding_error`` at a
-            ``force_rate``, ``position_error`` in a ``scenario``, ``sample_time``
+        **tolerated: of a law with k_v, tolerances: ``creep``, ``steady_error`` at a ``speed``
             (:class:`stribeck.properties.steepness.Tolerated`). ``.steepness`` is then the smallest k_v that meets them.
         work: largest number of regions of (v, z) to examine; undecided properties are then None.
 

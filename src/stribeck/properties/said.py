@@ -239,10 +239,9 @@ def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
     tables = [Table(["law", "tolerance", "smallest k_v", "how it was found"], rows, prose=True)]
     if costs := {law: each.cost for law, each in by_law.items() if each.cost is not None}:
         unit = rotary_unit if any(each.rotary for each in by_law.values()) else str
-        amounts: list[tuple[str, str, Callable[[Cost], float | None]]] = [
+        amounts: list[tuple[str, str, Callable[[Cost], float]]] = [
             ("largest step of explicit Euler", "s", lambda c: c.largest_step),
             ("stiffness", "1/s", lambda c: c.stiffness),
-            ("stiffness with the body", "1/s", lambda c: c.body_stiffness),
             ("valid for speeds up to", unit("m/s"), lambda c: c.v_max),
             ("|v| is smoothed below", unit("m/s"), lambda c: c.bend),
             ("largest d²F/dv² there", unit("N s^2/m^2"), lambda c: c.force_bend),
@@ -250,7 +249,6 @@ def _steepness(by_law: Mapping[str, Steepness]) -> Chapter:
         price: list[list[Cell]] = [
             [words, *(Amount(quantity(cost), unit_of) for cost in costs.values())]
             for words, unit_of, quantity in amounts
-            if any(quantity(cost) is not None for cost in costs.values())
         ]
         tables.append(Table(["cost", *costs], price))
     figure = Figure("steepness", "Each error against k_v; grey: tolerance.", lambda: errors_against_k_v(by_law))

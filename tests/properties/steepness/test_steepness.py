@@ -1,20 +1,17 @@
-"""Which k_v: closed forms against equations written anew, simulated answers against the numbers of theory.md."""
+"""Which k_v: closed forms against equations written anew, and creep in simulation."""
 
 from __future__ import annotations
 
 import json
 from math import atan, exp, inf, pi, sqrt, tan
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from stribeck import InputError, Scenario, law, simulate
-from stribeck.errors import StribeckError
+from stribeck import Scenario, law, simulate
 from stribeck.laws import builtin
 from stribeck.parameter_sets import parameters
-from stribeck.properties.steepness import Tolerated, simulated, smallest_steepness
+from stribeck.properties.steepness import Tolerated, smallest_steepness
 from stribeck.properties.steepness.search import smallest
 from stribeck.properties.steepness.steady import inverse
 from tests.simulation.rig import law_table, rig
@@ -37,13 +34,6 @@ def only(advices, name):
     (requirement,) = advices[name].requirements
     assert advices[name].k_v == requirement.k_v
     return requirement
-
-
-def test_a_run_that_fails_ends_the_search(monkeypatch):
-    monkeypatch.setattr(simulated, "simulate", lambda scenario: SimpleNamespace(reason="the step became too small"))
-    scenario = Scenario(rig("lugre", "force", {"kind": "ramp", "rate": 0.1}, 1.0))
-    with pytest.raises(StribeckError, match="under lugre failed: the step became too small"):
-        advise("lugre_majorant", "canudas1995", position_error=1e-6, scenario=scenario)
 
 
 @pytest.mark.parametrize(("speed", "k_v"), [(12.7e-6, 1e6), (1.27e-6, 1e7), (0.127e-6, 1e8)])
@@ -133,59 +123,8 @@ def test_steady_error(speed, error):
     assert needed["lugre_majorant"] < needed["lugre_sobczyk"]
 
 
-@pytest.mark.parametrize(
-    ("k_v", "sobczyk", "majorant"), [(1e6, 1.94, 0.177), (1e7, 0.197, 0.0161), (1e8, 0.0198, 0.0016)]
-)
-def test_presliding_numbers_of_the_theory(k_v, sobczyk, majorant):
-    cycle = {"force_rate": 0.1425, "mass": 1.0}
-    found = only(advise("lugre_sobczyk", "canudas1995", presliding_error=sobczyk, **cycle), "lugre_sobczyk")
-    assert found.k_v == pytest.approx(k_v, rel=0.01)
-    assert found.method == "simulation, bisection"
-    assert found.achieved <= sobczyk
-    found = only(advise("lugre_majorant", "canudas1995", presliding_error=majorant, **cycle), "lugre_majorant")
-    assert found.k_v == pytest.approx(k_v, rel=0.03)
-
-
-@pytest.mark.parametrize(("set_name", "rate"), [("canudas1995", 10.0), ("liu2015", 1.0), ("olsson1998", 1.0)])
-def test_a_load_that_breaks_away_is_no_presliding(set_name, rate):
-    """Table 1 breaks away at 1.22 N when loaded at 10 N/s (theory.md), before 0.95 F_s is reached."""
-    with pytest.raises(InputError) as error:
-        advise("lugre_sobczyk", set_name, presliding_error=0.01, force_rate=rate)
-    assert str(error.value).startswith(
-        f"force_rate: {rate:g}: so fast lugre breaks away below 0.95 F_s; must be slower"
-    )
-    advise("lugre_sobczyk", set_name, presliding_error=0.01, force_rate=1e-2 * rate, share=0.5)
-
-
-@pytest.mark.thorough
-def test_position_error_in_the_limit_cycle():
-    """Theory.md: 1.06e-1 m at k_v = 1e6 for lugre_sobczyk; the majorant law needs a thousandth for 1 mm."""
-    pid = {"kind": "pid", "K_p": 3.0, "K_i": 4.0, "K_d": 6.0}
-    scenario = Scenario(rig("lugre", pid, {"kind": "step", "value": 1.0, "time": 10.0}, 250.0, rows=5000))
-    found = only(advise("lugre_sobczyk", "canudas1995", position_error=0.106, scenario=scenario), "lugre_sobczyk")
-    assert found.k_v == pytest.approx(1e6, rel=0.02)
-    advices = advise("lugre_sobczyk", "canudas1995", position_error=1e-3, scenario=scenario)
-    assert advices["lugre_majorant"].k_v < 2e-3 * advices["lugre_sobczyk"].k_v
-    met = simulate(scenario.with_changes({"law.name": "lugre_sobczyk", "law.k_v": advices["lugre_sobczyk"].k_v}))
-    error = np.max(np.abs(met["y"] - simulate(scenario)["y"]))
-    assert 0.99e-3 < error <= 1e-3
-
-
-def test_sample_time():
-    """Explicit Euler at a held v is stable below 2 g/|v|: 2e-4 s at 0.1 m/s with Table 1, for any k_v."""
-    advices = advise("lugre_sobczyk", "canudas1995", creep=1e-6, sample_time=1.9e-4, v_max=0.1)
-    for each in advices.values():
-        assert each.k_v == each.requirements[0].k_v
-        assert each.cost.largest_step == pytest.approx(2e-4, rel=1e-4)
-        assert each.cost.stiffness == pytest.approx(1e4, rel=1e-4)
-    advices = advise("lugre_sobczyk", "canudas1995", creep=1e-6, sample_time=2.1e-4, v_max=0.1)
-    for each in advices.values():
-        assert each.k_v is None
-        assert "implicit" in each.requirements[1].detail
-
-
 def test_the_largest_requirement_decides():
-    advices = advise("lugre_majorant", "canudas1995", creep=1e-6, steady_error=1e-2, speed=1e-4, mass=1.0)
+    advices = advise("lugre_majorant", "canudas1995", creep=1e-6, steady_error=1e-2, speed=1e-4)
     assert list(advices) == ["lugre_majorant"]
     creep, steady = advices["lugre_majorant"].requirements
     assert advices["lugre_majorant"].k_v == max(creep.k_v, steady.k_v) > min(creep.k_v, steady.k_v)
@@ -207,26 +146,16 @@ def test_search(power):
     assert steps == pytest.approx(root, rel=2e-9)
 
 
-def test_a_driven_velocity_tells_nothing():
-    scenario = Scenario(
-        law={"name": "lugre", "parameters": "canudas1995"},
-        drive={"kind": "velocity", "signal": {"kind": "ramp", "rate": 1.0}},
-        solve={"t_end": 1.0}, output={"step": 0.1},
-    )  # fmt: skip
-    with pytest.raises(InputError, match="its drive sets the velocity"):
-        advise("lugre_sobczyk", "canudas1995", position_error=1e-3, scenario=scenario)
-
-
 @pytest.mark.share(5)
 @pytest.mark.parametrize("set_name", parameters())
 @pytest.mark.parametrize("name", [n for n, each in builtin().items() if each.has_z and "k_v" in each.constants()])
 def test_every_law_and_machine(name, set_name):
     p = parameters()[set_name].values
     own = {"z_ba": 0.7 * p["F_c"] / p["sigma_0"]} if name.startswith("elastoplastic") else {}
-    advices = advise(name, set_name, creep=1e-3 * p["v_s"], steady_error=1e-3, speed=p["v_s"], sample_time=1e-12, **own)
+    advices = advise(name, set_name, creep=1e-3 * p["v_s"], steady_error=1e-3, speed=p["v_s"], **own)
     for found, each in advices.items():
         assert each.k_v > 0
-        for requirement in each.requirements[:2]:
+        for requirement in each.requirements:
             if requirement.k_v:
                 assert requirement.achieved == pytest.approx(requirement.tolerance, rel=1e-4), (found, requirement)
         model = law(found, set_name, k_v=each.k_v, **own)

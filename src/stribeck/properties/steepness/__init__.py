@@ -1,8 +1,8 @@
 """The smallest steepness k_v with which a smooth law is as close to the exact one as a user needs.
 
 A smaller k_v is a smoother law: dF/dt varies less abruptly around v = 0, and a fixed step resolves it. A larger one is
-closer to |v|. The user says which errors are tolerable. Closed forms answer where there are any; otherwise the law's
-steady state or simulations do, by bisection.
+closer to |v|. The user says which errors are tolerable. Closed forms answer where there are any, otherwise the law's
+steady state.
 """
 
 from __future__ import annotations
@@ -57,7 +57,6 @@ def smallest_steepness(law: Law, tolerated: Tolerated) -> dict[str, Steepness]:
 
     Raises:
         InputError: a tolerance is not valid, or the law is another; one line for each problem.
-        StribeckError: a simulation failed.
     """
     if problems := tolerated.problems():
         raise InputError(problems)
@@ -70,6 +69,6 @@ def smallest_steepness(law: Law, tolerated: Tolerated) -> dict[str, Steepness]:
         requirements = tuple(tolerance.need(variant) for tolerance in tolerated.tolerances(variant))
         needed = [each.k_v for each in requirements if each.k_v is not None]
         k_v = max(needed) if len(needed) == len(requirements) else None
-        price = cost(variant, k_v, tolerated.fastest(variant), tolerated.mass) if k_v else None
+        price = cost(variant, k_v, tolerated.fastest(variant)) if k_v else None
         by_law[name] = Steepness(name, k_v, requirements, price, law.rotary)
     return by_law

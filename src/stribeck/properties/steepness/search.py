@@ -11,8 +11,7 @@ from stribeck import laws
 from stribeck.constants import rotary_unit
 from stribeck.laws.base import PARAMETERS, Law
 
-FORMULA, STEADY, DERIVATIVE = "formula", "root of the law's steady state", "root of the law's derivative"
-SIMULATION = "simulation, bisection"
+FORMULA, STEADY = "formula", "root of the law's steady state"
 _SLOPES = (1e-6, 1e12)  # k_v as multiples of 1/v_s: where it is looked for
 
 
@@ -26,8 +25,8 @@ class Requirement:
         unit: of the tolerance; empty for shares.
         k_v: the smallest that meets it, s/m; 0 where any does, None where none does.
         achieved: the measure at that k_v, computed from the law itself.
-        method: formula, root of the steady state, or simulation.
-        detail: the formula, or what was simulated.
+        method: formula, or root of the steady state.
+        detail: the formula, or the equation.
         points: (k_v, measure) around it, for a plot.
     """
 
