@@ -33,8 +33,8 @@ class BestPoint:
 
     Attributes:
         guides: of the fitted recordings; ``bandwidth``: of the guide, rad/s, 0 without one.
-        under_guide: if the residual of a free simulation is coloured, by name the coordinates of a second estimate and
-            their deviations.
+        under_guide: if the residual is coloured, by name the coordinates of a second estimate, under the stiffest guide,
+            and their deviations.
     """
 
     problem: MachineProblem
@@ -118,7 +118,7 @@ def estimate(
         return free
     best = _as_free_as_possible(begun, near, free)
     best = _weighted(best)
-    if best.problem.coloured and not (best.stopped or best.bandwidth):
+    if best.problem.coloured and not best.stopped:
         try:
             best.under_guide = search_.under_guide(near)
         except (KeyboardInterrupt, Stopped):

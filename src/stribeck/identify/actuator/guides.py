@@ -16,6 +16,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.runs import roughness
+from stribeck.identify.data.smoother import smooth
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import unused_prefix
 
@@ -73,15 +74,20 @@ def _inputs(motions: Sequence[_Motion], bandwidth: float, prefix: str) -> dict[s
     return inputs
 
 
-def _with_noise(recording: Recording, motions: Sequence[_Motion]) -> Iterator[Recording]:
-    """The recording with other noise added to the measurements of its motions."""
+def _noisier(recording: Recording, motions: Sequence[_Motion]) -> Iterator[tuple[Recording, list[_Motion]]]:
+    """The recording with other noise added to its measured motions, and these, smoothed as before."""
     rng = np.random.default_rng(0)
     for _ in range(_DRAWS):
-        outputs = dict(recording.outputs)
+        outputs, noisier = dict(recording.outputs), list[_Motion]()
         for m in motions:
-            x = outputs[m.column].x
-            outputs[m.column] = replace(outputs[m.column], x=x + m.noise * rng.standard_normal(len(x)))
-        yield replace(recording, outputs=outputs)
+            c = outputs[m.column]
+            noise = m.noise * rng.standard_normal(len(c.x))
+            outputs[m.column] = replace(c, x=c.x + noise)
+            noise = np.where(np.isfinite(c.x), noise, 0.0)
+            carried = smooth(m.t, np.interp(m.t, c.t, noise), c.smoothing)
+            y, v = (None, m.v + carried(m.t)) if m.y is None else (m.y + carried(m.t), m.v + carried.derivative()(m.t))
+            noisier.append(replace(m, y=y, v=v))
+        yield replace(recording, outputs=outputs), noisier
 
 
 def _with(recording: Recording, inputs: Mapping[str, Channel]) -> Recording:
@@ -110,8 +116,7 @@ class Guides:
     @cached_property
     def _noisier(self) -> dict[int, list[tuple[Recording, list[_Motion]]]]:
         """The recordings with other noise added to their measured motions, and these motions."""
-        noisier = {i: list(_with_noise(r, self._motions[i])) for i, r in self._recordings}
-        return {i: [(r, list(_motions(self._scenario, r))) for r in same] for i, same in noisier.items()}
+        return {i: list(_noisier(r, self._motions[i])) for i, r in self._recordings}
 
     @cached_property
     def bandwidths(self) -> list[float]:

@@ -62,10 +62,14 @@ class Channel:
         return bridged(t, self.x[good][first])
 
     @cached_property
+    def smoothing(self) -> float:
+        """The parameter of the likeliest cubic smoothing spline of the valid samples."""
+        return smoothing(self.bridged.t, self.bridged.x)
+
+    @cached_property
     def smoothed(self) -> BSpline:
         """The likeliest cubic smoothing spline of the valid samples."""
-        t, x = self.bridged.t, self.bridged.x
-        return smooth(t, x, smoothing(t, x))
+        return smooth(self.bridged.t, self.bridged.x, self.smoothing)
 
 
 @dataclass(frozen=True)
