@@ -60,11 +60,11 @@ def test_what_cannot_be_read_is_left_out():
         axes["a"].plot([1, 2, 3], [1, 2, 3])
         axes["a"].set_yscale("symlog", linthresh=1.0)
         axes["b"].plot([1, 2, 3], [0, 1, 1])
-        axes["b"].set_yticks([0, 1], ["hunts", "stands"])
+        axes["b"].set_yticks([0, 1, 2], ["hunts", "stands", "law 2"])
         axes["b"].set_xticks([1, 3], ["1", "3"])
 
     _, told = drawn(draw, [["a", "b"]])
-    assert [panel["y"].get("words") for panel in told] == [[[0.0, "hunts"], [1.0, "stands"]]]
+    assert [panel["y"].get("words") for panel in told] == [[[0.0, "hunts"], [1.0, "stands"], [2.0, "law 2"]]]
     assert "words" not in told[0]["x"]  # numbers
 
 
