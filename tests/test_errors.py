@@ -11,7 +11,7 @@ import pytest
 from stribeck import InputError, StribeckError
 from stribeck.cli import _status
 from stribeck.constants import Constant, show
-from stribeck.errors import MissingExtra, arg, error_text, nearest
+from stribeck.errors import MissingExtra, arg, error_text, nearest, needed
 
 
 def test_every_problem_is_one_line_that_a_terminal_can_show():
@@ -42,6 +42,11 @@ def test_no_message_holds_the_marks_of_arguments():
     """Python showed control characters, and the command the argument's bare name."""
     assert str(StribeckError(f"{arg('out')} gone")) == "out gone"
     assert str(MissingExtra(f"{arg('out')} x", "pyarrow", "plot")).startswith("out x needs pyarrow")
+
+
+def test_a_module_that_no_extra_brings_is_no_missing_extra():
+    with pytest.raises(ModuleNotFoundError, match="unknown"), needed("x"):
+        raise ModuleNotFoundError("unknown", name="unknown")
 
 
 def test_a_computation_that_failed_names_the_option(monkeypatch, capsys):
