@@ -186,6 +186,8 @@ def test_the_intervals_of_a_file_hold_for_each_contact_that_has_the_constant(tmp
     F_c, F_s = (samples[path] for path in found)
     assert (F_s >= F_c).all()
     assert (F_c.min(), F_c.max(), F_s.min(), F_s.max()) == (0.5, 2.2, 1.8, 2.4)
+    np.testing.assert_allclose(F_c[:7], [1.35, 0.5, 2.2, 0.5, 2.2, 1.35, 1.35])  # middle, low, high, each alone
+    np.testing.assert_allclose(F_s[:7], [2.1, 1.8, 2.4, 2.1, 2.2, 1.8, 2.4])
 
 
 @pytest.mark.parametrize(
