@@ -33,3 +33,11 @@ def test_no_curve_rises_from_rest():
     """A law with F_s below F_c was refused, and with it the fit of a log that hardly slides."""
     curve = steady_curve(V, [A], (5 - 3 * np.exp(-((V / 0.05) ** 2))) * np.tanh(V / 1e-3))[1]
     assert curve["F_s"] >= curve["F_c"] > 0
+
+
+def test_a_curve_that_falls_and_then_rises_begins_on_its_fall():
+    """At rest it is 5 + 0.5 - 1.5 = 4, and 3.57 at 0.02 m/s."""
+    level = 5 + 0.5 * np.exp(-((V / 0.01) ** 2)) - 1.5 * np.exp(-((V / 0.1) ** 2))
+    curve = steady_curve(V, [A], level * np.tanh(V / 1e-3))[1]
+    assert curve["F_s"] == pytest.approx(4, rel=0.01)
+    assert curve["F_c"] == pytest.approx(3.57, rel=0.05)
