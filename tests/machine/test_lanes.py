@@ -48,6 +48,13 @@ def test_lanes_agree_with_single_runs(name):
         assert ensemble.slips[lane] == len(single.events["c"]["slip"])
 
 
+def test_no_lane_steps_over_more_than_an_eighth_of_a_wave():
+    """Of the load's sine, or of a dither that is faster."""
+    dithered = {**RIG, "controllers": {"u": {**PID, "dither": {"amplitude": 0.1, "frequency": 50.0}}}}
+    ensemble = simulate(dithered, {"loads.p.signal.frequency": [2.0, 80.0]})
+    np.testing.assert_allclose(ensemble._variations.longest_step(), [1 / 400, 1 / 640])
+
+
 def test_a_constant_that_is_off_is_turned_on():
     plain = machine(
         {"a": {"mass": 0.5}}, links={"k": {"from": "a", "to": "ground", "stiffness": 9.0}}, loads={"p": push()}
