@@ -15,9 +15,12 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
+import pyarrow as pa
 import pytest
 import tomli_w
 import typer.main
+from scipy.io import savemat
 
 import stribeck
 import stribeck.errors
@@ -33,10 +36,12 @@ from stribeck.expressions.graph import constant, derivative, symbol, symbols
 from stribeck.expressions.intervals import Box
 from stribeck.identify.actuator import read_logs
 from stribeck.identify.actuator.coordinates import coordinates
+from stribeck.identify.data.read import ColumnNames, read
 from stribeck.laws import builtin, overflow, trouble
 from stribeck.loops.boundary import Turned
 from stribeck.properties.prover.ring import Ring
 from stribeck.properties.prover.search import Budget, Prover
+from stribeck.recorded import opened
 from stribeck.scenario import schema
 from stribeck.simulation import c_source, wasm
 from stribeck.waveforms.pieces import pieces
@@ -664,11 +669,48 @@ def _():
             yield f"{'.'.join(key)}: {float(moved.values[key]):.9g} {others} {natural}"
 
 
+def _file(name, content):
+    """A file with this content, text or columns; its name."""
+    if isinstance(content, dict):
+        {".npz": np.savez, ".mat": lambda path, **columns: savemat(path, columns)}[Path(name).suffix](name, **content)
+    else:
+        Path(name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    return name
+
+
+def _table(text, *wanted):
+    """What is read of a text file by pyarrow, and line by line without it."""
+    told = _columns(path := _file("table.csv", text), *wanted)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stribeck.recorded.find_spec", lambda name: None)
+        alone = _columns(path, *wanted)
+    return told if told == alone else f"{told}\nwithout pyarrow:\n{alone}"
+
+
+def _columns(data, *wanted):
+    """The names of a table, its units and constants, and its columns: at once, or each alone if some are refused."""
+    try:
+        source = opened(data)
+    except InputError as error:
+        return "\n".join(f"! {problem}" for problem in error.problems)
+    names = wanted or source.names[:9]
+    lines = [f"{source.names[:99]} {source.stated or ''} {source.constants or ''}"]
+    try:
+        found = source.columns({name: name for name in names})
+        lines += (f"{n}: {str(x[:9].tolist())[1:-1]}, {len(x)} rows" for n, x in found.items())
+    except InputError as error:
+        lines += (f"! {problem}" for problem in error.problems)
+        lines += (_columns(data, name).partition("\n")[2] for name in names if len(names) > 1)
+    return "\n".join(dict.fromkeys(lines))
+
+
 def _values(lines):
     names = {name: getattr(stribeck, name) for name in stribeck.__all__} | {"np": np, "Turned": Turned}
     names |= {"ops": ops, "coq": coq, "pretty": pretty, "constant": constant, "symbol": symbol, "x": X, "y": Y}
     names["CANUDAS"] = CANUDAS
     names["written"] = lambda expr: "\n".join(pretty.write(expr, SHOWN, latex=latex) for latex in (False, True))
+    names |= {"file": _file, "table": _table, "columns": _columns, "read": read, "ColumnNames": ColumnNames}
+    names |= {"pd": pd, "pa": pa, "T": np.arange(200) * 1e-3}
     inputs("\n".join(lines) + "axis.logs.toml")
     for line in lines:
         yield f">>> {line}"

@@ -12,17 +12,14 @@ import pyarrow as pa
 import pytest
 from pyarrow import parquet
 from scipy import signal
-from scipy.io import savemat
 
-from stribeck import InputError, examples
-from stribeck.errors import StribeckNote
+from stribeck import InputError
 from stribeck.identify.api import fit
 from stribeck.identify.data.clocks import released
 from stribeck.identify.data.filters import decimate, low_pass
 from stribeck.identify.data.prepare import Preparation, _samples, load_log
 from stribeck.identify.data.quality import clean, unwrapped
 from stribeck.identify.data.read import ColumnNames, read
-from stribeck.recorded import opened_with
 
 T = np.arange(400) * 1e-3
 X, F = np.sin(8 * T), np.cos(8 * T) + 3
@@ -36,78 +33,6 @@ def _csv(path, rows, head="t,x,i"):
 
 def _rows(t=T, x=X, f=F):
     return [f"{a!r},{b!r},{c!r}" for a, b, c in zip(t.tolist(), x.tolist(), f.tolist(), strict=True)]
-
-
-def _write(kind, path):
-    columns = {"t": T, "x": X, "i": F}
-    if kind == "csv":
-        _csv(path, _rows())
-    elif kind == "parquet":
-        parquet.write_table(pa.table(columns), path)
-    elif kind == "npz":
-        np.savez(path, **columns)
-    elif kind == "mat5":
-        savemat(path, {name: x[:, None] for name, x in columns.items()} | {"gain": 2.5})
-    else:
-        h5py = pytest.importorskip("h5py")
-        with h5py.File(path, "w", userblock_size=512) as file:
-            for name, x in columns.items():
-                file[name] = x[None, :]
-        with path.open("r+b") as file:
-            file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
-
-
-@pytest.mark.parametrize("kind", ["csv", "parquet", "npz", "mat5", "mat73"])
-def test_every_format_gives_the_same_columns_in_si(kind, tmp_path):
-    path = tmp_path / f"log.{kind.rstrip('573')}"
-    _write(kind, path)
-    found = read(path, ColumnNames(NAMES, {"t": "ms", "x": "mm", "i": "A"}, 2.0))
-    np.testing.assert_allclose(found["time"], 1e-3 * T, rtol=1e-15)
-    np.testing.assert_allclose(found["position"], 1e-3 * X, rtol=1e-15)
-    np.testing.assert_allclose(found["force"], 2 * F, rtol=1e-15)
-
-
-def test_columns_may_stand_in_a_file_beside_the_data_and_the_gain_in_the_data(tmp_path):
-    path = tmp_path / "log.mat"
-    _write("mat5", path)
-    (tmp_path / "log.toml").write_text(
-        'force_gain = "gain"\n[columns]\ntime = "t"\nposition = "i"\nforce = "i"\n[units]\nt = "ms"\n'
-    )
-    found = read(path, ColumnNames({"position": "x"}))
-    np.testing.assert_allclose(found["force"], 2.5 * F, rtol=1e-15)
-    np.testing.assert_array_equal(found["position"], X)
-
-
-def test_a_scenario_beside_the_data_describes_no_log(tmp_path):
-    """`new axis` beside axis.csv."""
-    path = _csv(tmp_path / "log.csv", _rows())
-    (tmp_path / "log.toml").write_text(examples.path("machine").read_text(encoding="utf-8"), encoding="utf-8")
-    found = read(path, ColumnNames(NAMES, {}, 1.0))
-    np.testing.assert_array_equal(found["position"], X)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ('[colums]\ntime = "t"\n', r"colums: unknown key \(did you mean 'columns'\?\)"),
-        ('[columns]\ntine = "t"\n', r"columns\.tine: unknown key \(did you mean 'time'\?\)"),
-        ('columns = "t"\n', "columns: 't': must be a table of names"),
-        ("[units]\nt = [1]\n", "units: .*: must be a table of names"),
-        ("force_gain = [1.0]\n", "force_gain: .*: must be a number or the name of a constant"),
-    ],
-)
-def test_a_mistake_in_the_file_beside_the_data_is_told(text, said, tmp_path):
-    path = _csv(tmp_path / "log.csv", _rows())
-    (tmp_path / "log.toml").write_text(text)
-    with pytest.raises(InputError, match=rf"log\.toml: {said}"):
-        read(path, ColumnNames(NAMES, {}, 1.0))
-
-
-def test_a_csv_file_without_a_head_has_numbered_columns(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("\n".join(row.replace(",", "\t") for row in _rows()))
-    found = read(path, ColumnNames({"time": "1", "velocity": "2", "force": "3"}))
-    np.testing.assert_array_equal(found["velocity"], X)
 
 
 @pytest.mark.parametrize(
@@ -181,81 +106,6 @@ def test_the_filters_in_pieces_are_the_filters():
     np.testing.assert_array_equal(low_pass(x[:99], 100.0, 1e-3), signal.filtfilt(b, a, x[:99], padlen=12))
     c = signal.cheby1(8, 0.05, 0.08)
     np.testing.assert_allclose(decimate(x[:5000], 10), signal.filtfilt(*c, x[:5000], padlen=24)[1::10], rtol=1e-12)
-
-
-def test_decimal_commas_go_with_semicolons(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("t;y;F\n0,0;1,5;-2,25\n0,5;2,5;3\n")
-    found = read(path, ColumnNames({"time": "t", "position": "y", "force": "F"}))
-    assert found["time"].tolist() == [0.0, 0.5]
-    assert found["force"].tolist() == [-2.25, 3.0]
-
-
-def test_a_file_in_utf_16_is_read(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_bytes(("t\ty\tF\n" + "\n".join(f"{k}\t{k * k}\t2" for k in range(60))).encode("utf-16"))
-    found = read(path, ColumnNames({"time": "t", "position": "y", "force": "F"}))
-    assert found["position"][9] == 81
-
-
-ROWS = "\n".join(f"{1e-3 * k:.4f};{np.sin(1e-2 * k):.6f};{np.cos(1e-2 * k):.6f}" for k in range(400))
-
-
-def test_a_head_in_latin_1_is_read(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_bytes(("Zeit [s];Weg [µm];Kraft [N]\n" + ROWS.replace(".", ",")).encode("latin-1"))
-    found = read(
-        path, ColumnNames({"time": "Zeit [s]", "position": "Weg [µm]", "force": "Kraft [N]"}, {"Weg [µm]": "um"})
-    )
-    assert found["position"][100] == pytest.approx(1e-6 * np.sin(1.0), rel=1e-5)
-
-
-def test_titles_before_the_head_are_skipped_and_units_below_it_are_used(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text(f"Rig 3, run 7\nDate: 2026-01-02\n\nRate;1000\nt;x;F\ns;mm;N\n{ROWS}\n")
-    found = read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
-    assert len(found["time"]) == 400
-    assert found["time"][:2].tolist() == [0.0, 1e-3]
-    assert found["position"][100] == pytest.approx(1e-3 * np.sin(1.0), rel=1e-5)
-    named = ColumnNames({"time": "t", "position": "x", "force": "F"}, {"x": "um"})
-    assert read(path, named)["position"][100] == pytest.approx(1e-6 * np.sin(1.0), rel=1e-5)
-    path.write_text(f"t;x;F\n[ms];deg;double\n{ROWS}\n")
-    with pytest.warns(StribeckNote, match="column 'F': 'double' below its name is no unit of it: the numbers"):
-        found = read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
-    assert found["time"][1] == 1e-6
-    assert found["position"][100] == pytest.approx(np.deg2rad(np.sin(1.0)), rel=1e-5)
-
-
-@pytest.mark.parametrize("above", ["t,x,F\n", "Rig 3\n\nt,x,F\ns,m,N\n"])
-@pytest.mark.parametrize("arrow", [True, False])
-def test_rows_alone_may_end_in_a_separator(tmp_path, above, arrow, monkeypatch):
-    """ "no such column (it has 1, 2, 3, 4)" was said of it."""
-    if not arrow:
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
-    path = tmp_path / "log.csv"
-    path.write_text(above + "".join(f"{line.replace(';', ',')},\n" for line in ROWS.splitlines()))
-    found = read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
-    assert len(found["time"]) == 400
-    assert found["force"][100] == pytest.approx(np.cos(1.0), rel=1e-5)
-
-
-def test_decimal_commas_between_commas_are_refused(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("t,x,F\n" + ROWS.replace(".", ",").replace(";", ","))
-    with pytest.raises(InputError, match="decimal commas between columns that commas part: must be points"):
-        read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
-
-
-def test_columns_of_a_matrix_are_named_by_their_number(tmp_path):
-    joints = np.random.default_rng(0).standard_normal((400, 7))
-    np.savez(tmp_path / "log.npz", t=T, q=joints, tau=joints.T)
-    savemat(tmp_path / "log.mat", {"t": T[:, None], "q": joints, "tau": joints.T})
-    for name in ("log.npz", "log.mat"):
-        found = read(tmp_path / name, ColumnNames({"time": "t", "position": "q[4]", "force": "tau[2]"}))
-        np.testing.assert_array_equal(found["position"], joints[:, 4])
-        np.testing.assert_array_equal(found["force"], joints[:, 2])
-        with pytest.raises(InputError, match=r"is a matrix.*its columns are q\[0\]"):
-            read(tmp_path / name, ColumnNames({"time": "t", "position": "q", "force": "tau[2]"}))
 
 
 def _record(path, step, rate_changes=False, hold=1):
@@ -349,15 +199,6 @@ def test_a_small_motion_is_not_erased_by_the_filter(tmp_path):
     assert np.std(log.position - x[kept]) < 0.12 * np.std(x)
 
 
-@pytest.mark.parametrize("arrow", [True, False])
-def test_a_first_row_with_text_is_not_taken_for_the_head(arrow, tmp_path, monkeypatch):
-    (tmp_path / "log.csv").write_text("t,v\n0,a\n1,2\n2,3\n")
-    if not arrow:
-        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"column 'v' holds text: 'a', not numbers \(.*log.csv, row 2\)"):
-        opened_with(tmp_path / "log.csv", wanted := {"time": "t", "velocity": "v"}).columns(wanted)
-
-
 @pytest.mark.parametrize("factor", [-1.0, 1000.0, np.pi / 180])
 def test_a_velocity_in_another_unit_than_the_position_is_refused(factor, tmp_path):
     """A record with a speed in mm/s beside a position in m was fitted without a word."""
@@ -425,34 +266,6 @@ def test_a_turn_goes_on_over_lost_rows_and_beside_a_slip():
     assert turns > 2
     assert len(slip) == 1
     assert abs(np.delete(moved, slip)).max() < 1e-9
-
-
-def test_files_of_two_kinds_of_motion_are_refused(tmp_path):
-    for name, unit in (("a", "mm"), ("b", "rad")):
-        _csv(tmp_path / f"{name}.csv", [f"s,{unit},N", *_rows()])
-    said = r"units: b.csv: its units are rotary, those of a.csv are linear; must agree"
-    with pytest.raises(InputError, match=said):
-        load_log([tmp_path / "a.csv", tmp_path / "b.csv"], ColumnNames(NAMES))
-
-
-def test_columns_that_no_row_has_together_are_one_clear_line(tmp_path):
-    x, f = X.copy(), F.copy()
-    x[::2], f[1::2] = np.nan, np.nan
-    with pytest.raises(InputError, match=r"no row has a finite value in every column \(time, position, force\)"):
-        load_log([_csv(tmp_path / "log.csv", _rows(x=x, f=f))], ColumnNames(NAMES))
-
-
-def test_every_row_a_run_of_its_own_is_one_clear_line(tmp_path):
-    np.savez(tmp_path / "log.npz", t=T, x=X, i=F, r=np.arange(len(T)))
-    with pytest.raises(InputError, match="no run without a gap has 50 rows"):
-        load_log([tmp_path / "log.npz"], ColumnNames({**NAMES, "run": "r"}))
-
-
-def test_a_record_shorter_than_its_filter_says_what_drops_the_rows(tmp_path):
-    """The line named an option that nobody had given."""
-    path = _csv(tmp_path / "log.csv", _rows()[:60])
-    with pytest.raises(InputError, match=r"^data: the longest run has 60 rows, and the filter needs \d+ to settle"):
-        load_log([path], ColumnNames(NAMES), Preparation(cutoff=50.0))
 
 
 @pytest.mark.parametrize(("period", "off"), [(4.013e-3, 1e-5), (4.43e-3, 1e-5), (7.99e-3, 2e-4)])
