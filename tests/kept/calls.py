@@ -20,6 +20,7 @@ import pyarrow as pa
 import pytest
 import tomli_w
 import typer.main
+from jsonschema import Draft202012Validator
 from scipy.io import savemat
 
 import stribeck
@@ -42,11 +43,11 @@ from stribeck.loops.boundary import Turned
 from stribeck.properties.prover.ring import Ring
 from stribeck.properties.prover.search import Budget, Prover
 from stribeck.recorded import opened
-from stribeck.scenario import schema
+from stribeck.scenario import parse_assignment, schema
 from stribeck.simulation import c_source, wasm
 from stribeck.waveforms.pieces import pieces
 from tests.kept import shown
-from tests.kept.runner import EXACT, PLACES, Case, call, inputs
+from tests.kept.runner import EXACT, INPUTS, PLACES, Case, call, inputs
 from tests.properties.nasty import PROPERTIES
 from tests.properties.nasty import cases as nasty_cases
 
@@ -134,7 +135,7 @@ SIGNALS = {
     "square": {"amplitude": 1.0, "frequency": 2.0},
     "sine": {"amplitude": 0.5, "frequency": 1.5, "offset": 0.2, "phase": 0.4},
     "points": {"t": [0.1, 0.4, 0.4, 0.9], "value": [0, 1, -1, 2]},
-    "staircase": {"t": [0.0, 0.3, 0.6], "value": [0.1, 0.5, -0.4]},
+    "staircase": {"levels": [0.1, 0.5, -0.4], "hold": 0.3, "ramp": 0.05},
     "point_to_point": {"t": [0.1, 0.5, 0.8], "value": [0.0, 1.0, -0.5]},
     "spline": {"t": [0.0, 0.3, 0.7, 1.0], "value": [0.0, 0.4, -0.2, 0.1]},
     "sum": {
@@ -180,7 +181,7 @@ RIG = {
     "schema": 1, "law": {"name": "lugre", "parameters": "canudas1995"}, "plant": {"mass": 1.0},
     "drive": {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}}, "solve": {"t_end": 1.2}, "output": {"step": 0.1},
 }  # fmt: skip
-GONE = object()
+GONE, SCHEMA = object(), Draft202012Validator(schema.json_schema())
 WRONG = (GONE, True, -1.5, 0, "?", {"?": 1}, [])
 
 
@@ -225,6 +226,21 @@ def _every_mistake(tables, within=(), besides=None):
     for path in (p for p in _places(tables) if p[: len(within)] == within and p[1:2] != (besides,)):
         for wrong in WRONG:
             yield from _refusal(_said(path, wrong), _edited(tables, path, wrong))
+        name = path[-1] + path[-1][-1]
+        yield from _refusal(name, _edited(_edited(tables, path, GONE), (*path[:-1], name), 1.0))
+
+
+def _mistakes_of_a_scenario(*given):
+    """And which of the lines differ from what the schema, by which an editor underlines, says of some mistakes."""
+    yield from (lines := list(_every_mistake(*given)))
+    taken = {line.rpartition(": ")[0] for line in lines if line.endswith(": taken")}
+    for path in _places(given[0]):
+        for wrong in (GONE, -1.5, "?"):
+            said = _said(path, wrong)
+            if any(line.startswith(f"{said}: ") for line in lines):
+                valid = SCHEMA.is_valid(_edited(given[0], path, wrong))
+                if valid != (said in taken):
+                    yield f"{said}: {'taken' if valid else 'refused'} by the schema"
 
 
 @kept("refused/machine")
@@ -248,11 +264,16 @@ def _():
         {"kind": "velocity"},
     ):
         signal = {"kind": "sine", "amplitude": 0.5, "frequency": 1.0}
-        yield from _every_mistake({**RIG, "drive": {**drive, "signal": signal}}, ("drive",))
-    yield from _every_mistake({**RIG, "plant": {"mass": 1.0, "initial": {"y": 0.1, "v": 0.2, "z": 1e-6}}})
+        yield from _mistakes_of_a_scenario({**RIG, "drive": {**drive, "signal": signal}}, ("drive",))
+    drawn = {"kind": "file", "path": _file("record.csv", "t,v\n0,0\n1,1\n"), "time": "t", "value": "v"}
+    for signal in (drawn, *({"kind": kind, **constants} for kind, constants in SIGNALS.items())):
+        yield from _mistakes_of_a_scenario({**RIG, "drive": {"kind": "force", "signal": signal}}, ("drive", "signal"))
+    yield from _mistakes_of_a_scenario({**RIG, "plant": {"mass": 1.0, "initial": {"y": 0.1, "v": 0.2, "z": 1e-6}}})
     for name, law in laws():
         yield f"== {name}"
-        yield from _every_mistake({**RIG, "law": law.to_dict()}, ("law",), None if name == "lugre" else "parameters")
+        yield from _mistakes_of_a_scenario(
+            {**RIG, "law": law.to_dict()}, ("law",), None if name == "lugre" else "parameters"
+        )
 
 
 SETS = (  # what may stand beside a number, and what not
@@ -704,13 +725,42 @@ def _columns(data, *wanted):
     return "\n".join(dict.fromkeys(lines))
 
 
+def _own(text, k_v=1e6):
+    """What a scenario and the commands that take a law say of one in a file."""
+    law = {"name": _file("own.py", text) + ":Rooted", "k_v": k_v, "parameters": "canudas1995"}
+    told = [*_refusal("a scenario", {**RIG, "law": law})]
+    for command in (
+        "library",
+        "check --parameters canudas1995 --set",
+        "export --target table --out own.csv --parameters canudas1995 --set",
+    ):
+        first, *words = command.split()
+        status, out, err = call(first, law["name"], *words, *[f"k_v={k_v}"] * bool(words))
+        told += [f"{first}: {status}, {len(out.splitlines())} lines", *err.splitlines()]
+    return "\n".join(told)
+
+
+def _drawn(content, name="record.csv", **more):
+    """What a signal of a file is at some times."""
+    signal = {
+        "kind": "file",
+        "path": name if content is None else _file(name, content),
+        "time": "t",
+        "value": "v",
+        **more,
+    }
+    scenario = Scenario({**RIG, "drive": {"kind": "force", "signal": signal}})
+    return f"{scenario.signal.t} {scenario.signal.value} {scenario.signal.at([-1.0, 0.1, 1.0])}"
+
+
 def _values(lines):
     names = {name: getattr(stribeck, name) for name in stribeck.__all__} | {"np": np, "Turned": Turned}
     names |= {"ops": ops, "coq": coq, "pretty": pretty, "constant": constant, "symbol": symbol, "x": X, "y": Y}
     names["CANUDAS"] = CANUDAS
     names["written"] = lambda expr: "\n".join(pretty.write(expr, SHOWN, latex=latex) for latex in (False, True))
     names |= {"file": _file, "table": _table, "columns": _columns, "read": read, "ColumnNames": ColumnNames}
-    names |= {"pd": pd, "pa": pa, "T": np.arange(200) * 1e-3}
+    names |= {"pd": pd, "pa": pa, "T": np.arange(200) * 1e-3, "parse_assignment": parse_assignment, "RIG": RIG}
+    names |= {"LAW": (INPUTS / "laws.py").read_text(), "drawn": _drawn, "own": _own}
     inputs("\n".join(lines) + "axis.logs.toml")
     for line in lines:
         yield f">>> {line}"

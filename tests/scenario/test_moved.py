@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
+from stribeck import Scenario
 from stribeck.scenario.moved import moved
+from tests.scenario.valid_scenarios import RECORD, VALID, write
 
 
 def test_every_kind_of_path_is_seen_from_the_other_folder():
@@ -24,3 +26,11 @@ def test_every_kind_of_path_is_seen_from_the_other_folder():
 def test_absolute_paths_stay():
     data = {"law": {"parameters": Path("/sets/a.toml").absolute().as_posix()}}
     assert moved(data, Path("/rigs"), Path("/out")) == data
+
+
+def test_the_path_of_a_signal_is_relative_to_the_scenario(tmp_path, monkeypatch):
+    (tmp_path / "inner").mkdir()
+    monkeypatch.chdir(tmp_path)
+    path = write(VALID["velocity_file"], tmp_path / "inner")
+    (tmp_path / RECORD["path"]).write_text("t,v\n0,5\n")
+    assert Scenario.load(path.relative_to(tmp_path)).signal.at(0.5) == 1e-3

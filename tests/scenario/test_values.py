@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stribeck import Scenario
+from stribeck import InputError, Scenario, platforms
 from stribeck.parameter_sets import parameters
 from tests.scenario.valid_scenarios import CANUDAS, VALID, edited
 
@@ -98,3 +99,30 @@ def test_scenarios_that_differ_in_numbers_share_a_system():
 def test_every_built_in_set_serves(name):
     law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": name}
     assert Scenario(edited(SPRING, "law", value=law)).law.machine == parameters()[name].values
+
+
+@pytest.mark.parametrize(
+    ("t_end", "step", "said"),
+    [
+        (1e6, 1e-6, r"1e\+12 rows would take \d+ TB of memory, and .* are free; must be larger"),
+        (1.0, 1e-320, r"more than 1e\+15 rows would take more than \d+ PB of memory, and .*; must be larger"),
+        (1e308, 1e-308, r"more than 1e\+15 rows would take more than \d+ PB of memory, and .*; must be larger"),
+    ],
+)
+def test_more_rows_than_memory_holds(t_end, step, said):
+    data = edited(edited(VALID["force_points"], "solve.t_end", value=t_end), "output.step", value=step)
+    with pytest.raises(InputError, match=f"^output.step: .*: {said}$") as error:
+        Scenario(data)
+    assert f"{step}: " in str(error.value)
+    assert len(error.value.problems) == 1
+
+
+def test_rows_are_kept_twice_in_the_memory_that_is_free(monkeypatch):
+    data = edited(VALID["force_points"], "output.step", value=1e-4)
+    columns = 1 + len(Scenario(data).system.columns)  # and the time
+    needed = 2 * np.zeros((10_001, columns)).nbytes
+    monkeypatch.setattr(platforms, "free_memory", lambda: float(needed))
+    Scenario(data)
+    monkeypatch.setattr(platforms, "free_memory", lambda: needed - 1.0)
+    with pytest.raises(InputError, match="rows would take"):
+        Scenario(data)

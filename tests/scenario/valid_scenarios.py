@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -63,28 +62,16 @@ VALID: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-def keys(table: dict[str, Any], path: str = "") -> Iterator[str]:
-    """The path of every key."""
-    for name, value in table.items():
-        full = f"{path}.{name}" if path else name
-        yield full
-        if isinstance(value, dict):
-            yield from keys(value, full)
-
-
-def edited(data: dict[str, Any], path: str, **change: Any) -> dict[str, Any]:
-    """A copy with the key at a path set to ``value``, renamed to ``name``, deleted, or joined by the key ``beside``."""
+def edited(data: dict[str, Any], path: str, value: Any = None) -> dict[str, Any]:
+    """A copy with the key at a path set to a value, or deleted."""
     new = copy.deepcopy(data)
     *parents, last = path.split(".")
     table = new
     for name in parents:
         table = table[name]
-    if "beside" in change:
-        table[change["beside"]] = 1.0
-    else:
-        old = table.pop(last)
-        if "value" in change or "name" in change:
-            table[change.get("name", last)] = change.get("value", old)
+    del table[last]
+    if value is not None:
+        table[last] = value
     return new
 
 
