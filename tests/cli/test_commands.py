@@ -5,17 +5,8 @@ import sys
 
 import pytest
 
-from stribeck import Ensemble, Scenario, check, examples, simulation
+from stribeck import Ensemble, Scenario, check, simulation
 from stribeck.cli.app import app, with_command
-
-
-@pytest.mark.share(3)
-@pytest.mark.parametrize("name", [*examples.names(), "my rig-1"])
-def test_new_writes_a_scenario_that_runs(stribeck, tmp_path, name, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert stribeck("new", name).status == 0
-    assert Scenario.load(tmp_path / f"{name}.toml").name == name
-    assert stribeck("run", f"{name}.toml", "--set", "solve.t_end=0.2").status == 0
 
 
 def test_a_new_scenario_begins_with_a_law_that_is_proved_passive(stribeck, tmp_path, monkeypatch):

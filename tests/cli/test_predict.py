@@ -1,7 +1,6 @@
 """stribeck predict as a user runs it."""
 
 import json
-import re
 from functools import reduce
 from operator import getitem
 
@@ -11,7 +10,6 @@ import pytest
 from stribeck import Fit, InputError
 from stribeck.identify.saved import text_with_digest
 from tests.kept import logs
-from tests.pages import Page
 
 COLUMNS = ("--time", "t", "--velocity", "v", "--force", "F")
 
@@ -47,18 +45,6 @@ def test_a_friction_that_is_all_by_load_predicts(stribeck, tmp_path):
     assert json.loads(found.out)["relative_force_error"] < 0.05
 
 
-def test_rows_beyond_what_was_fitted_are_told(stribeck, fitted, tmp_path):
-    """A fit of a curve up to 0.15 m/s says nothing of 0.3 m/s but by its form, and nobody was told."""
-    rows = (fitted / "train.csv").read_text().splitlines()
-    doubled = [",".join([t, repr(2 * float(v)), f]) for t, v, f in (row.split(",") for row in rows[1:])]
-    (tmp_path / "fast.csv").write_text("\n".join([rows[0], *doubled]))
-    told = stribeck("predict", tmp_path / "fast.csv", "--fit", fitted / "out").out
-    found = re.search(r"lie beyond the fitted range: velocity from (\S+) .*fitted from (\S+) ", " ".join(told.split()))
-    assert float(found[1]) == pytest.approx(2 * float(found[2]), rel=0.02)
-    assert "force, rows beyond the fitted range" in told
-    assert "beyond the fitted range" not in stribeck("predict", fitted / "train.csv", "--fit", fitted / "out").out
-
-
 @pytest.mark.parametrize(
     ("content", "said"),
     [(None, "cannot be read"), ("{", "is not JSON"), ("[]", "is no model of a fit"), ('{"format": 1}', "is no model")],
@@ -79,26 +65,6 @@ def test_a_record_at_rest_is_refused_in_a_line(stribeck, fitted, tmp_path):
     found = stribeck("predict", tmp_path / "log.csv", "--fit", fitted / "out", *COLUMNS)
     assert (found.status, found.out) == (2, "")
     assert found.err.endswith("the body rests throughout: there is nothing to predict\n")
-
-
-def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
-    assert stribeck("new", "--out", tmp_path / "rig.toml").status == 0
-    assert stribeck("run", tmp_path / "rig.toml", "--out", tmp_path / "run").status == 0
-    log = tmp_path / "run" / "trajectory.csv"
-    columns = ("--time", "t", "--position", "y", "--velocity", "v", "--force", "F")
-    found = stribeck("predict", log, "--machine", tmp_path / "rig.toml", *columns, "--out", tmp_path / "page", "--json")
-    assert found.status == 0, found.err
-    errors = json.loads(found.out)["errors"]
-    assert errors["position"]["relative"] < 1e-6
-    assert 1 <= errors["position"]["largest"] / errors["position"]["rms"] < 20
-    assert errors["force"]["unit"] == "N"
-    page = Page(tmp_path / "page" / "validation.html")
-    assert page.pictures == 1
-    assert page.rows(["quantity", "rms error"])["position"][0] == f"{1e12 * errors['position']['rms']:#.3g} pm"
-    other = stribeck(
-        "predict", log, "--machine", tmp_path / "rig.toml", *columns, "--set", "law.parameters.F_c=1.2", "--json"
-    )
-    assert json.loads(other.out)["errors"]["position"]["relative"] > 1e-3
 
 
 def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, tmp_path):

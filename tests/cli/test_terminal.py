@@ -8,39 +8,7 @@ import sys
 import pytest
 
 from stribeck import examples
-from stribeck.cli.app import app
 from stribeck.mouth.terminal import _said
-
-COMMANDS = sorted(command.name or command.callback.__name__ for command in app.registered_commands)
-SPOKEN = {
-    "library": ("library",),
-    "library NAME": ("library", "lugre_majorant", "liu2015", "mx106"),
-    "check": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7"),
-    "run with laws": (
-        "run", examples.path("break_away"), "--law", "lugre",
-        "--law", "lugre_majorant:k_v=1e6,smooth_abs=compact,v_d=0.02,sigma_0=1e5,sigma_1=300",
-    ),
-    "run": ("run", examples.path("break_away")),
-    "design": ("design", examples.path("servo"), "--set", "solve.t_end=0.1", "--v-max", "0.1"),
-    "check --creep": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"),
-    "doctor": ("doctor",),
-}  # fmt: skip
-
-
-def check_width(text):
-    """No line is wider than the terminal, but for one word that is."""
-    for line in text.splitlines():
-        assert len(line) <= 80 or len(line.split()) <= 2, line
-
-
-@pytest.mark.share(3)
-@pytest.mark.parametrize("words", SPOKEN.values(), ids=SPOKEN)
-def test_no_line_folds(words, stribeck, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "80")
-    found = stribeck(*words)
-    assert found.status == 0
-    assert len(found.out.splitlines()) > 2
-    check_width(found.out)
 
 
 def test_lines_end_between_words(capsys, monkeypatch):
@@ -51,25 +19,6 @@ def test_lines_end_between_words(capsys, monkeypatch):
     assert out.split() == ["one", *text.split()]
     assert all(len(line) <= 40 for line in out.splitlines())
     assert out.splitlines()[1].startswith("      ")
-
-
-@pytest.mark.parametrize("command", ["", *COMMANDS])
-def test_help_shows_an_example_and_fits(command, stribeck, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "80")
-    found = stribeck(*([command] if command else []), "--help")
-    assert found.status == 0
-    check_width(found.out)
-    example = re.search(r"Example: (stribeck .*)", found.out)
-    assert example is not None
-    assert command in example[1]
-
-
-@pytest.mark.parametrize("command", sorted(set(COMMANDS) - {"fit", "predict", "validate"}))
-def test_help_shows_what_most_need_first(command, stribeck):
-    text = stribeck(command, "--help").out
-    usual = text.partition("Options:")[2].partition("Advanced:")[0].partition("Steepness:")[0]
-    assert 1 <= len(re.findall(r"^  -", usual, re.M)) <= 12
-    assert "Advanced:" not in text or re.findall(r"^  -", text.partition("Advanced:")[2], re.M)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="of other shells")
@@ -147,7 +96,6 @@ def test_long_commands_show_progress(words, what, tmp_path, monkeypatch):
     """Whatever may take more than two seconds; a fit, a prediction and a design have tests of their own."""
     from contextlib import contextmanager
 
-    from stribeck import examples
     from stribeck.cli import _status
     from stribeck.cli import progress as show
 

@@ -5,35 +5,7 @@ import json
 import pytest
 
 import stribeck as library
-from stribeck import InputError, examples
-from stribeck.cli.words import option
-from stribeck.errors import StribeckNote, arg, naming, note
-
-
-@pytest.mark.parametrize(
-    ("command", "argument", "words"),
-    [
-        ("fit", "force_gain", "--force-gain"),
-        ("fit", "constants.k_v", "--set k_v"),
-        ("fit", "terms", "--term"),
-        ("fit", "law", "--law"),
-        ("check", "law", "LAW"),
-        ("design", "scenario", "SCENARIO"),
-        ("export", "scenario", "--scenario"),
-        ("fit", "data", "DATA"),
-        ("sweep", "folder", "--out"),
-    ],
-)
-def test_an_argument_is_said_as_its_option(command, argument, words):
-    assert option(argument, command) == words
-    with naming(lambda name: option(name, command)):
-        assert InputError(f"{arg(argument)}: 1: is wrong").problems == [f"{words}: 1: is wrong"]
-    assert arg(argument) == argument
-
-
-def test_notes_name_arguments_too():
-    with pytest.warns(StribeckNote, match=r"^step: too long$"):
-        note(f"{arg('step')}: too long")
+from stribeck import examples
 
 
 def test_no_library_module_speaks_of_options():

@@ -28,6 +28,7 @@ import stribeck.errors
 from stribeck import InputError, Scenario, examples
 from stribeck.cli.app import app
 from stribeck.codegen import source
+from stribeck.constants import show
 from stribeck.exports import contact_law
 from stribeck.exports.exchange import from_bam
 from stribeck.exports.python import to_control
@@ -40,6 +41,8 @@ from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.laws import builtin, overflow, trouble
 from stribeck.loops.boundary import Turned
+from stribeck.mouth import cells
+from stribeck.mouth.document import Ends, Uncertain
 from stribeck.properties.prover.ring import Ring
 from stribeck.properties.prover.search import Budget, Prover
 from stribeck.recorded import opened
@@ -147,10 +150,25 @@ SIGNALS = {
 }
 
 
+POINTS = {  # what may stand in a signal's points
+    "before the start": ([-2, -1, 1], [5, 0, 2]), "a jump at the start": ([0, 0, 1], [1, 2, 2]),
+    "a jump there before": ([-1, 0, 0], [7, 7, 2]), "three at once": ([0, 0.5, 0.5, 0.5, 1], [0, 1, 9, 5, 5]),
+    "one": ([3], [0.5]), "jumps up and down": ([0.1, 0.2, 0.2, 0.3], [0, 4, -1, 1]), "to and fro": ([0, 0.4, 0.8], [-2, 2, -2]),
+    "touched from below": ([0, 0.1, 0.2], [0, 0.1, 0]), "touched from above": ([0, 0.1, 0.2], [2, 0.1, 2]),
+    "past a point": ([0, 0.1, 0.2], [0, 0.1, 2]), "from far": ([-1, 3], [0, 4]),
+}  # fmt: skip
+VARIED = SIGNALS | {
+    **{f"points, {name}": {"kind": "points", "t": t, "value": x} for name, (t, x) in POINTS.items()},
+    "step before": {"kind": "step", "time": -1.0, "value": 2.0}, "slow ramp": {"kind": "ramp", "rate": -0.1},
+    "one side": {"kind": "sine", "amplitude": 0.5, "frequency": 1.0, "offset": 2.0},
+    "still": {"kind": "sine", "amplitude": 0.0, "frequency": 1.0, "offset": 0.1},
+}  # fmt: skip
+
+
 @kept("signals/values")
 def _():
     t = np.linspace(0, 1.2, 13)
-    for kind, constants in SIGNALS.items():
+    for kind, constants in VARIED.items():
         tables = {**RIG, "drive": {"kind": "force", "signal": {"kind": kind, **constants}}}
         yield f"== {kind} {constants}"
         try:
@@ -756,7 +774,11 @@ def _drawn(content, name="record.csv", **more):
 def _values(lines):
     names = {name: getattr(stribeck, name) for name in stribeck.__all__} | {"np": np, "Turned": Turned}
     names |= {"ops": ops, "coq": coq, "pretty": pretty, "constant": constant, "symbol": symbol, "x": X, "y": Y}
-    names["CANUDAS"] = CANUDAS
+    names |= {"CANUDAS": CANUDAS, "nan": np.nan, "inf": np.inf, "show": show, "nearest": stribeck.errors.nearest}
+    names |= {
+        each.__name__: each for each in (cells.percent, cells.human, cells.rounded_up, cells.prefixed, Uncertain, Ends)
+    }
+    names["cell"] = cells.text
     names["written"] = lambda expr: "\n".join(pretty.write(expr, SHOWN, latex=latex) for latex in (False, True))
     names |= {"file": _file, "table": _table, "columns": _columns, "read": read, "ColumnNames": ColumnNames}
     names |= {"pd": pd, "pa": pa, "T": np.arange(200) * 1e-3, "parse_assignment": parse_assignment, "RIG": RIG}

@@ -12,7 +12,6 @@ import pytest
 from stribeck import Scenario, examples, simulate
 from stribeck.loops import figures as design_figures
 from stribeck.mouth import plots
-from stribeck.mouth.cells import prefixed
 from stribeck.mouth.quantities import Quantity, scale
 from stribeck.simulation import drawing
 
@@ -31,20 +30,6 @@ def svg(figure):
     """A figure as SVG alone: its picture and its document take twice as long."""
     with plots.style():
         return plots.svg(figure.draw())
-
-
-@pytest.mark.parametrize(
-    ("unit", "largest", "shown"),
-    [
-        ("m", 2e-5, "µm"), ("m", 0.05, "mm"), ("m", 40.0, "m"), ("m", 4e3, "m"), ("s", 0.02, "ms"), ("s", 40.0, "s"),
-        ("m/s", 1e-3, "mm/s"), ("N", 1.5, "N"), ("N", 2e4, "kN"), ("Pa", 4e5, "kPa"), ("rad", 1e-3, "mrad"),
-        ("N m", 0.3, "mN m"), ("1", 1e-5, "1"), ("kg", 1e-5, "kg"), ("m", 0.0, "m"), ("m", np.nan, "m"),
-    ],
-)  # fmt: skip
-def test_a_unit_takes_the_prefix_that_keeps_its_numbers_short(unit, largest, shown):
-    factor, text = prefixed(unit, largest)
-    assert text == shown
-    assert largest == 0 or not np.isfinite(largest) or factor == 1 or 0.5 <= largest / factor < 500
 
 
 def test_what_hardly_changes_is_shown_as_a_change():

@@ -1,7 +1,6 @@
 """A user's words on a terminal and on pages: one line each, and nothing that a terminal obeys or a page turns round."""
 
 import json
-import math
 import re
 from html import unescape
 
@@ -10,8 +9,7 @@ import pytest
 from stribeck.errors import printable, unbroken
 from stribeck.explore import explore
 from stribeck.mouth import page, plots, terminal
-from stribeck.mouth.cells import human, percent, text
-from stribeck.mouth.document import Amount, Chapter, Document, Ends, Figure, Head, Table, Uncertain
+from stribeck.mouth.document import Amount, Chapter, Document, Figure, Head, Table
 from stribeck.scenario import Scenario
 from tests.cli.conftest import stribeck  # noqa: F401
 from tests.simulation.rig import needs_compiler
@@ -70,28 +68,6 @@ def test_a_page_and_its_figures_show_what_could_turn_it_round(tmp_path):
     read_off = json.loads(unescape(re.search(r'data-axes="([^"]*)"', whole)[1]))
     assert plain(json.dumps(read_off, ensure_ascii=False))
     assert plain(page.fragment(document(HOSTILE)))
-
-
-@pytest.mark.parametrize(
-    ("share", "text"),
-    [(0.0409969, "4.10 %"), (0.041, "4.1 %"), (0.5, "50 %"), (0.49999, "50.0 %"), (0.0, "0 %"), (1.00004, "100 %"),
-     (12.3456, "1.23e+03 %"), (1.9999e-7, "2.00e-05 %"), (-0.0409969, "-4.10 %"), (math.nan, "-"), (None, "-")],
-)  # fmt: skip
-def test_a_rounded_number_keeps_its_digits(share, text):
-    assert percent(share) == text
-
-
-def test_a_rounded_number_keeps_its_digits_in_its_unit():
-    assert [human(x, "m") for x in (0.0641999, 0.0999999, 0.01, 5.0)] == ["64.2 mm", "100 mm", "10 mm", "5 m"]
-    assert [human(x, "N") for x in (1.0004, 0.9996, 0.0)] == ["1.00 N", "1.00 N", "0 N"]
-
-
-def test_an_interval_says_how_many_places_count():
-    assert text(Uncertain(1.23456, (1.2, 1.27))) == "1.235"
-    assert text(Uncertain(12345.6, (12000, 13000), doubtful=True)) == "~12350"
-    assert text(Uncertain(2.5, (2.5, 2.5))) == "2.5"
-    assert text(Uncertain(math.nan, (1, 2))) == "nan"
-    assert text(Ends((1.2, math.inf), 1.23456, (1.2, math.inf))) == "> 1.200"
 
 
 @pytest.mark.pictures
