@@ -34,6 +34,7 @@ def compiler(tmp_path, monkeypatch):
 
 @needs_compiler
 def test_a_healthy_installation_passes(stribeck, tmp_path, monkeypatch):
+    monkeypatch.setattr("stribeck.simulation.cache._loaded", {})  # by other tests of this process
     monkeypatch.delenv("STRIBECK_BACKEND", raising=False)
     monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path))
     assert "0 systems" in stribeck("doctor").out  # before the self-test's
