@@ -113,12 +113,11 @@ def test_work_that_is_ended_while_recordings_are_looked_at(place, stribeck, monk
     assert "Traceback" not in done.err
 
 
-@pytest.mark.filterwarnings("ignore")
 def test_a_column_that_never_changes(place):
     """It was a division by zero."""
     written(place, y=lambda t: 1.0)
-    path = logs(place, ["run.csv"], WANTED)
-    assert fit_machine(body(), read_logs(path), starts=1, baselines=False).status == "missed"
+    with pytest.raises(InputError, match="'y': never changes"):
+        fit_machine(body(), read_logs(logs(place, ["run.csv"], WANTED)), starts=1, baselines=False)
 
 
 def test_a_law_in_a_file_that_is_not_there(place):
