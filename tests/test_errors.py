@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 
+import pytest
+
 from stribeck import InputError, StribeckError
 from stribeck.cli import _status
 from stribeck.errors import MissingExtra, arg, error_text, needed
