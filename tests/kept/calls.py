@@ -39,6 +39,7 @@ from stribeck.expressions.intervals import Box
 from stribeck.identify.actuator import read_logs
 from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.data.read import ColumnNames, read
+from stribeck.identify.formula import model_lines
 from stribeck.laws import builtin, overflow, trouble
 from stribeck.loops.boundary import Turned
 from stribeck.mouth import cells
@@ -161,6 +162,7 @@ VARIED = SIGNALS | {
     **{f"points, {name}": {"kind": "points", "t": t, "value": x} for name, (t, x) in POINTS.items()},
     "step before": {"kind": "step", "time": -1.0, "value": 2.0}, "slow ramp": {"kind": "ramp", "rate": -0.1},
     "one side": {"kind": "sine", "amplitude": 0.5, "frequency": 1.0, "offset": 2.0},
+    "touching": {"kind": "sine", "amplitude": 0.1, "frequency": 1.0},
     "still": {"kind": "sine", "amplitude": 0.0, "frequency": 1.0, "offset": 0.1},
 }  # fmt: skip
 
@@ -743,6 +745,11 @@ def _columns(data, *wanted):
     return "\n".join(dict.fromkeys(lines))
 
 
+def _exact(texts):
+    """Texts whose numbers are compared letter by letter: they are part of a word."""
+    return "_".join(["", *map(str, texts), ""])
+
+
 def _own(text, k_v=1e6):
     """What a scenario and the commands that take a law say of one in a file."""
     law = {"name": _file("own.py", text) + ":Rooted", "k_v": k_v, "parameters": "canudas1995"}
@@ -778,10 +785,15 @@ def _values(lines):
     names |= {
         each.__name__: each for each in (cells.percent, cells.human, cells.rounded_up, cells.prefixed, Uncertain, Ends)
     }
-    names["cell"] = cells.text
+    names |= {
+        "model": lambda fit: "\n".join(model_lines(fit)),
+        "cell": cells.text,
+        "exact": _exact,
+        "assigned": lambda text: _exact(map(repr, parse_assignment(text))),
+    }
     names["written"] = lambda expr: "\n".join(pretty.write(expr, SHOWN, latex=latex) for latex in (False, True))
     names |= {"file": _file, "table": _table, "columns": _columns, "read": read, "ColumnNames": ColumnNames}
-    names |= {"pd": pd, "pa": pa, "T": np.arange(200) * 1e-3, "parse_assignment": parse_assignment, "RIG": RIG}
+    names |= {"pd": pd, "pa": pa, "T": np.arange(200) * 1e-3, "RIG": RIG}
     names |= {"LAW": (INPUTS / "laws.py").read_text(), "drawn": _drawn, "own": _own}
     inputs("\n".join(lines) + "axis.logs.toml")
     for line in lines:
