@@ -162,7 +162,7 @@ VARIED = SIGNALS | {
     **{f"points, {name}": {"kind": "points", "t": t, "value": x} for name, (t, x) in POINTS.items()},
     "step before": {"kind": "step", "time": -1.0, "value": 2.0}, "slow ramp": {"kind": "ramp", "rate": -0.1},
     "one side": {"kind": "sine", "amplitude": 0.5, "frequency": 1.0, "offset": 2.0},
-    "touching": {"kind": "sine", "amplitude": 0.1, "frequency": 1.0},
+    "touching": {"kind": "sine", "amplitude": 0.1, "frequency": 1.0, "phase": 0.3},
     "still": {"kind": "sine", "amplitude": 0.0, "frequency": 1.0, "offset": 0.1},
 }  # fmt: skip
 
