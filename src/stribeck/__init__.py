@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from stribeck.machine.elements.links import Link
     from stribeck.machine.elements.loads import Load
     from stribeck.machine.elements.motors import Motor
-    from stribeck.machine.elements.sensors import Sensor
     from stribeck.properties import check
     from stribeck.scenario import Scenario, load
     from stribeck.scenario.objects import Machine
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Body", "BristleLaw", "Constant", "Contact", "Controller", "Ensemble", "Fit", "InputError", "Law", "Link", "Load",
-    "Machine", "Motor", "Scenario", "Sensor", "Solution", "StaticLaw", "StribeckError", "check", "design", "export", "fit",
+    "Machine", "Motor", "Scenario", "Solution", "StaticLaw", "StribeckError", "check", "design", "export", "fit",
     "import_", "law", "library", "load", "predict", "signals", "simulate", "sweep",
 ]  # fmt: skip
 
@@ -60,7 +59,6 @@ _HOME = {
     "stribeck.machine.elements.links": ("Link",),
     "stribeck.machine.elements.loads": ("Load",),
     "stribeck.machine.elements.motors": ("Motor",),
-    "stribeck.machine.elements.sensors": ("Sensor",),
     "stribeck.scenario.objects": ("Machine",),
     "stribeck.simulation": ("Ensemble", "Solution", "simulate"),
     "stribeck.sweeps.job": ("sweep",),

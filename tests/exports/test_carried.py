@@ -103,7 +103,7 @@ def keys(node, apart):
 def test_every_key_of_a_machine_is_in_the_one_that_is_tried():
     """Those of a contact in the one that is exported."""
     tables = schema.json_schema()["$defs"]["machine"]["properties"]
-    tried = dict.fromkeys(("bodies", "links", "loads", "motors", "controllers", "sensors", "solve"), EVERY)
+    tried = dict.fromkeys(("bodies", "links", "loads", "motors", "controllers", "solve"), EVERY)
     for section, where in {**tried, "contacts": EVERY["contacts"]["mesh"]}.items():
         used = {key for path in leaves(where) for key in path}
         assert keys(tables[section], apart=["pneumatic", "pressure"]) <= used, section

@@ -137,3 +137,14 @@ def test_every_number_of_a_file_or_law_has_a_unit():
     for unit in {x for constant in declared for x in (constant.unit, constant.rotary_unit or "")}:
         for word in unit.replace("signal", "1").split(" or "):
             assert dimensions(word) is not None, unit
+
+
+def test_a_link_leads_to_the_ground_unless_it_says_where():
+    """As a contact does."""
+    link = {"from": "slide", "stiffness": 100.0}
+    data = {
+        "schema": 2, "bodies": {"slide": {"mass": 1.0, "initial": {"y": 0.1}}}, "links": {"spring": link},
+        "solve": {"t_end": 1.0}, "output": {"step": 0.1},
+    }  # fmt: skip
+    said = {**data, "links": {"spring": {**link, "to": "ground"}}}
+    np.testing.assert_array_equal(st.simulate(data)["slide.y"], st.simulate(said)["slide.y"])

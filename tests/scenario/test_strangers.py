@@ -126,7 +126,6 @@ def test_observers_too(place):
         ("sweep", "@", "--vary", "law.parameters.F_s=1.5:2:2", "--out", "out"),
         ("design", "@"),
         ("export", "--scenario", "@", "--target", "c", "--out", "out"),
-        ("check", "lugre_majorant", "--parameters", "canudas1995", "--scenario", "@", "--position-error", "1e-5"),
     ],
     ids=lambda words: words[0],
 )

@@ -25,7 +25,6 @@ ORDER = (
     "controllers",
     "motors",
     "contacts",
-    "sensors",
 )  # each needs only what stands before it
 
 
@@ -138,19 +137,11 @@ class Assembly:
             self.force[leader.name] = self.force[leader.name] + ratio * self.net[name]
             if body.heavy is not None and leader.velocity is None:
                 self.inertia[leader.name] = self.inertia[leader.name] + body.heavy * ratio * ratio
-                self._added(body, ratio * self.motion(leader.name)[1])
         for body in sorted(self.system.bodies.values(), key=lambda each: each.velocity is None):
             body.obey(self)
 
-    def _added(self, body: Body, v: Expr) -> None:
-        """Add the energy of mass that is added with the body's velocity; a jump adds its energy at once."""
-        if (signal := body.added_signal) is not None:
-            r = self.reference(signal)
-            self.power_in = self.power_in + r.rate * v * v / 2
-            self.far = self.far + r.value * v * v / 2
-
     def moved_energy(self) -> Expr | None:
-        """The energy of links whose far end is a signal, and of what a signal adds to bodies: where it jumps, it is put in."""
+        """The energy of links whose far end is a signal: where it jumps, it is put in."""
         return None if is_zero(self.far) else self.far
 
     def outputs(self, columns: Iterable[tuple[str, str]]) -> dict[str, Expr]:

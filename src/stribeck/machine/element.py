@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from stribeck.machine.machine import Elements
     from stribeck.machine.reading import Draft
 
-SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers", "sensors")  # of a file
+SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")  # of a file
 GROUND = "ground"
 BodyName = Annotated[str, Refers(("bodies",))]
 BodyOrGround = Annotated[str, Refers(("bodies",), (GROUND,))]

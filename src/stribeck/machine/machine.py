@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from stribeck.machine.elements.links import Link
     from stribeck.machine.elements.loads import Load
     from stribeck.machine.elements.motors import Motor
-    from stribeck.machine.elements.sensors import Sensor
 
 INITIAL = "initial"  # in the place of the owner of a constant: where a state starts
 _IN_PIECES = ("ramp", "step")  # signals whose constants make pieces
@@ -48,7 +47,6 @@ class Elements:
     loads: Mapping[str, Load] = field(default_factory=Frozen)
     motors: Mapping[str, Motor] = field(default_factory=Frozen)
     controllers: Mapping[str, AnyController] = field(default_factory=Frozen)
-    sensors: Mapping[str, Sensor] = field(default_factory=Frozen)
     energy: bool = False  # whether the output has what is put in, stored and dissipated
     # the columns but energies, and their quantities, if not every element's own
     listed: tuple[tuple[Column, str], ...] = ()

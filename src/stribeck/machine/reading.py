@@ -37,7 +37,6 @@ _WHAT = {"bodies": "body"}  # one of a section, in words; else without its s
 _FAMILIES = {
     "bodies": ("cylinder", "Piston"), "links": ("links", "Link"), "contacts": ("contacts", "Contact"),
     "loads": ("loads", "Load"), "motors": ("motors", "Motor"), "controllers": ("pressure_cascade", "PressureCascade"),
-    "sensors": ("sensors", "Sensor"),
 }  # fmt: skip
 
 

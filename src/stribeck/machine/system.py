@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _E_IN = Column("E_in", "J", "energy put in")
 _E_OUT = Column("E_dissipated", "J", "energy dissipated")
 E_STORED = Column("E_stored", "J", "kinetic energy, and energy of links, pendulums and bristles")
-_COLUMNS = ("bodies", "contacts", "links", "loads", "motors", "controllers", "sensors")  # in this order
+_COLUMNS = ("bodies", "contacts", "links", "loads", "motors", "controllers")  # in this order
 SIGNAL_ORDER = ("bodies", "links", "loads", "motors", "contacts", "controllers")  # in this one
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, arg, nearest, unbroken
 from stribeck.laws.base import Law
-from stribeck.machine.elements.bodies import Body, Laden
+from stribeck.machine.elements.bodies import Body
 from stribeck.machine.elements.cylinder import Piston
 from stribeck.machine.elements.links import Link
 from stribeck.machine.elements.loads import Pendulum
@@ -173,7 +173,6 @@ def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerd
 def _decide_machine(scenario: Scenario, verdicts: MachineVerdicts) -> None:
     machine = scenario.system
     verdicts.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.velocity is not None}
-    verdicts.ports |= {f"{b.path}.added": "its mass is varied" for b in machine.bodies if b.added_signal is not None}
     verdicts.ports |= {x.path: "its far end is moved" for x in machine.links if x.far is not None}
     verdicts.ports |= {x.path: f"a force on {x.on} ({x.kind})" for x in machine.loads if type(x) is not Pendulum}
     verdicts.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
@@ -181,7 +180,7 @@ def _decide_machine(scenario: Scenario, verdicts: MachineVerdicts) -> None:
     verdicts.ports |= {b.path: gas for b in machine.bodies if isinstance(b, Piston)}
     verdicts.ports |= {x.path: f"a controller on {x.on}: active" for x in machine.elements.controllers.values()}
     verdicts.undecided += [x.path for x in machine.links if type(x) is not Link]
-    verdicts.undecided += [b.path for b in machine.bodies if type(b) not in (Body, Laden, Piston)]
+    verdicts.undecided += [b.path for b in machine.bodies if type(b) not in (Body, Piston)]
     bodies = {c.ends for c in machine.contacts}
     alone = len(machine.bodies) == 1 and len(machine.contacts) == 1 == len(bodies) and not machine.links
     _judge(verdicts, alone and not verdicts[machine.contacts[0].name].level)

@@ -57,11 +57,8 @@ def choose_panels(machine: MachineSystem) -> tuple[Panel, ...]:
             ]
             title = f"{body.name} (tied to it: {', '.join(tied)})" if tied else body.name
             controller = followed.get(body.name)
-            reads = [x.name for x in machine.elements.sensors.values() if x.on == body.name]
-            beside = ((f"{controller}.r",) if controller else ()) + tuple(f"{name}.reading" for name in reads)
-            also = (f" and reference of {controller}" if controller else "") + "".join(
-                f", reading of {name}" for name in reads
-            )
+            beside = (f"{controller}.r",) if controller else ()
+            also = f" and reference of {controller}" if controller else ""
             panels.append(Panel(f"{body.name}.y", f"{title}: position", also=also, axis="position", beside=beside))
             if controller in controllers:
                 panels.append(Panel(f"{controller}.e", f"{controller}: tracking error"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
@@ -13,9 +13,8 @@ from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Scales
 from stribeck.machine.element import NONE, Element, Own, State, ratio_constant
-from stribeck.machine.signal import SignalTable, SignalUse
+from stribeck.machine.signal import SignalTable
 from stribeck.machine.table import Aside, FileTable, Loc, Problem, Refers, quantity
-from stribeck.waveforms.sums import least_of
 
 if TYPE_CHECKING:
     from stribeck.machine.assembly import Assembly
@@ -85,11 +84,6 @@ class Body(Element, family=True):
     def heavy(self) -> Value:
         """Mass, or moment of inertia; None where none is given."""
         return self.inertia if self.mass is None else self.mass
-
-    @property
-    def added_signal(self) -> SignalTable | None:
-        """The signal of what is added to it, where it has one."""
-        return None
 
     @property
     def free(self) -> bool:
@@ -238,39 +232,3 @@ class Body(Element, family=True):
             else f"tied in a ring: {' -> '.join([*ring, next_body])}"
         )
         return [(("tied_to",), f"{show(self.tied_to)}: {text}")]
-
-
-class Laden(Body):
-    """A body whose mass or inertia varies by a signal: M dv/dt = sum of forces, with M = mass + added.
-
-    Added and removed mass has the velocity of the body, so that it causes no force.
-    """
-
-    kind: Literal["laden"] = "laden"
-    added: SignalTable = Field(
-        description="signal that is added to mass or inertia: a table with kind and its constants"
-    )
-
-    @property
-    def added_signal(self) -> SignalTable | None:
-        """See :class:`Body`."""
-        return self.added
-
-    @property
-    def heavy(self) -> Value:
-        """As an expression the present one; as a number that at t = 0."""
-        more = (
-            self.added.reference(symbol("t")).value
-            if isinstance(self.added, SignalUse)
-            else float(self.added.built.at(0.0))
-        )
-        return super().heavy + more
-
-    def wrong(self) -> list[Problem]:
-        """As any body; and what would take more away than there is."""
-        problems = super().wrong()
-        problems += [(n, f"{show(getattr(self, n))}: must be left out: this body has a mass") for n in ("velocity",)
-                  if getattr(self, n) is not None]  # fmt: skip
-        if not problems and not (least := super().heavy + least_of(self.added.built)) > 0:
-            problems.append(("added", f"takes the mass down to {least:g}: must leave more than 0"))
-        return problems

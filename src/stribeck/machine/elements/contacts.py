@@ -160,10 +160,6 @@ def extremes(signal: waveforms.Signal) -> tuple[float, float] | None:
     if isinstance(signal, waveforms.SineSignal):
         middle, size = signal.values["offset"], abs(signal.values["amplitude"])
         return middle - size, middle + size
-    if isinstance(signal, waveforms.SumSignal):
-        every = [extremes(part) for part in signal.parts]
-        ends = [x for x in every if x is not None]
-        return (sum(x for x, _ in ends), sum(x for _, x in ends)) if len(ends) == len(every) else None
     if isinstance(signal, waveforms.StepSignal) or not signal.smooth:
         return None
     values = signal.at(np.linspace(signal.pieces[0][0], signal.pieces[-1][0], 4001))

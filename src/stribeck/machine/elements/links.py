@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
@@ -131,48 +131,3 @@ class Link(BetweenBodies, family=True):
     def heading(self, m: Elements) -> str:
         """See :class:`Element`."""
         return f"Link {self.name}: {self.between()}."
-
-
-class StagedSpring(Link):
-    """A spring with preload, or of two stages: beyond ``reach`` on either side the stiffness is ``second``."""
-
-    kind: Literal["spring"] = "spring"
-    preload: float | None = quantity("N", "force at d = 0", off_at_zero=True, rotary_unit="N m")
-    reach: float | None = quantity(
-        "m", "deflection at which the second stage begins", above=0, optional=True, rotary_unit="rad"
-    )
-    second: float | None = quantity(
-        "N/m", "stiffness of the second stage", at_least=0, optional=True, rotary_unit="N m/rad"
-    )
-
-    def wrong(self) -> list[Problem]:
-        """One of a stage's two numbers without the other; backlash, which a preload would close."""
-        problems = super().wrong()
-        for name, other in (("reach", "second"), ("second", "reach")):
-            if getattr(self, name) is not None and getattr(self, other) is None:
-                problems.append((other, f"missing: must be given with {name}"))
-        if self.gap is not None and self.preload is not None:
-            text = "must be left out where preload is given: a preloaded spring has no backlash"
-            problems.append(("gap", f"{show(self.gap)}: {text}"))
-        return problems
-
-    def _stiffer(self, d: Value) -> tuple[Value, Value]:
-        """By how much the second stage is stiffer, and how far it is stretched."""
-        s, reach = self.stretch(d), self.reach
-        return (
-            (0.0, 0.0)
-            if reach is None or self.second is None
-            else (self.second - self.stiffness, s - clip(s, -reach, reach))
-        )
-
-    def elastic(self, d: Value) -> Value:
-        """preload + stiffness d, and (second - stiffness) of what lies beyond ``reach``."""
-        k, s = self._stiffer(d)
-        f = super().elastic(d) + k * s
-        return f if self.preload is None else f + self.preload
-
-    def stored_energy(self, d: Value, x: Own = NONE) -> Value:
-        """The work of its force from d = 0 on."""
-        k, s = self._stiffer(d)
-        energy = super().stored_energy(d, x) + k * s**2 / 2
-        return energy if self.preload is None else energy + self.preload * d

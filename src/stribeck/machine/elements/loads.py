@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from stribeck.constants import Column, show
+from stribeck.constants import Column
 from stribeck.expressions.graph import wrap
-from stribeck.expressions.ops import Value, clip, cos, larger, sin
+from stribeck.expressions.ops import Value, cos, sin
 from stribeck.machine.element import NONE, BodyName, Element, Own, force_unit
 from stribeck.machine.elements.waves import same_length, sum_of_waves
 from stribeck.machine.signal import SignalTable
@@ -49,11 +47,6 @@ class Load(Element, family=True):
     def ripple(cls, name: str, on: str, amplitude: Any, waves: Any, phase: Any = None) -> Ripple:
         """Sum of amplitude sin(waves y + phase)."""
         return Ripple(name=name, on=on, amplitude=amplitude, waves=waves, phase=phase)
-
-    @classmethod
-    def by_position(cls, name: str, on: str, position: Sequence[float], value: Sequence[float]) -> ByPosition:
-        """Straight lines between the points of a table of position and force."""
-        return ByPosition(name=name, on=on, position=tuple(position), value=tuple(value))
 
     def force(self, r: Value, y: Value, v: Value, x: Own = NONE) -> Value:
         """The force on the body, N or N m; ``r`` is the signal where the load has one."""
@@ -152,44 +145,3 @@ class Ripple(Load):
     def shown(self, low: float, high: float) -> tuple[float, float]:
         """At most the longest of its waves."""
         return low, min(high, low + max((math.tau / abs(w) for w in self.waves if w), default=math.inf))
-
-
-class ByPosition(Load):
-    """A force by position: straight lines between the points of a table, constant outside."""
-
-    conservative = by_position_alone = True
-    kind: Literal["by_position"] = "by_position"
-    position: tuple[float, ...] = quantity("m", "positions, increasing", rotary_unit="rad", many=True)
-    value: tuple[float, ...] = quantity("N", "the force at these positions", rotary_unit="N m", many=True)
-
-    def wrong(self) -> list[Problem]:
-        """Lists of two lengths, positions that do not increase, a single point."""
-        problems = same_length(self, "position", "value")
-        if len(self.position) < 2:
-            problems.append(("position", f"{show(list(self.position))}: must hold at least two positions"))
-        problems += [(f"position[{i}]", f"{show(b)}: positions must increase (the one before is {show(a)})")
-                  for i, (a, b) in enumerate(pairwise(self.position), 1) if b <= a]  # fmt: skip
-        return problems
-
-    def _pieces(self, y: Value) -> Iterator[tuple[Value, Value, Value, Value]]:
-        """Of each straight line: its slope, its length, how far y is along it, and how far beyond it."""
-        for (a, b), (f, g) in zip(pairwise(self.position), pairwise(self.value), strict=True):
-            yield (g - f) / (b - a), b - a, clip(y, a, b) - a, larger(y - b, 0.0)
-
-    def force(self, r: Value, y: Value, v: Value, x: Own = NONE) -> Value:
-        """The table's value."""
-        total = self.value[0]
-        for slope, _, along, _ in self._pieces(y):
-            total = total + slope * along
-        return total
-
-    def stored_energy(self, y: Value) -> Value:
-        """Minus the integral of the force from the first position on."""
-        total = self.value[0] * (y - self.position[0])
-        for slope, length, along, beyond in self._pieces(y):
-            total = total + slope * (along**2 / 2 + length * beyond)
-        return -total
-
-    def shown(self, low: float, high: float) -> tuple[float, float]:
-        """The table's."""
-        return self.position[0], self.position[-1]
