@@ -61,7 +61,7 @@ def test_tolerances_claims_and_curve_are_the_laws_own(F_s, sigma_2, scenario, da
         assert module.read(force, len(v)) == pytest.approx(law.steady_force(v), rel=1e-9)
 
 
-@pytest.mark.share(3)
+@pytest.mark.share(5)
 @pytest.mark.parametrize("law", builtin())
 def test_every_law_is_offered_and_runs(law):
     for name in ("stick_slip", "hysteresis", "limit_cycle"):

@@ -79,13 +79,12 @@ def test_agrees_on_32_bit_arm(name, single, folder):
 
 
 @pytest.mark.parametrize("cc", ["gcc", "clang"])
-@pytest.mark.parametrize("name", LAWS)
-def test_no_warnings(name, cc, folder):
+def test_no_warnings(cc, folder):
     need(cc)
-    source = _exported(name, folder)
-    for define in ("-DDOUBLE", f"-D{name.upper()}_FLOAT"):
-        words = [cc, *STRICT, "-fsyntax-only", define, f"{name}.c", f"{name}_test.c"]
-        done = subprocess.run(words, cwd=source, capture_output=True, text=True, check=False)
+    sources = [_exported(name, folder) / f"{name}{end}.c" for name in LAWS for end in ("", "_test")]
+    for defines in (["-DDOUBLE"], [f"-D{name.upper()}_FLOAT" for name in LAWS]):
+        words = [cc, *STRICT, "-fsyntax-only", *defines, *sources]
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
         assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -109,6 +108,7 @@ def test_self_test_can_fail(folder):
     assert subprocess.run([str(source / "wrong")], capture_output=True, check=False).returncode == 1
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic", "dahl", "makkar"])
 def test_nothing_traps(name, folder):
     """Every function with inf, nan and huge arguments everywhere, under the sanitizers: an error code, no crash."""
@@ -203,6 +203,7 @@ def _step(chosen, z, v, h):
     return z + h * (np.expm1(x) / x if abs(x) > 1e-14 else 1.0) * float(chosen.rate(v, z))
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", ["lugre", "lugre_majorant", "dahl", "elastoplastic_majorant"])
 @pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
 def test_z_never_leaves_its_bound(name, single, folder):

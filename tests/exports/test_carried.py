@@ -136,6 +136,7 @@ def test_a_machine_carries_every_key(target, tmp_path):
     assert not_carried(target, "machine", tmp_path, "") == []
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "law" in each.parts and each.loads])
 def test_the_friction_of_a_contact_carries_every_key_or_names_it(target, tmp_path):
     data = FRICTION if TARGETS[target].started else without(FRICTION, "contacts", "mesh", "initial")
@@ -144,6 +145,7 @@ def test_the_friction_of_a_contact_carries_every_key_or_names_it(target, tmp_pat
     assert [name for name in lost if not name.startswith(apart)] == []
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "controller" in each.parts])
 def test_a_controller_carries_every_key_or_names_it(target, tmp_path):
     lost = not_carried(target, "controller", tmp_path, "controllers.axis.", AXIS)
@@ -152,6 +154,7 @@ def test_a_controller_carries_every_key_or_names_it(target, tmp_path):
     assert lost == []
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("target", [n for n, each in TARGETS.items() if "compensator" in each.parts])
 def test_a_compensator_carries_every_key_or_names_it(target, tmp_path):
     data = AXIS if target != "table" else without(AXIS, "controllers", "axis", "compensation", "lead")

@@ -180,7 +180,8 @@ def servo():
     return Scenario(as_machine(edited(SERVO, changes)))
 
 
-@pytest.mark.parametrize("sampled", [False, True])
+@pytest.mark.share(3)
+@pytest.mark.parametrize("sampled", [True, False])
 def test_c_of_a_pressure_cascade(sampled, servo, tmp_path):
     scenario = servo if sampled else Scenario(as_machine(edited(SERVO, {"solve.t_end": 0.3})))
     stribeck.export(scenario, "c", tmp_path)

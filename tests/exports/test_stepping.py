@@ -31,6 +31,7 @@ def test_the_step_is_that_of_the_exported_c(name, folder):
     assert np.all(abs(v + dt * (effort - friction) / inertia - w) <= 1e-14 * dt / inertia * terms)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", LAWS)
 def test_each_world_is_as_if_alone(name):
     step = Stepped(law(name))
@@ -40,6 +41,7 @@ def test_each_world_is_as_if_alone(name):
         assert [x[i] for x in together] == [x[0] for x in step(*(x[i : i + 1] for x in given))]
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", LAWS)
 def test_derivatives_are_those_of_differences(name):
     """By everything given and by every constant; and the adjoint is the transpose of the tangent."""
@@ -129,6 +131,7 @@ def test_an_elastic_contact_does_not_creep(name):
     assert np.all(abs(z - 0.9e-5) < 1e-18)
 
 
+@pytest.mark.share(4)
 @pytest.mark.parametrize("name", LAWS)
 def test_any_step_is_stable(name):
     """From 1e-5 to 1e5 kg at 2 to 20 ms: the kinetic energy never grows without a load, and the body comes to rest."""

@@ -46,6 +46,7 @@ class Wide(HTMLParser):
             self.about.pop()
 
 
+@pytest.mark.thorough
 def test_what_is_wide_scrolls_by_itself(page):
     assert ".scroll { overflow-x: auto; }" in STYLE
     assert '<meta name="viewport" content="width=device-width' in page

@@ -53,6 +53,7 @@ def test_the_evidence(report):
         assert found["lugre_majorant"] == pytest.approx(found["lugre"], rel=0.05)
 
 
+@pytest.mark.thorough
 def test_which_k_v(chapter):
     """The larger is for creep: theory.md has 12.7/k_v for the paper's law."""
     found = chapter("which_k_v").numbers("which_k_v")
@@ -63,6 +64,7 @@ def test_which_k_v(chapter):
     )
 
 
+@pytest.mark.thorough
 def test_the_joint(chapter):
     """The majorant mesh stays displaced; the load's friction makes the loop hunt; the proof needs v_d."""
     report = chapter("joint")

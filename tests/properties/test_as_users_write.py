@@ -74,11 +74,13 @@ def smooth(law):
     return verdict.holds
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("text", ABSOLUTE)
 def test_an_absolute_value_has_a_kink_however_it_is_written(text):
     assert smooth(law_with(size=ABSOLUTE[text])) is False
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("text", SMOOTH)
 def test_limits_that_never_bite_and_cases_that_join_are_smooth(text):
     assert smooth(law_with(**SMOOTH[text])) is True
@@ -89,8 +91,9 @@ def test_limits_that_bite_are_not(text):
     assert smooth(law_with(**KINKED[text])) is False
 
 
-def test_a_steepness_of_any_size_leaves_solutions_unique():
+@pytest.mark.share(2)
+@pytest.mark.parametrize("k_v", [1e-310, 1e4, 1e300])
+def test_a_steepness_of_any_size_leaves_solutions_unique(k_v):
     """The slope's bound was sampled where it underflows, and so tight that regions did not suffice."""
-    for k_v in (1e-310, 1e4, 1e300):
-        law = stribeck.law("elastoplastic_sobczyk", MILD, k_v=k_v, z_ba=7e-6)
-        assert accepted(Checked(law, None, WORK).unique(), law, "unique").holds is True
+    law = stribeck.law("elastoplastic_sobczyk", MILD, k_v=k_v, z_ba=7e-6)
+    assert accepted(Checked(law, None, WORK).unique(), law, "unique").holds is True

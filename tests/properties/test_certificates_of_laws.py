@@ -38,6 +38,7 @@ def certificates(name: str) -> dict[str, dict[str, Any]]:
     return {n: v.certificate for n, v in checked(name).properties.items() if v.holds}
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("name", LAWS)
 def test_each_yes_is_confirmed(name):
     found = certificates(name)
@@ -111,6 +112,7 @@ def test_a_yes_that_the_checker_refuses_is_undecided(monkeypatch):
     assert "told to refuse" in found["bounded"].evidence["reason"]
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize(
     ("k_v", "smooth_abs"), [(5e-324, "atan"), (1.7e308, "atan"), (1e-300, "sqrt"), (1e-300, "compact")]
 )
@@ -122,6 +124,7 @@ def test_a_steepness_at_the_end_of_floats_stops_no_proof(k_v, smooth_abs):
     assert smooth_abs != "sqrt" or law.rate(1e-3, 1e-6) == -math.inf  # as NumPy has it, and no exception
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(
     "change",
     [{"sigma_0": 1e-100}, {"sigma_1": 1e160}, {"sigma_2": 1e200}, {"v_s": 5e-324}, {"F_c": 1e307, "F_s": 1.7e308}],

@@ -118,6 +118,7 @@ def test_a_full_disk_when_moving(home, monkeypatch):
     assert list(home.iterdir()) == []
 
 
+@pytest.mark.share(3)
 @pytest.mark.parametrize("content", [b"", b"\x7fELF", b"garbage" * 1000, 100, 4096, 20000, -1])
 def test_a_damaged_file(content, home, monkeypatch):
     """Garbage, or the file cut after so many bytes."""

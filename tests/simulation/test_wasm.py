@@ -59,6 +59,7 @@ def test_every_law_under_every_drive(law, drive, by_wasm):
         np.testing.assert_allclose(other.events[kind], times, rtol=0, atol=1e-6)
 
 
+@pytest.mark.share(5)
 @needs_compiler
 @pytest.mark.parametrize("name", examples.names())
 def test_every_example(name, by_wasm):

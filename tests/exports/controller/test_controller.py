@@ -61,6 +61,7 @@ def test_processor_in_the_loop(case, target, tmp_path):
     assert found[:-1].tolist() == acting.tolist()
 
 
+@pytest.mark.share(5)
 @pytest.mark.parametrize("part", ["controller", "compensator"])
 @pytest.mark.parametrize("case", ["measured", "reference", "elastic", "filtered", "dithered", "square"])
 def test_self_test(case, part, tmp_path):
