@@ -104,15 +104,6 @@ def test_sweep(tmp_path, law):
     assert len(st.sweep(machine, varied, tmp_path / "two", t_end=0.1, step=0.01).lanes) == 3
 
 
-def test_what_a_notebook_shows(law):
-    text = law._repr_html_()
-    for words in ("<b>lugre_majorant</b>", "dz/dt = v - (m(v)/g(v)) z", "<td>F_s</td><td>1.5</td><td>N</td>"):
-        assert words in text, words
-    assert "<svg" in st.simulate(SMALL)._repr_svg_()
-    machine = st.Machine(st.Body("slider", mass=1.0), st.Contact("c", "slider", law))
-    assert ">slider<" in machine._repr_svg_()
-
-
 def test_a_fit_as_a_table(law):
     v = np.concatenate([np.linspace(0.002, 0.05, 60), -np.linspace(0.002, 0.05, 60)]).repeat(10)
     random = np.random.default_rng(1)

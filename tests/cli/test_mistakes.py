@@ -9,8 +9,6 @@ import sys
 import numpy as np
 import pytest
 
-from stribeck import examples, export
-
 COLUMNS = ("--time", "t", "--position", "y", "--force", "F")
 
 
@@ -18,22 +16,6 @@ def written(path, t, y, force):
     rows = zip(t.tolist(), y.tolist(), force.tolist(), strict=True)
     path.write_text("t,y,F\n" + "".join(f"{a!r},{b!r},{c!r}\n" for a, b, c in rows))
     return path
-
-
-def test_a_body_that_rests_throughout_has_no_friction_to_fit(stribeck, tmp_path):
-    """The filter of a constant position leaves its rounding, 1e-15 m/s, of which F_c < 0.06 N was told beside 2 N that moved
-    nothing."""
-    t = 0.01 * np.arange(600)
-    rest = written(tmp_path / "rest.csv", t, np.full(600, 0.1), 2 * np.sin(1.3 * t))
-    for words in (
-        (),
-        ("--law", "coulomb_viscous"),
-        ("--law", "lugre", "--method", "dynamic"),
-    ):
-        found = stribeck("fit", rest, *COLUMNS, *words, "--out", tmp_path / "out")
-        assert (found.status, found.out) == (2, ""), found.err
-        assert found.err == "--velocity: 0 throughout: nothing moves, so there is no friction to fit\n"
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path):
@@ -46,11 +28,6 @@ def test_a_force_against_the_motion_identifies_no_friction(stribeck, tmp_path):
     assert found.status == 0, found.err
     assert re.search(r"F_c\s+\S.* not identifiable", found.out)  # a wide table has the names above their rows
     assert "in both directions" in found.out
-
-
-def test_a_contact_alone_asks_for_its_law(tmp_path):
-    export(examples.path("machine"), "c", tmp_path / "law", contact="guide")
-    assert (tmp_path / "law" / "lugre_majorant.h").exists()
 
 
 @pytest.mark.thorough

@@ -13,10 +13,8 @@ import numpy as np
 import pyarrow.parquet as parquet
 import pytest
 
-from stribeck import InputError
 from stribeck.platforms import locked
 from stribeck.sweeps import job as module
-from stribeck.sweeps.ranges import Range, lanes_of
 from stribeck.sweeps.tables import as_parquet
 from tests.shared import LINKS
 
@@ -118,26 +116,12 @@ def test_one_process_at_a_time(stribeck, scenario, tmp_path):
     assert "another process is at work there" in result.err
 
 
-def test_ranges():
-    assert Range.parse("law.k_v=1e6:1e8:3:log").values.tolist() == pytest.approx([1e6, 1e7, 1e8])
-    assert Range.parse("law.k_v=1e6:1e8:3:log").values[[0, -1]].tolist() == [1e6, 1e8]
-    assert Range.parse("x=5:-5:3").values.tolist() == [5.0, 0.0, -5.0]
-    assert Range.parse("x=7:9:1").values.tolist() == [7.0]
-    with pytest.raises(InputError):
-        lanes_of([])
-
-
 def test_a_table_holds_texts_numbers_and_what_is_missing():
     values = {"reason": ["", "\u00e9", "b"], "lane": [3, 2**53 + 1, -1], "F": [np.nan, 1.5, np.nan]}
     columns = [(name, "N", "what it is", np.array(x)) for name, x in values.items()]
     table = parquet.read_table(BytesIO(as_parquet(columns)))
     assert table.to_pydict() == values | {"F": [None, 1.5, None]}
     assert table.schema.field("F").metadata == {b"unit": b"N", b"meaning": b"what it is"}
-
-
-def test_a_range_whose_ends_are_as_far_apart_as_numbers_can_be():
-    assert Range.parse("a=1e-308:1e308:3:log").values == pytest.approx([1e-308, 1.0, 1e308], rel=1e-12)
-    assert Range.parse("a=-1e308:1e308:3").values == pytest.approx([-1e308, 0.0, 1e308])
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")

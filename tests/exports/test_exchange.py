@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from stribeck.errors import InputError, StribeckNote
+from stribeck.errors import StribeckNote
 from stribeck.exports.exchange import from_bam, from_mujoco_file
 
 SHARED = Path(__file__).parents[3] / "shared" / "data" / "bam"
@@ -54,15 +54,6 @@ def test_bam_s_models_have_its_friction(model):
     assert fast.sum() > 30
     want = np.sign(v) * friction(MODELS[model], v, found["gravity.f"], found["drive.torque"])
     np.testing.assert_allclose(found["friction.F"][fast], want[fast], rtol=0.02)
-
-
-def test_a_joint_that_a_current_drives_has_no_motor():
-    current = {n: x for n, x in PLAIN.items() if n != "R"}
-    data = from_bam({**current, "model": "m1", "actuator": "servo"})
-    assert "motors" not in data
-    data["loads"]["drive"]["signal"] = {"kind": "points", "t": [0.0, 1.0], "value": [0.4, 0.4]}
-    found = simulate(Scenario(data))
-    assert found["drive.f"][-1] == pytest.approx(1.5 * 0.4)
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="no ../shared/data/bam beside the checkout")
@@ -152,40 +143,3 @@ def test_the_limits_of_a_dcmotor_are_told(tmp_path):
     path.write_text(ARM.format(DCMOTOR.replace("damping", 'saturation="0 2 0" damping')))
     with pytest.warns(StribeckNote, match=r"actuator m: .*left out"):
         from_mujoco_file(path)
-
-
-NUMBERS = [("frictionloss", "nan"), ("damping", "inf"), ("armature", "-inf"), ("stiffness", "nan"), ("ref", "nan")]
-
-
-@pytest.mark.parametrize(("word", "number"), NUMBERS)
-def test_a_mujoco_model_s_numbers_are_finite(tmp_path, monkeypatch, word, number):
-    """A nan was taken for nothing, and MuJoCo's complaint left a file in the current folder."""
-    pytest.importorskip("mujoco")
-    monkeypatch.chdir(tmp_path)
-    Path("arm.xml").write_text(
-        f'<mujoco><worldbody><body><joint name="elbow" type="hinge" {word}="{number}"/>'
-        '<geom type="sphere" size="0.1" mass="2"/></body></worldbody></mujoco>'
-    )
-    said = (
-        f"joint 'elbow': {word}: {number}: must be a finite number" if word != "ref" else "MuJoCo: XML contains a 'NaN'"
-    )
-    with pytest.raises(InputError, match=said):
-        from_mujoco_file("arm.xml")
-    assert [path.name for path in tmp_path.iterdir()] == ["arm.xml"]
-
-
-def test_joints_whose_names_a_machine_cannot_have_are_all_there(tmp_path):
-    """Of joints 'a-b' and 'a_b' the second took the place of the first without a word; other names were refused."""
-    pytest.importorskip("mujoco")
-    given = ("a-b", "a_b", "ground", "a_b_friction", "x\u00b2", "", "joint5")
-    names = [f'name="{n}" ' if n else "" for n in given]
-    body = '<body><joint {}type="slide" axis="0 0 1" frictionloss="{}"/><geom size="1"/></body>'
-    bodies = "".join(body.format(n, i + 1) for i, n in enumerate(names))
-    path = tmp_path / "m.xml"
-    path.write_text(f'<mujoco><option gravity="0 0 0"/><worldbody>{bodies}</worldbody></mujoco>')
-    data = from_mujoco_file(path)
-    Scenario(data)
-    assert len(data["bodies"]) == len(given)
-    levels = {c["from"]: c["law"]["parameters"]["F_c"] for c in data["contacts"].values()}
-    assert list(levels.values()) == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
-    assert (levels["a_b"], levels["joint5"]) == (1.0, 6.0)

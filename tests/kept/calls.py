@@ -49,6 +49,7 @@ from stribeck.properties.prover.search import Budget, Prover
 from stribeck.recorded import opened
 from stribeck.scenario import parse_assignment, schema
 from stribeck.simulation import c_source, wasm
+from stribeck.sweeps.ranges import Range
 from stribeck.waveforms.pieces import pieces
 from tests.kept import shown
 from tests.kept.runner import EXACT, INPUTS, PLACES, Case, call, inputs
@@ -786,7 +787,7 @@ def _values(lines):
     names["written"] = lambda expr: "\n".join(pretty.write(expr, SHOWN, latex=latex) for latex in (False, True))
     names |= {"file": _file, "table": _table, "columns": _columns, "read": read, "ColumnNames": ColumnNames}
     names |= {"pd": pd, "pa": pa, "T": np.arange(200) * 1e-3, "RIG": RIG}
-    names |= {"LAW": (INPUTS / "laws.py").read_text(), "drawn": _drawn, "own": _own}
+    names |= {"LAW": (INPUTS / "laws.py").read_text(), "drawn": _drawn, "own": _own, "Range": Range}
     inputs("\n".join(lines) + "axis.logs.toml")
     for line in lines:
         yield f">>> {line}"

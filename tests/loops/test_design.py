@@ -1,8 +1,6 @@
 """The verdict on a loop, against linear theory, against another solver, and what the command prints and writes."""
 
 import json
-import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +11,8 @@ from stribeck.loops import uncertainty
 from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import loop_of
-from stribeck.mouth.cells import human
 from tests.loops.axis import axis
 from tests.machine.machines import law
-from tests.pages import Page
 from tests.reference.apart import solve
 
 
@@ -127,33 +123,6 @@ def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
     assert np.abs(t["hold.r"] - t["a.y"])[after].max() == pytest.approx(own.reversal_error, rel=0.01)
 
 
-def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
-    import tomli_w
-
-    from stribeck.cli import _status
-
-    file = tmp_path / "axis.toml"
-    file.write_text(tomli_w.dumps(axis()))
-    words = ["design", str(file), "--vary", "controllers.hold.K_i=0.001:1000", "--json"]
-    assert _status([*words, "--out", str(tmp_path / "out")]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["verdict"] == "quiet"
-    assert {"errors", "boundaries", "compensations", "limit_cycle", "starts"} <= set(found)
-    assert not found["depends_on_the_start"]
-    names = {Path(f).name for f in found["files"]}
-    assert {"machine.toml", "report.html", "summary.json", "boundaries_0.svg"} <= names
-    assert _status(["run", str(tmp_path / "out" / "machine.toml")]) == 0
-    assert tomllib.loads((tmp_path / "out" / "machine.toml").read_text())["controllers"]["hold"]["K_p"] == 200.0
-    page = Page(tmp_path / "out" / "report.html")
-    assert "QUIET" in page.text
-    errors = page.rows(["move", "peak error", "rms"])
-    assert {move: row[0] for move, row in errors.items()} == {
-        m.replace("_", " "): human(e["peak"], "m") for m, e in found["errors"].items()
-    }
-    boundary = page.rows(["path", "boundary"])["controllers.hold.K_i"]
-    assert float(boundary[0]) == pytest.approx(found["boundaries"][-1]["value"], rel=1e-5)
-
-
 def test_a_set_in_a_file_is_found_from_the_folder_of_the_machine_that_is_written(tmp_path):
     """The command left a machine that looked for it beside itself."""
     import tomli_w
@@ -188,25 +157,6 @@ def test_the_intervals_of_a_file_hold_for_each_contact_that_has_the_constant(tmp
     assert (F_c.min(), F_c.max(), F_s.min(), F_s.max()) == (0.5, 2.2, 1.8, 2.4)
     np.testing.assert_allclose(F_c[:7], [1.35, 0.5, 2.2, 0.5, 2.2, 1.35, 1.35])  # middle, low, high, each alone
     np.testing.assert_allclose(F_s[:7], [2.1, 1.8, 2.4, 2.1, 2.2, 1.8, 2.4])
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "has no table [parameters] with intervals"),
-        ("[parameters]\nF_c = 1.0\n", "no parameter has both low and high"),
-        ("[parameters]\nF_k = {low = 1, high = 2}\n", "F_k: no contact of the machine has it"),
-        ("[parameters]\nF_c = {low = 2, high = 1}\n", "F_c: low = 2 must not be above high = 1"),
-        ("[parameters]\nF_c = {low = 2, high = inf}\n", "F_c: inf: must be a finite number"),
-        ("[parameters]\nF_c = {low = -2, high = 1}\n", "F_c: -2: must be a finite number"),
-        ("[parameters]\nF_c = {low = 'a', high = 1}\n", "F_c: 'a': must be a finite number"),
-    ],
-)
-def test_a_file_that_holds_no_intervals(text, message, tmp_path):
-    (tmp_path / "fit.toml").write_text(text)
-    with pytest.raises(InputError) as error:
-        uncertainty.friction_intervals(Scenario(axis()), tmp_path / "fit.toml")
-    assert message in str(error.value)
 
 
 def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):

@@ -74,21 +74,6 @@ def test_tolerances_scale_with_the_law():
     assert base.with_changes({"solve.atol": {"y": 1e-3}}).atol() == {**atol, "y": 1e-3}
 
 
-def test_values_are_named_by_their_owner():
-    scenario = Scenario(VALID["velocity_sine"])
-    assert scenario.elements.mass is None  # given, but a moved body needs none
-    assert scenario.elements.values == {
-        **{("contacts.law", n): CANUDAS[n] for n in ("F_c", "F_s", "v_s", "sigma_2")},
-        ("contacts.law", "delta"): 1.5, ("contacts.law", "k_v"): 1e6,
-        **{("bodies.velocity.signal", n): VALID["velocity_sine"]["drive"]["signal"][n]
-           for n in ("amplitude", "frequency", "offset", "phase")},
-    }  # fmt: skip
-    spring = Scenario(SPRING).elements.values
-    found = spring["bodies", "mass"], spring["links", "stiffness"], spring["contacts.law", "z_ba"]
-    assert found == (1.0, 2.0, 7e-6)
-    assert set(spring) == set(Scenario(SPRING).system.parameters)
-
-
 def test_scenarios_that_differ_in_numbers_share_a_system():
     one, other = Scenario(SPRING), with_values(7.0, 0.3).with_changes({"law.k_v": 3.0, "drive.signal.rate": 9.0})
     assert one.system == other.system

@@ -8,34 +8,15 @@ import pytest
 
 from stribeck import Scenario, simulate
 from stribeck.simulation import native
-from tests.simulation.rig import law_table, pid, rig, solved, spring
+from tests.simulation.rig import law_table, rig, solved, spring
 
 PULL = {"kind": "ramp", "rate": 0.3}
-
-
-def test_rows_are_multiples_of_the_step():
-    data = rig("lugre", "force", PULL, 1.0)
-    for t_end, step, last in ((1.0, 0.1, 10), (0.3, 0.1, 3), (0.35, 0.1, 3), (0.05, 0.1, 0), (2.0, 0.3, 6)):
-        data["solve"]["t_end"], data["output"]["step"] = t_end, step
-        solution = solved(data)
-        np.testing.assert_array_equal(solution.t, np.arange(last + 1) * step)
-        assert len(solution["F"]) == last + 1
 
 
 def test_rows_do_not_steer_the_steps():
     few, many = solved(rig("lugre", "force", PULL, 6.0, rows=2)), solved(rig("lugre", "force", PULL, 6.0, rows=6000))
     assert few.stats["accepted"] == many.stats["accepted"]
     assert few.final == many.final
-
-
-def test_columns_follow_from_the_states():
-    data = rig("lugre_sobczyk", pid("canudas1995"), {"kind": "step", "value": 1.0, "time": 0.5}, 3.0)
-    s, p = solved(data), data["drive"]
-    np.testing.assert_array_equal(s["r"], np.where(s.t >= 0.5, 1.0, 0.0))
-    np.testing.assert_allclose(s["u"], -p["K_p"] * (s["y"] - s["r"]) - p["K_i"] * s["I"] - p["K_d"] * s["v"])
-    np.testing.assert_array_equal(s["F"], s.scenario.law.force(s["v"], s["z"]))
-    static = solved(rig("makkar", "force", PULL, 0.1))
-    np.testing.assert_array_equal(static["z"], 0.0)
 
 
 def test_data_frame():
@@ -108,17 +89,6 @@ def test_threads_agree_with_one_another():
         thread.join()
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_array_equal(one, other)
-
-
-def test_a_recorded_signal_is_its_points(tmp_path):
-    t, value = [0.0, 0.2, 0.2, 0.5], [0.0, 1.2, -0.4, 1.7]
-    rows = "".join(f"{a},{b}\n" for a, b in zip(t, value, strict=True))
-    (tmp_path / "log.csv").write_text("time,force\n" + rows)
-    recorded = {"kind": "file", "path": "log.csv", "time": "time", "value": "force"}
-    found = solved(rig("lugre", "force", recorded, 0.6), folder=tmp_path)
-    expected = solved(rig("lugre", "force", {"kind": "points", "t": t, "value": value}, 0.6))
-    for name in ("y", "v", "F", "u"):
-        np.testing.assert_array_equal(found[name], expected[name])
 
 
 def test_a_result_draws_itself_as_a_figure_of_matplotlib():

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from stribeck import InputError, Scenario, simulate
+from stribeck import Scenario, simulate
 from stribeck.machine.sampled import tracked
 from stribeck.waveforms import PointToPointSignal, SplineSignal
 from tests.machine.pneumatic.servos import data, last, servo, solved
@@ -138,13 +138,6 @@ def test_adaptation_recovers(factor, middle, late):
 
 
 # -- what is refused, and what fails ----------------------------------------------------------------------------------
-
-
-def test_a_pneumatic_plant_needs_its_controller():
-    new = data()
-    new["drive"] = {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}}
-    with pytest.raises(InputError, match="pneumatic"):
-        Scenario(new)
 
 
 @pytest.mark.thorough
