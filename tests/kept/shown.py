@@ -188,7 +188,9 @@ def page(text, digits):
     reader = _Page(digits)
     reader.feed(text.replace("<wbr>", ""))
     reader.end()
-    return reader.lines
+    elsewhere = re.findall(r'(?:src|href)="(?!#)([^"]+)"|url\((?!#)([^)]+)\)|@import', text)
+    ids = re.findall(r'\bid="([^"]+)"', text)
+    return reader.lines + [f"from elsewhere: {x}" for x in elsewhere] + ["one id twice"] * (len(ids) > len(set(ids)))
 
 
 def figure(drawn):

@@ -16,7 +16,6 @@ CASCADE = {"kind": "cascade", "on": "a", "K_p": 20.0, "K_v": 8.0, "T_i": 0.1, "s
 PID = {"kind": "pid", "on": "a", "K_p": 80.0, "K_i": 60.0, "K_d": 9.0, "signal": MOVE}
 A = {"a": {"mass": 0.5}}
 AB = {"a": {"mass": 0.5}, "b": {"inertia": 0.02, "initial": {"y": 0.01, "v": -0.1}}}
-GROUND = {"c": {"from": "a", "law": law()}}
 JOINT = {"from": "a", "to": "b", "ratio": 3.0, "stiffness": 40.0, "damping": 0.1}
 COMPENSATION = {"contact": "c", "speed": "reference"}
 OBSERVER = {"speed": "measured", "law": law("lugre", F_c=0.7, F_s=0.9)}

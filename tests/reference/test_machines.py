@@ -11,7 +11,6 @@ from tests.machine.machines import assert_balanced
 from tests.shared import SHARED
 
 FILES = sorted((SHARED / "reference" / "machines").glob("*.csv"))
-FORCES = (".F", ".f", ".torque", ".u", ".V", ".i")
 
 
 @pytest.mark.skipif(not FILES, reason="needs shared/reference, which is not part of the project")

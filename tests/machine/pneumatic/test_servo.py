@@ -10,9 +10,6 @@ from stribeck.machine.sampled import tracked
 from stribeck.waveforms import PointToPointSignal, SplineSignal
 from tests.machine.pneumatic.servos import data, last, servo, solved
 
-MOVES = {"kind": "point_to_point", "t": [0.0, 1.0, 2.0, 3.0], "value": [0.5, 0.6, 0.6, 0.5]}
-
-
 # -- paths -----------------------------------------------------------------------------------------------------------
 
 
