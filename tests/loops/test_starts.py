@@ -7,7 +7,7 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.loops.compensation import CompensationResult, _dithered, with_compensation
-from stribeck.loops.figures import unbeaten
+from stribeck.loops.figures import motions, unbeaten
 from stribeck.loops.judge import Judgement, judge, rest_bands
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import Tracked, on_a_sine, reversal_errors
@@ -120,3 +120,17 @@ def test_the_front_of_error_against_margin():
     sine = Tracked(np.zeros(0), np.zeros(0), np.zeros(0), {})
     found = [CompensationResult(kind, 1.0, margin, 0.0, worst, hunter(), sine) for kind, margin, worst in rows]
     assert unbeaten(found) == [(0.8, 0.7), (1.5, 1.0)]
+
+
+def test_errors_are_drawn_over_the_last_wave_and_after_its_reversal():
+    """Of 2 mm and of 3 um at a period of 2 s, in the unit of the larger one."""
+    pytest.importorskip("matplotlib")
+    t = np.linspace(0.0, 8.0, 801)
+    tracked = [Tracked(t, np.sin(np.pi * t), np.sin(np.pi * t) - e, {}) for e in (2e-3, 3e-6)]
+    remedies = zip(("none", "measured"), tracked, strict=True)
+    found = [CompensationResult(kind, 1.0, 0.0, 0.0, 0.0, hunter(), sine) for kind, sine in remedies]
+    wave, after = motions(found, 2.0, "m").draw().axes
+    assert wave.get_ylabel() == "error (mm)"
+    assert [float(line.get_ydata().max()) for line in wave.lines] == pytest.approx([2.0, 3e-3])
+    assert wave.lines[1].get_xdata()[[0, -1]] == pytest.approx([6.0, 8.0])
+    assert after.lines[1].get_xdata()[[0, -1]] == pytest.approx([-0.04, 0.25], abs=0.011)  # a sample
