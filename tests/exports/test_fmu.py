@@ -1,7 +1,6 @@
 """FMUs, validated and run by FMPy, against the simulation."""
 
 import importlib.util
-import os
 import subprocess
 import zipfile
 from pathlib import Path
@@ -11,7 +10,6 @@ import pytest
 
 import stribeck
 from stribeck.errors import StribeckNote
-from stribeck.exports.fmu import binaries
 from tests.exports.harness import law, need
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
@@ -465,21 +463,6 @@ def test_our_header_says_what_the_standards_says(fmi, folder, tmp_path):
     (source / f"fmi{fmi}.h").write_text(include)
     assert built() == ours
     assert len(ours.split()) == len(_LAYOUT[fmi])
-
-
-@pytest.mark.skipif(not os.environ.get("STRIBECK_TEST_CROSS"), reason="minutes at first; STRIBECK_TEST_CROSS=1 runs it")
-def test_for_other_platforms(tmp_path, monkeypatch):
-    pytest.importorskip("ziglang", reason="ziglang, of the extra 'fmu', is not installed")
-    monkeypatch.setattr(binaries, "_ACROSS", ("x86_64-windows", "aarch64-darwin"))
-    (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu", fmi=3, platforms="all")
-    with zipfile.ZipFile(path) as archive:
-        found = {n.split("/")[1]: archive.read(n)[:4] for n in archive.namelist() if n.startswith("binaries/")}
-    assert found["x86_64-windows"][:2] == b"MZ"
-    assert found["aarch64-darwin"] == b"\xcf\xfa\xed\xfe"
-    first = path.read_bytes()
-    assert (
-        stribeck.export(law("dahl"), "fmu", path, fmi=3, platforms="all")[0].read_bytes() == first
-    )  # no times, no folders of this machine
 
 
 def test_no_folder_of_this_machine_is_in_it(tmp_path, monkeypatch):

@@ -359,4 +359,4 @@ def test_a_law_of_a_file_keeps_its_constants_beside_inputs_of_their_names(tmp_pa
     (tmp_path / "rig.toml").write_text(tomli_w.dumps(data.data))
     words = ["export", str(tmp_path / "rig.toml"), "--contact", "rub", "--target", "c", "--out", str(tmp_path / "out")]
     assert _status(words) == 0, capsys.readouterr().err
-    assert "load_press_;" in (tmp_path / "out" / "own_law.h").read_text()
+    assert "load_press_;" in (tmp_path / "out" / "own.h").read_text()

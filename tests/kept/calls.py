@@ -522,7 +522,7 @@ GIVEN = {  # a value of each option that takes one
     "set_": "k_v=2e6", "law": "dahl", "contact": "guide", "controller": "axis", "parameters": "canudas1995", "v_max": "0.5",
     "level": "0.5:2", "force": "a=1", "certificate": "c.json", "out": "o", "keep_c": "k.c", "backend": "wasm", "_backend": "wasm",
     "vary": "controllers.axis.K_p=1:2", "uncertainty": "u.toml", "part": "law", "scenario": "stick_slip.toml", "fmi": "2",
-    "platforms": "here", "target": "c", "step": "1e-3", "creep": "1e-6", "share": "0.9", "steady_error": "0.1", "speed": "0.1",
+    "target": "c", "step": "1e-3", "creep": "1e-6", "share": "0.9", "steady_error": "0.1", "speed": "0.1",
     "mass": "2", "time": "t",
     "position": "v", "velocity": "v", "acceleration": "v", "load": "F", "pressure": "F", "run": "F", "force_gain": "2",
     "unit": "v=mm/s", "counts": "4096", "term": "stiffness", "method": "static", "free": "k_v", "filter_": "published",

@@ -63,28 +63,17 @@ class ToolOptions:
     ] = None
     self_test: Annotated[bool, flag("--self-test", "Add a program that tests the C.", ADVANCED)] = False
     fmi: Annotated[int, setting("--fmi", "VERSION", "FMI version of an FMU: 3 or 2.")] = 3
-    platforms: Annotated[
-        str,
-        setting(
-            "--platforms",
-            "here|all",
-            "Binaries of an FMU: here, or all for Windows and macOS too (takes minutes at first).",
-            ADVANCED,
-        ),
-    ] = "here"
 
 
 @command("export", "stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
     target: Annotated[
         str,
-        setting("--target", "NAME", "c, fmu, isaaclab, mjwarp, mujoco, mujoco_plugin, newton or table."),
+        setting("--target", "NAME", "c, fmu, isaaclab, mjwarp, mujoco, newton or table."),
     ],
     out: Annotated[
         Path,
-        setting(
-            "--out", "PATH", "Folder for c, mujoco and mujoco_plugin; a file for other targets.", parser=output_path
-        ),
+        setting("--out", "PATH", "Folder for c and mujoco; a file for other targets.", parser=output_path),
     ],
     selection: PartOptions,
     tool: ToolOptions,

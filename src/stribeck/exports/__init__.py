@@ -55,7 +55,6 @@ def export(
     fmi: int = 3,
     controller: str | None = None,
     contact: str | None = None,
-    platforms: str = "here",
 ) -> list[Path]:
     """Write a law, a controller or a machine for another tool.
 
@@ -71,7 +70,6 @@ def export(
         step: time step of the tool, s.
         self_test: also write a program that tests the result (target ``c``).
         fmi: version of FMI, 2 or 3 (target ``fmu``).
-        platforms: "here", or "all": also binaries of an FMU for other platforms (the first compilation takes minutes).
         controller: name of the machine's controller (parts ``controller`` and ``compensator``); the only one unless given.
         contact: name of the machine's contact (parts ``law`` and ``observer``); the only one unless given.
         origin: source of the parameters, for the header; built-in sets are recognized.
@@ -88,13 +86,13 @@ def export(
     if part is None:
         whole = law is None and contact is None and scenario is not None and not scenario.elements.unnamed
         part = "machine" if whole else "law"
-    problems = _problems(target, part, self_test, step, fmi, controller, contact, platforms)
+    problems = _problems(target, part, self_test, step, fmi, controller, contact)
     if problems:
         raise InputError(problems)
     chosen = TARGETS[target]
     if text := trouble(out, chosen.folder):
         raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
-    options = Options(self_test, fmi, platforms == "all")
+    options = Options(self_test, fmi)
     what: MachineModel | Block | Request
     if part == "machine":
         what = _machine(law, scenario, step, origin, options)
@@ -202,7 +200,6 @@ def _encode(data: str | bytes) -> bytes:
 
 def _problems(
     target: str, part: str, self_test: bool, step: float | None, fmi: int, controller: str | None, contact: str | None,
-    platforms: str,
 ) -> list[str]:  # fmt: skip
     if not isinstance(target, str):
         return [f"{arg('target')}: {show(target)}: must be one of {', '.join(TARGETS)}"]
@@ -224,8 +221,6 @@ def _problems(
         problems.append(f"{arg('step')}: {show(step)}: {text}")
     if fmi not in (2, 3):
         problems.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
-    if platforms not in ("here", "all"):
-        problems.append(f"{arg('platforms')}: {show(platforms)}: must be here or all")
     choices = {"controller": (controller, part in SAMPLED), "contact": (contact, part not in (*SAMPLED, "machine"))}
     problems += [
         f"{arg(name)}: {show(chosen)}: must be left out: part '{part}' has no choice of {name}s"

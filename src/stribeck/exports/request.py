@@ -71,12 +71,10 @@ class Options:
     Attributes:
         self_test: also write a program that tests the result.
         fmi: version of FMI.
-        everywhere: also write an FMU's binaries for other platforms.
     """
 
     self_test: bool = False
     fmi: int = 3
-    everywhere: bool = False
 
 
 PLAIN = Options()

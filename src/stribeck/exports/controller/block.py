@@ -253,8 +253,8 @@ class Block:
         lines += [valued(name, value, constant) for name, (constant, value, _) in self.constants.items()]
         return [ascii_only(line) for line in (*lines, made_by())]
 
-    def notes(self, carried: tuple[str, ...] = ()) -> list[str]:
-        """Notes on differences from the file; ``carried``: sampling settings that the target's text contains."""
+    def notes(self) -> list[str]:
+        """Notes on differences from the file."""
         machine, notes = self.scenario.elements, []
         controller = next(c for c in machine.system.controllers if c.name == self.controller.name)
         if controller.sampling is None:
@@ -265,11 +265,11 @@ class Block:
             return notes
         sampling = f"{controller.path}.sampling"
         delay = machine.values[sampling, "delay"]
-        if delay and "delay" not in carried:
+        if delay:
             notes.append(
                 f"the controller's output must act {delay:g} s after the sample, as in the file ({sampling}.delay)"
             )
-        sensor = [n for n in ("resolution", "noise") if machine.values.get((sampling, n)) and n not in carried]
+        sensor = [n for n in ("resolution", "noise") if machine.values.get((sampling, n))]
         if sensor:
             sensor += ["seed"] if "noise" in sensor else []
             names = ", ".join(f"{sampling}.{n}" for n in sensor)

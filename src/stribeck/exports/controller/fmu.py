@@ -12,7 +12,6 @@ def files(block: Block) -> dict[str, str | bytes]:
     """The archive, under the name of the block."""
     description = Description(
         block.name, block.name, block.options.fmi, block.about(), variables_of(block), step=block.step or None,
-        everywhere=block.options.everywhere,
     )  # fmt: skip
     return packed("block", "fmu_block", description, context(block))
 

@@ -35,7 +35,7 @@ def packed(part: str, model: str, description: Description, values: Mapping[str,
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:
         content["sources/buildDescription.xml"] = build_description(description.model)
-    for folder, library in binaries(sources, fmi, description.everywhere).items():
+    for folder, library in binaries(sources, fmi).items():
         content[f"binaries/{folder}/{description.model}{_suffix(folder)}"] = library
     content["documentation/index.html"] = _page(description.about)
     return {f"{description.model}.fmu": _zipped(content)}
@@ -54,7 +54,6 @@ def described(request: Request) -> tuple[Description, dict[str, object]]:
     about = [*request.about(), *([f"mass = {mass!r} {request.unit('kg')}"] if body else [])]
     description = Description(
         request.name, model, request.options.fmi, about, variables, states, exchange=True, slopes=not law.inputs,
-        everywhere=request.options.everywhere,
     )  # fmt: skip
     return description, values | {
         "body": body, "mass": mass, "acceleration": _acceleration(),

@@ -1,28 +1,19 @@
-"""Shared libraries from the sources of an FMU: for this platform, and for others if they are wanted."""
+"""The shared library from the sources of an FMU, for this platform."""
 
 from __future__ import annotations
 
 import platform
-import sys
 import tempfile
 from pathlib import Path
 
 from stribeck.errors import BuildError, note
-from stribeck.exports.optional import package
 from stribeck.simulation import compiler
 
 _FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-s")
-_TIME_LIMIT = 600  # s; the first cross-compilation builds the platform's own libraries
+_TIME_LIMIT = 600  # s; with zig, the first compilation builds the platform's own libraries
 
-# platform in FMI 3.0, in FMI 2.0, target of zig
-_PLATFORMS = {
-    "x86_64-linux": ("linux64", "x86_64-linux-gnu.2.17"),
-    "x86_64-windows": ("win64", "x86_64-windows-gnu"),
-    "x86_64-darwin": ("darwin64", "x86_64-macos"),
-    "aarch64-linux": ("aarch64-linux", "aarch64-linux-gnu.2.17"),
-    "aarch64-darwin": ("aarch64-darwin", "aarch64-macos"),
-}
-_ACROSS = ("x86_64-windows", "x86_64-darwin", "aarch64-darwin")
+# platform in FMI 3.0, and in FMI 2.0 where it is another word
+_PLATFORMS = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
 
 
 def host_platform() -> str:
@@ -31,35 +22,22 @@ def host_platform() -> str:
     return f"{machine}-{platform.system().lower()}"
 
 
-def binaries(sources: dict[str, str], fmi: int, everywhere: bool = False) -> dict[str, bytes]:
-    """The libraries by the folder that FMI wants them in; ``everywhere``: those of other platforms too.
+def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
+    """The library by the folder that FMI wants it in; empty without a compiler.
 
     Raises:
-        MissingExtra: those of other platforms are wanted, and ziglang is not installed.
-        BuildError: this platform's compiler is there and does not compile the sources.
+        BuildError: the compiler does not compile the sources.
     """
-    libraries: dict[str, bytes] = {}
+    native = compiler.find()
+    if native is None:
+        note("no C compiler found: the FMU holds its sources only (pip install 'stribeck[fmu]')")
+        return {}
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        native = compiler.find()
-        if native is not None:
-            libraries[host_platform()] = _compiled(
-                [*native.command, "-fPIC"], Path(native.command[0]).name, Path(folder)
-            )
-        others = [name for name in _ACROSS if everywhere and name not in libraries]
-        if others:
-            package("ziglang")
-            note(f"compiling for {', '.join(others)} as well; the first time takes minutes")
-        for name in others:
-            zig = [sys.executable, "-m", "ziglang", "cc", "-target", _PLATFORMS[name][1]]
-            try:
-                libraries[name] = _compiled(zig, "zig cc", Path(folder))
-            except BuildError as error:
-                note(f"no binary for {name}: {error}")
-    if not libraries:
-        note("no C compiler found: the FMU holds its sources only (pip install 'stribeck[fmu]')")
-    return {name if fmi == 3 else _PLATFORMS.get(name, (name,))[0]: data for name, data in libraries.items()}
+        library = _compiled([*native.command, "-fPIC"], Path(native.command[0]).name, Path(folder))
+    here = host_platform()
+    return {here if fmi == 3 else _PLATFORMS.get(here, here): library}
 
 
 def _compiled(command: list[str], name: str, folder: Path) -> bytes:

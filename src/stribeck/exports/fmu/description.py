@@ -92,7 +92,6 @@ class Description:
         events: whether it has events.
         slopes: whether it gives directional derivatives.
         t_end, step, rtol: end (s), step (s) and tolerance of its default experiment.
-        everywhere: whether it has binaries for other platforms too.
     """
 
     prefix: str
@@ -107,7 +106,6 @@ class Description:
     t_end: float = 1.0
     step: float | None = None
     rtol: float = 1e-6
-    everywhere: bool = False
 
     @property
     def derivatives(self) -> list[Variable]:

@@ -16,7 +16,7 @@ def files(model: MachineModel) -> dict[str, str | bytes]:
     scenario = model.scenario
     description = Description(
         model.name, model.name, model.options.fmi, model.about(), variables, states, exchange=True, events=True, slopes=False,
-        everywhere=model.options.everywhere, t_end=float(scenario.end), step=float(scenario.output.step),
+        t_end=float(scenario.end), step=float(scenario.output.step),
         rtol=float(scenario.solve.rtol),
     )  # fmt: skip
     return packed("machine", "fmu_machine", description, model.context())
