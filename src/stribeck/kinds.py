@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copyreg
 import importlib
+import inspect
 import pkgutil
 import sys
 import threading
@@ -107,11 +108,13 @@ def find_class(name: str, folder: Path | None, base: type[T]) -> type[T]:
     """The class ``NAME`` in ``FILE.py``, which must be derived from ``base``.
 
     Raises:
-        InputError: if the file does not load, or has no such class.
+        InputError: if the file does not load or has no such class, or a method takes other arguments than the base's.
     """
     module, path, wanted = load_module(name, folder)
     value = getattr(module, wanted, None)
     if isinstance(value, type) and issubclass(value, base):
+        if problems := _other_arguments(value, base):
+            raise InputError([f"{name!r}: {problem}" for problem in problems])
         return value
     if isinstance(value, type):
         package = base.__module__.rpartition(".")[0]
@@ -119,6 +122,21 @@ def find_class(name: str, folder: Path | None, base: type[T]) -> type[T]:
     others = [n for n, x in vars(module).items() if isinstance(x, type) and issubclass(x, base) and x is not base]
     what = base.__name__.removesuffix("Element").lower()
     raise InputError(f"{name!r}: {path} has no {what} '{wanted}' (it has {', '.join(others) or 'none'})")
+
+
+def _other_arguments(kind: type, base: type) -> list[str]:
+    """The methods of a class that cannot be called with the arguments of the base's method."""
+    problems = []
+    for name in dict.fromkeys(n for each in kind.__mro__[: kind.__mro__.index(base)] for n in vars(each)):
+        method, overridden = inspect.getattr_static(kind, name), inspect.getattr_static(base, name, None)
+        if name.startswith("_") or not (inspect.isfunction(method) and inspect.isfunction(overridden)):
+            continue
+        arguments = [*inspect.signature(overridden).parameters]
+        try:
+            inspect.signature(method).bind(*arguments)
+        except TypeError:
+            problems.append(f"{name} must take the arguments ({', '.join(arguments)})")
+    return problems
 
 
 def _text(name: str, path: Path) -> bytes:

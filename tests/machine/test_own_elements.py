@@ -62,6 +62,13 @@ class Maxwell(Link):
         return self.stiffness * (d - x["x"]) ** 2 / 2
 
 
+class Forgetful(Link):
+    """A link whose force leaves out the argument x."""
+
+    def force(self, d, w):
+        return self.stiffness * d
+
+
 class Drag(Load):
     """Air: -drag v |v|."""
 
@@ -166,7 +173,8 @@ def test_a_load_and_a_controller(folder):
 @pytest.mark.parametrize(
     ("kind", "text"),
     [
-        ("own.py:Hard", "has no link 'Hard' (it has Hardening, Maxwell)"),
+        ("own.py:Hard", "has no link 'Hard' (it has Hardening, Maxwell, Forgetful)"),
+        ("own.py:Forgetful", "force must take the arguments (self, d, w, x)"),
         ("own.py:Drag", "Drag must be derived from stribeck.machine.elements's Link"),
         ("other.py:Hardening", "cannot read"),
         ("Hardening", "must be one of link"),

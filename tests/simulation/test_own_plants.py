@@ -9,18 +9,9 @@ import stribeck
 from stribeck import InputError, Scenario, simulate
 
 FILE = '''
-from typing import Annotated
-
-from pydantic import Field
-
 from stribeck.machine.element import State
-from stribeck.machine.elements.bodies import Body, Initial
-from stribeck.machine.table import Aside, quantity
-
-
-class Start(Initial):
-    d: float = quantity("m", "how far the load is ahead at t = 0", default=0.0)
-    w: float = quantity("m/s", "how fast it gets ahead at t = 0", default=0.0)
+from stribeck.machine.elements.bodies import Body
+from stribeck.machine.table import quantity
 
 
 class Flexible(Body):
@@ -30,7 +21,6 @@ class Flexible(Body):
     load: float = quantity("kg", "mass of the load", above=0)
     stiffness: float = quantity("N/m", "stiffness between them", above=0)
     damping: float = quantity("N s/m", "damping between them", at_least=0, default=0.0)
-    initial: Annotated[Start | None, Aside()] = Field(None, description="the state at t = 0")
 
     def pull(self, x):
         return self.stiffness * x["d"] + self.damping * x["w"]

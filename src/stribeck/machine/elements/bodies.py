@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from inspect import get_annotations
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, create_model
 
 from stribeck.constants import Column, Constant, show
 from stribeck.expressions.graph import Expr, symbol, wrap
@@ -51,7 +52,7 @@ class Body(Element, family=True):
     """A body: ``mass`` (kg) moves straight, ``inertia`` (kg m^2) turns; one whose ``velocity`` is given obeys no force.
 
     A body of your own derives from this class and declares its constants and ``states``. It overrides ``acceleration``,
-    ``rates`` and ``stored_energy``, and other equations that differ.
+    ``rates``, ``stored_energy`` and ``lost_power``, and other equations that differ.
     """
 
     section, plain = "bodies", "body"
@@ -67,6 +68,18 @@ class Body(Element, family=True):
         None, description="the prescribed velocity, on which no force acts"
     )
     rotary: bool | None = Field(None, description="whether a body with prescribed velocity turns")
+
+    def __init_subclass__(cls, **more: Any) -> None:
+        """Let the table ``initial`` of a class with states of its own also hold these states."""
+        super().__init_subclass__(**more)
+        own = get_annotations(cls)
+        if "states" in vars(cls) and "initial" not in own:
+            starts: dict[str, Any] = {
+                s.name: (float, quantity(s.unit, f"{s.meaning} at t = 0", default=s.start)) for s in cls.states
+            }
+            table = create_model(f"{cls.__name__}Initial", __base__=Initial, **starts)
+            cls.__annotations__ = {**own, "initial": Annotated[table | None, Aside()]}
+            cls.initial = Field(None, description="the state at t = 0")
 
     def __init__(self, name: str, *, y: float | None = None, v: float | None = None, **keys: Any) -> None:
         if start := {n: x for n, x in (("y", y), ("v", v)) if x is not None}:
