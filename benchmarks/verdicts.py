@@ -83,14 +83,14 @@ class Row:
 def replayed(law: Any, evidence: Any) -> str | None:
     """What is wrong with a cycle of held speeds that is said to draw energy, integrated by SciPy; None where it does.
 
-    Only a programme that returns z to its start can be judged here; numbers are compared to 1e-3, as a check on the
+    Only a program that returns z to its start can be judged here; numbers are compared to 1e-3, as a check on the
     statement and not on rounding.
     """
-    programme, z = evidence.get("programme"), evidence.get("z_start")
-    if not programme or z is None or "energy_drawn" not in evidence:
+    program, z = evidence.get("program"), evidence.get("z_start")
+    if not program or z is None or "energy_drawn" not in evidence:
         return None
     energy = 0.0
-    for piece in programme:
+    for piece in program:
         v, duration = piece["v"], piece["duration"]
 
         def rates(t: float, x: Any, v: float = v) -> list[float]:

@@ -94,7 +94,7 @@ def parameter_sets() -> Iterator[str]:
     )
     yield "\n" + table(
         ("machine", "what", "license"),
-        [(f"`{m.name}`", f"{m.title} ({m.origin})", m.licence) for m in found.machines.values()],
+        [(f"`{m.name}`", f"{m.title} ({m.origin})", m.license) for m in found.machines.values()],
     )
 
 

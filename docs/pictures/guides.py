@@ -224,9 +224,9 @@ def draw_own_law(file: Path) -> None:
 
 def draw_plan(file: Path) -> None:
     """The tests of 'stribeck fit --plan stroke=0.05,speed=0.1,force=50,deflection=1e-5', one after the other."""
-    from stribeck.identify.plan import Limits, programme
+    from stribeck.identify.plan import Limits, program
 
-    tests = programme(Limits(stroke=0.05, speed=0.1, force=50.0, deflection=1e-5))
+    tests = program(Limits(stroke=0.05, speed=0.1, force=50.0, deflection=1e-5))
     figure, (above, below) = plt.subplots(2, figsize=(WIDTH, 4.0), layout="constrained")
     time, kinds = 0.0, dict[str, list[float]]()
     for test in (each for each in tests if each.control == "motion"):

@@ -157,12 +157,12 @@ def test_a_fit_over_one_of_another_kind(tmp_path, monkeypatch):
     assert (tmp_path / "machine.toml").exists()
 
 
-def test_a_programme_over_one_with_a_synthetic_log(stribeck, tmp_path):
+def test_a_program_over_one_with_a_synthetic_log(stribeck, tmp_path):
     words = ("fit", "--plan", "stroke=0.05,speed=0.1,force=50", "--out", tmp_path)
     assert stribeck(*words, "--simulate").status == 0
     assert {"synthetic_log.csv", "synthetic_truth.toml"} < content(tmp_path).keys()
     assert stribeck(*words).status == 0
-    assert content(tmp_path).keys() == {"programme.csv", "motion.csv"}
+    assert content(tmp_path).keys() == {"program.csv", "motion.csv"}
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ def rows(text):
     return list(csv.DictReader(io.StringIO(text)))
 
 
-def test_the_programme_stays_within_the_limits(stribeck):
+def test_the_program_stays_within_the_limits(stribeck):
     for more in ("", ",deflection=1e-5"):
         outcome = stribeck("fit", "--plan", LIMITS + more)
         assert outcome.status == 0

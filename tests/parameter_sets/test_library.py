@@ -11,7 +11,7 @@ from stribeck.parameter_sets.library import machine_sets
 def test_each_machine_is_valid_and_says_where_it_is_from(name):
     found = machine_sets()[name]
     Scenario(dict(found.machine))
-    for word in ("title", "source", "licence", "date", "record", "holds", "command"):
+    for word in ("title", "source", "license", "date", "record", "holds", "command"):
         assert len(getattr(found, word)) > 3, word
         assert getattr(found, word) != word
     assert found.origin in ("published", "fitted")

@@ -185,7 +185,7 @@ def test_up_to_a_speed():
     assert passive_only(at("lugre", 0.01), 1.0, 2.0, 1e-5).holds
     fast = passive_only(at("lugre", 0.01), 1.0, 2.0, 1.0)
     assert fast.holds is False
-    assert all(abs(row["v"]) <= 1.0 for row in fast.evidence["programme"])
+    assert all(abs(row["v"]) <= 1.0 for row in fast.evidence["program"])
 
 
 def test_a_law_of_a_users_own_is_never_proved_but_may_be_refuted():

@@ -154,7 +154,7 @@ def test_a_cycle_draws_the_energy_that_it_states(name, v_max):
     found = decided(law_with(name), "passive", v_max)
     assert found.holds is False
     z, energy, p = found.evidence["z_start"], 0.0, TABLE_1
-    for piece in found.evidence["programme"]:
+    for piece in found.evidence["program"]:
         v = piece["v"]
         assert v_max is None or abs(v) <= v_max
 

@@ -31,7 +31,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "check creep": (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"), ("--share", "0.5"), "report.html"),
     "fit": (("log.csv", *_LOG, "--law", "coulomb_viscous"), ("--trim", "3"), "parameters.toml"),
     "predict": (("log.csv", *_LOG, "--fit", "model"), (), None),
-    "fit plan": (_PLAN, ("--seed", "3"), "programme.csv"),
+    "fit plan": (_PLAN, ("--seed", "3"), "program.csv"),
     "design": (("machine.toml",), ("--set", "controllers.axis.K_p=600"), _SUMMARY),
     "export": (("lugre", "--target", "fmu", "--parameters", "canudas1995"), ("--fmi", "2"), None),
     "explore": (("stick_slip.toml",), ("--set", "solve.t_end=3.0"), None),

@@ -61,7 +61,7 @@ def _write(selection: Library, names: list[str], out: Path) -> str:
     check_file("--out", out, new=True)
     (machine,) = selection.machines.values()
     Scenario(dict(machine.machine))  # a file that is written can be run
-    words = ("title", "source", "record", "licence", "date")
+    words = ("title", "source", "record", "license", "date")
     about = "".join(f"# {word}: {getattr(machine, word)}\n" for word in words)
     write_text(out, about + tomli_w.dumps(dict(machine.machine)))
     return str(out)

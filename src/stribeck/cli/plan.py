@@ -12,7 +12,7 @@ from stribeck.cli.output import OutputFolder, print_json, wrote
 from stribeck.errors import InputError, read_pairs
 from stribeck.files import together
 from stribeck.identify import plan_files
-from stribeck.identify.plan import Limits, programme
+from stribeck.identify.plan import Limits, program
 from stribeck.identify.synthetic import LABEL
 from stribeck.parameter_sets.assignments import parse_assignments, value_of
 
@@ -37,9 +37,9 @@ def plan(
     limits, law = _limits(text), laws[0] if laws else "lugre"
     constants = plan_files.numbers(list(parse_assignments(assignments).items()))
     experiment = plan_files.simulated(limits, law, constants, seed) if simulate else None
-    tests, files = programme(limits), list[str]()
+    tests, files = program(limits), list[str]()
     if out is not None:
-        name = "programme.csv"
+        name = "program.csv"
         with OutputFolder(out, writes=[name]), together(out, last=name, older=plan_files.SYNTHETIC) as place:
             written = plan_files.write_rig(limits, place)
             written += plan_files.write_simulated(experiment, place) if experiment is not None else []

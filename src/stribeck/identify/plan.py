@@ -89,7 +89,7 @@ def _soft(x: Array, end: float, ramp: float) -> Array:
     return np.asarray((1 - np.cos(np.pi * near)) / 2)
 
 
-def programme(limits: Limits) -> list[Test]:
+def program(limits: Limits) -> list[Test]:
     """The tests for a rig: loops for sigma_0 and sigma_1, and strokes for F_c, F_s, v_s and sigma_2.
 
     Force ramps give the break-away force, and accelerations the mass.

@@ -1,4 +1,4 @@
-"""A rig's test programme as a table and as motions to play; and a synthetic rig that plays them."""
+"""A rig's test program as a table and as motions to play; and a synthetic rig that plays them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.expressions.ops import Value
 from stribeck.files import write_text
-from stribeck.identify.plan import SMALLEST, Limits, Test, motion, programme
+from stribeck.identify.plan import SMALLEST, Limits, Test, motion, program
 from stribeck.identify.synthetic import LABEL, Experiment, Sensors, experiment
 
 HEAD = (
@@ -50,13 +50,13 @@ def table(tests: Sequence[Test]) -> str:
 
 
 def write_rig(limits: Limits, folder: Path) -> list[str]:
-    """Write programme.csv and motion.csv (what motion-controlled tests play, every ms); their names."""
-    tests = programme(limits)
+    """Write program.csv and motion.csv (what motion-controlled tests play, every ms); their names."""
+    tests = program(limits)
     t, v = motion(tests, STEP)
-    write_text(folder / "programme.csv", table(tests))
+    write_text(folder / "program.csv", table(tests))
     position = cumulative_trapezoid(v, dx=STEP, initial=0)
     _write_columns(folder / "motion.csv", {"time": t, "position": position, "velocity": v})
-    return ["programme.csv", "motion.csv"]
+    return ["program.csv", "motion.csv"]
 
 
 def _write_columns(path: Path, columns: Mapping[str, Array]) -> None:
@@ -89,7 +89,7 @@ def simulated(limits: Limits, law: str, given: Mapping[str, float], seed: int) -
         text = f"the law's friction breaks away at {length:.3g} m, which must be from {SMALLEST:g} to a tenth of the stroke"
         raise InputError(f"{arg('plan.stroke')}: {limits.stroke:g}: {text}")
     sensors = Sensors(position_resolution=1e-3 * length, force_noise=_NOISE * scales.force)
-    tests = programme(Limits(limits.stroke, limits.speed, limits.force, limits.deflection or length))
+    tests = program(Limits(limits.stroke, limits.speed, limits.force, limits.deflection or length))
     return experiment(friction, motion(tests, STEP / _FINER), sensors, seed=seed, every=_FINER)
 
 

@@ -29,7 +29,7 @@ class Library:
     Attributes:
         laws: the laws' classes; ``stribeck.law(name, ...)`` makes one with its constants.
         sets: the laws' parameters as published: ``values``, ``title``, ``source``, ``motion``.
-        machines: whole machines, published or fitted: ``machine`` (tables of schema 2), ``source``, ``licence``, ``record``.
+        machines: whole machines, published or fitted: ``machine`` (tables of schema 2), ``source``, ``license``, ``record``.
     """
 
     laws: Mapping[str, type[Law]]

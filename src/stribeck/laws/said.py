@@ -41,7 +41,7 @@ def shelf(library: Library) -> Document:
     """All entries of the library, a line each."""
     laws = [[name, " ".join((each.__doc__ or "").split())] for name, each in library.laws.items()]
     sets = [[each.name, each.title] for each in library.sets.values()]
-    machines = [[m.name, f"{m.title} ({m.origin}; {m.licence})"] for m in library.machines.values()]
+    machines = [[m.name, f"{m.title} ({m.origin}; {m.license})"] for m in library.machines.values()]
     return Document(
         "library",
         f"{len(laws)} laws, {len(sets)} parameter sets, {len(machines)} machines",
@@ -115,7 +115,7 @@ def machine(machine_set: MachineSet) -> Document:
         ]
         for path, p in machine_set.parameters.items()
     ]
-    words = ("holds", "source", "record", "licence", "origin", "date", "command")
+    words = ("holds", "source", "record", "license", "origin", "date", "command")
     table = Table(["number", "value", "from", "to", "unit", "state"], rows)
     return Document(
         machine_set.name,

@@ -10,7 +10,7 @@ from pathlib import Path
 from stribeck.parameter_sets import read_toml
 
 _FOLDER = Path(__file__).parent / "machines"
-_WORDS = ("title", "source", "licence", "date", "record", "origin", "command", "holds")
+_WORDS = ("title", "source", "license", "date", "record", "origin", "command", "holds")
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class MachineSet:
     """A machine of the library.
 
     Attributes:
-        source, licence, record: who measured (and, if published, fitted) it, the record's licence and its address.
+        source, license, record: who measured (and, if published, fitted) it, the record's license and its address.
         origin: "published", or "fitted" by ``command`` from the record.
         date: of the fit, or of the publication.
         holds: the speeds and loads for which it is valid, in words.
@@ -29,7 +29,7 @@ class MachineSet:
     name: str
     title: str
     source: str
-    licence: str
+    license: str
     date: str
     record: str
     origin: str

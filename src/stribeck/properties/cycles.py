@@ -30,25 +30,25 @@ _NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: di
 
 @dataclass(frozen=True)
 class Cycle:
-    """A path of z from ``start`` in pieces of constant speed; ``programme`` has a row for each, as in the report."""
+    """A path of z from ``start`` in pieces of constant speed; ``program`` has a row for each, as in the report."""
 
     start: float
-    programme: list[dict[str, float]]
+    program: list[dict[str, float]]
 
     @property
     def drawn(self) -> float:
         """Net energy drawn, J."""
-        return -sum(piece["energy_in"] for piece in self.programme)
+        return -sum(piece["energy_in"] for piece in self.program)
 
     @property
     def turns(self) -> list[float]:
         """z at the start, and at the end of each piece."""
-        return [self.start, *(piece["z_end"] for piece in self.programme)]
+        return [self.start, *(piece["z_end"] for piece in self.program)]
 
     def evidence(self) -> dict[str, Json]:
         """Values for the report."""
-        time = sum(piece["duration"] for piece in self.programme)
-        return {"energy_drawn": self.drawn, "time": time, "z_start": self.start, "programme": self.programme}
+        time = sum(piece["duration"] for piece in self.program)
+        return {"energy_drawn": self.drawn, "time": time, "z_start": self.start, "program": self.program}
 
 
 def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
@@ -62,7 +62,7 @@ def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
 
 
 def _piece(law: Law, v: float, a: float, b: float, **level: float) -> dict[str, float]:
-    """A row of a programme: a constant speed takes z from a to b."""
+    """A row of a program: a constant speed takes z from a to b."""
     duration, energy = integrate(law, v, a, b)
     return {"v": v, **level, "duration": duration, "z_end": b, "energy_in": energy}
 
@@ -96,7 +96,7 @@ def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | Non
             low = high * (1 - share)
             if side * law.rate(speed, low) < 0 and side * law.rate(speed, high) < 0:
                 run = Cycle(high, [_piece(law, float(speed), high, low)])
-                finite = np.isfinite(run.drawn) and np.isfinite(run.programme[0]["duration"])
+                finite = np.isfinite(run.drawn) and np.isfinite(run.program[0]["duration"])
                 if finite and (cycle is None or run.drawn > cycle.drawn):
                     cycle = run
                 if run.drawn > wanted:
@@ -215,17 +215,17 @@ def _closed(law: Law, up: float, down: float, low: float, high: float) -> Cycle:
         start, path = high, [(down, low), (up, high)]
     else:
         start, path = low, [(up, high), (down, low)]
-    programme, z = [], start
+    program, z = [], start
     for v, end in path:
         if end != z:
-            programme.append(_piece(law, v, z, end))
+            program.append(_piece(law, v, z, end))
             z = end
-    return Cycle(start, programme)
+    return Cycle(start, program)
 
 
 def scenario(law: Law, cycle: Cycle) -> dict[str, Json] | None:
     """The cycle as a scenario: E_in at its end is minus the energy drawn."""
-    speeds, durations = ([piece[name] for piece in cycle.programme] for name in ("v", "duration"))
+    speeds, durations = ([piece[name] for piece in cycle.program] for name in ("v", "duration"))
     drive, end = replay.velocity_drive(speeds, durations)
     plant = {"initial": {"z": cycle.start}} if cycle.start else {}
     return replay.scenario_of(law, "passive", drive, end, plant, energy=True)
@@ -258,7 +258,7 @@ class Swing:
 
     def drawn(self) -> tuple[float, float] | None:
         """Bounds of the energy that one cycle draws, J, by interval arithmetic; None if they do not confirm it."""
-        bounds = enclosed.programme([(Model(law), v, a, b) for law, v, a, b in self.pieces()[-2:]])
+        bounds = enclosed.program([(Model(law), v, a, b) for law, v, a, b in self.pieces()[-2:]])
         return (-bounds[1], -bounds[0]) if bounds is not None and bounds[1] < 0 else None
 
     def evidence(self) -> dict[str, Json]:
@@ -269,7 +269,7 @@ class Swing:
         ]
         up, down = rows[-2:]
         drawn = -(up["energy_in"] + down["energy_in"])
-        return {"energy_drawn_per_cycle": drawn, "time_per_cycle": up["duration"] + down["duration"], "programme": rows}
+        return {"energy_drawn_per_cycle": drawn, "time_per_cycle": up["duration"] + down["duration"], "program": rows}
 
     def machine(self, nominal: Law) -> dict[str, Json] | None:
         """A machine file with a belt of given velocity and a contact of given level, or None if a file cannot hold the law.
@@ -279,7 +279,7 @@ class Swing:
         table = replay.law_table(nominal)
         if table is None:
             return None
-        rows = self.evidence()["programme"]
+        rows = self.evidence()["program"]
         start, (up, down) = rows[:-2], rows[-2:]
         cost, drawn = sum(row["energy_in"] for row in start), -(up["energy_in"] + down["energy_in"])
         repeats = min(max(1, math.ceil(1.2 * cost / drawn + 1)), _REPEATS)

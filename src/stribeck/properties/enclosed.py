@@ -33,7 +33,7 @@ def supplied(panel: Panel) -> Range:
     return (low, high) if math.isfinite(low) and math.isfinite(high) else (-math.inf, math.inf)
 
 
-def programme(pieces: Sequence[Panel]) -> tuple[float, float] | None:
+def program(pieces: Sequence[Panel]) -> tuple[float, float] | None:
     """Bounds of the energy supplied, J, while constant speeds take z from one deflection to the next.
 
     Panels without bounds are halved, then the wider half of all, until the sum has a sign. None if dz/dt may reach 0.

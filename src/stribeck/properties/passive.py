@@ -194,8 +194,8 @@ def _by_cycle(model: Model, storage: Storage, cycle: cycles.Cycle) -> Verdict | 
     turns = cycle.turns
     if storage.reach is not None and max(abs(x) for x in turns) > storage.reach:
         return None
-    paths = zip(cycle.programme, pairwise(turns), strict=True)
-    bounds = enclosed.programme([(model, piece["v"], a, b) for piece, (a, b) in paths])
+    paths = zip(cycle.program, pairwise(turns), strict=True)
+    bounds = enclosed.program([(model, piece["v"], a, b) for piece, (a, b) in paths])
     if bounds is None or not bounds[1] < 0:
         return None
     verdict = Verdict(False, _CYCLE, {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}})

@@ -161,7 +161,7 @@ def _evidence(name: str, verdict: Verdict, rotary: bool) -> list[list[Cell]]:
 def _steps(name: str, verdict: Verdict, rotary: bool) -> list[Table]:
     """The constant speeds of a cycle, or the levels that z passes, one step a row."""
     tables = []
-    for listed in ("programme", "levels"):
+    for listed in ("program", "levels"):
         steps: Sequence[Mapping[str, float]] = verdict.evidence.get(listed, ())[:_STEPS]
         if steps:
             units = {key: rotary_unit(_IN_STEPS[key][1]) if rotary else _IN_STEPS[key][1] for key in steps[0]}
