@@ -50,6 +50,12 @@ def run(model, data, push, t_end):
     return np.arange(count + 1) * model.opt.timestep, y, (u[:-1] - mass * np.diff(v) / model.opt.timestep)
 
 
+def test_a_contact_that_turns_is_on_a_hinge(tmp_path):
+    model, *_ = load(stribeck.law("lugre", CANUDAS, rotary=True), tmp_path)
+    assert model.joint("hinge").type == mujoco.mjtJoint.mjJNT_HINGE
+    assert model.body("body").inertia[0] == 1.0
+
+
 def simulated(law, drive, t_end, step):
     own = {n: x for n, x in law.values.items() if n in law.own_constants() and x is not None}
     return stribeck.simulate(

@@ -66,7 +66,7 @@ def _native_model(request: Request) -> str:
         numbers, viscous = (p.sigma_0, p.sigma_1, p.F_c, p.F_s, p.v_s), p.sigma_2
         lost = "lugre = sigma_0, sigma_1, F_c, F_s, v_s; damping = sigma_2."
     actuator = (
-        f'<dcmotor name="{request.name}" joint="slide" input="none" motorconst="0" resistance="1"\n'
+        f'<dcmotor name="{request.name}" joint="{_joint(request)}" input="none" motorconst="0" resistance="1"\n'
         f'             lugre="{" ".join(map(repr, numbers))}" damping="{viscous!r}"/>'
     )
     how = (
@@ -84,7 +84,7 @@ def _user_model(request: Request) -> str:
     numbers = " ".join(map(repr, _carried(request).values()))
     words = _LOAD["load"] if law.inputs else ""
     actuator = (
-        f'<general name="{request.name}" joint="slide" {state} gaintype="fixed" gainprm="0" biastype="user"\n'
+        f'<general name="{request.name}" joint="{_joint(request)}" {state} gaintype="fixed" gainprm="0" biastype="user"\n'
         f'             biasprm="{numbers}" damping="1e-9"/>'
     )
     how = (
@@ -105,23 +105,33 @@ def _mass(request: Request) -> float:
     return float(request.moved_mass or 1.0)
 
 
+def _joint(request: Request) -> str:
+    """The name and the type of the model's joint."""
+    return "hinge" if request.rotary else "slide"
+
+
 def _model(request: Request, actuator: str, how: str, integrator: str) -> str:
     lines = re.sub(
         "-(?=-)", "- ", "\n".join(f"  {line}".rstrip() for line in wrapped(request.about()))
     )  # no end of a comment
+    mass, joint = _mass(request), _joint(request)
+    if request.rotary:
+        inertia = f'<inertial pos="0 0 0" mass="1" diaginertia="{mass!r} {mass!r} {mass!r}"/>'
+    else:
+        inertia = f'<geom type="box" size="0.05 0.05 0.05" mass="{mass!r}"/>'
     return f"""\
 <!--
 {lines}
 
   {how}
-  Copy the actuator into your own model; its joint may be a slide (N, m) or a hinge (N m, rad).
+  Copy the actuator into your own model. Set its joint to the name of yours, a slide (N, m) or a hinge (N m, rad).
 -->
 <mujoco model="{request.name}">
   <option timestep="{_step(request)!r}" gravity="0 0 0" integrator="{integrator}"/>
   <worldbody>
     <body name="body">
-      <joint name="slide" type="slide" axis="1 0 0"/>
-      <geom type="box" size="0.05 0.05 0.05" mass="{_mass(request)!r}"/>
+      <joint name="{joint}" type="{joint}" axis="1 0 0"/>
+      {inertia}
     </body>
   </worldbody>
   <actuator>
