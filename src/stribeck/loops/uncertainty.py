@@ -25,7 +25,8 @@ def friction_intervals(scenario: Scenario, file: str | Path | None) -> dict[str,
     keys are constants of a law, then valid for every contact that has them, or paths of the machine.
 
     Raises:
-        InputError: if the file cannot be read, or contains a parameter that the machine does not have.
+        InputError: if the file cannot be read, or contains a parameter that the machine does not have or that the data of
+            the fit do not determine.
     """
     places = scenario.places
     machine = scenario.elements
@@ -49,6 +50,9 @@ def friction_intervals(scenario: Scenario, file: str | Path | None) -> dict[str,
         wrong = [f"{name}: {show(x)}: {text}" for x in ends if (text := _problem(scenario, paths, x))]
         if not paths:
             wrong = [f"{name}: no contact of the machine has it{nearest(name, list(nominal))}"]
+        elif entry.get("determined") is False:
+            text = "measure the experiment that the file names, or write an interval of your own in its place"
+            wrong = [f"{name}: the data of this fit do not determine it: {text}"]
         elif not wrong and ends[0] > ends[1]:
             wrong = [f"{name}: low = {ends[0]:g} must not be above high = {ends[1]:g}"]
         if wrong:
