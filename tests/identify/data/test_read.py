@@ -1,7 +1,6 @@
 """Files, units and damaged data: what is read, what is said, what is refused."""
 
 import math
-import re
 import subprocess
 import sys
 from contextlib import nullcontext
@@ -197,19 +196,6 @@ def test_a_small_motion_is_not_erased_by_the_filter(tmp_path):
     assert np.ptp(log.position) > 0.9 * np.ptp(x)
     kept = np.searchsorted(t, log.time - 1e-6)
     assert np.std(log.position - x[kept]) < 0.12 * np.std(x)
-
-
-@pytest.mark.parametrize("factor", [-1.0, 1000.0, np.pi / 180])
-def test_a_velocity_in_another_unit_than_the_position_is_refused(factor, tmp_path):
-    """A record with a speed in mm/s beside a position in m was fitted without a word."""
-    names = ColumnNames({**NAMES, "velocity": "v"})
-    columns = {"t": T, "x": X, "v": 8 * factor * np.cos(8 * T), "i": F}
-    np.savez(tmp_path / "log.npz", **columns)
-    with pytest.raises(InputError, match=re.escape(f"log.npz: is {factor:.3g} times the slope of the position")):
-        load_log([tmp_path / "log.npz"], names)
-    noise = 0.5 * np.random.default_rng(0).standard_normal(len(T))
-    np.savez(tmp_path / "log.npz", **{**columns, "v": 8 * np.cos(8 * T) + noise})
-    assert len(load_log([tmp_path / "log.npz"], names)) > 0
 
 
 @pytest.mark.parametrize(("wrong", "factor"), [(False, 1.0), (True, 60 / (2 * np.pi))])
