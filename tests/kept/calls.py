@@ -182,7 +182,7 @@ def _():
             for name, x in vars(table).items()
             if np.size(x) and _is_number(x)
         )
-        for missing in constants:
+        for missing in (n for n in constants if n != "kind"):
             yield from _refusal(f"without {missing}", _edited(tables, ("drive", "signal", missing), GONE))
 
 
