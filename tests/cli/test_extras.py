@@ -36,7 +36,6 @@ NEED_MORE = (
     (("fit", "--plan", "stroke=0.1,speed=0.1,force=1", "--simulate", "--out", "rig"), "fit"),
     (("export", "lugre", "--parameters", "canudas1995", "--target", "c", "--out", "c"), "fmu"),
     (("sweep", examples.path("break_away"), "--vary", "law.k_v=1e6:1e7:2", "--out", "s"), "plot"),
-    (("import", "mujoco", "log.csv"), "robotics"),
 )
 
 

@@ -170,7 +170,7 @@ def test_a_program_over_one_with_a_synthetic_log(stribeck, tmp_path):
     [
         "design machine.toml --out .", "fit machine.toml --logs logs.toml --out .", "run machine.toml --keep-c machine.toml",
         "explore machine.toml --out machine.toml", "export machine.toml --target fmu --out ./machine.toml",
-        "check machine.toml --certificate machine.toml", "import mujoco machine.toml --out machine.toml",
+        "check machine.toml --certificate machine.toml", "import bam machine.toml --out machine.toml",
     ],
 )  # fmt: skip
 def test_no_input_is_replaced(stribeck, tmp_path, monkeypatch, words):

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, simulate
-from stribeck.errors import StribeckNote
-from stribeck.exports.exchange import from_bam, from_mujoco_file
+from stribeck.exports.exchange import from_bam
 
 SHARED = Path(__file__).parents[3] / "shared" / "data" / "bam"
 PLAIN = {"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}
@@ -70,76 +69,3 @@ def test_the_offset_of_bam_s_encoder_turns_gravity():
     data["loads"]["gravity"]["amplitude"] = 0.8
     found = simulate(Scenario(data))
     np.testing.assert_allclose(found["gravity.f"], -0.8 * np.sin(found["joint.y"] - 0.05), rtol=1e-12)
-
-
-def test_a_mujoco_model_s_joints(tmp_path):
-    pytest.importorskip("mujoco")
-    path = tmp_path / "arm.xml"
-    path.write_text(
-        '<mujoco><option gravity="0 0 0"/><worldbody><body>'
-        '<joint name="elbow" type="hinge" axis="0 1 0" frictionloss="0.3" damping="0.2" armature="0.1"/>'
-        '<geom type="sphere" size="0.1" mass="2" pos="0.5 0 0"/></body></worldbody></mujoco>'
-    )
-    data = from_mujoco_file(path)
-    moment = 2 * 0.5**2 + 0.4 * 2 * 0.1**2 + 0.1
-    assert data["bodies"]["elbow"]["inertia"] == pytest.approx(moment)
-    law = data["contacts"]["elbow_friction"]["law"]
-    assert law["parameters"] == {"F_c": 0.3, "sigma_2": 0.2}
-    Scenario(data)
-
-
-def test_a_joint_s_spring_is_a_link_to_the_ground(tmp_path):
-    """It was left out without a word: the same motion as MuJoCo's, whose spring rests elsewhere than where it begins."""
-    mujoco = pytest.importorskip("mujoco")
-    path = tmp_path / "arm.xml"
-    path.write_text(
-        '<mujoco><option gravity="0 0 0" timestep="1e-4" integrator="RK4"/><worldbody><body><joint name="elbow" type="hinge"'
-        ' axis="0 1 0" damping="0.2" stiffness="3" springref="20"/>'
-        '<geom type="sphere" size="0.1" mass="2" pos="0.5 0 0"/></body></worldbody></mujoco>'
-    )
-    data = from_mujoco_file(path)
-    assert data["links"] == {"elbow_spring": {"from": "elbow", "to": "ground", "stiffness": 3.0}}
-    ours = simulate(Scenario(data))
-    model = mujoco.MjModel.from_xml_path(str(path))
-    state = mujoco.MjData(model)
-    mujoco.mj_step(model, state, 10000)
-    assert state.qpos[0] > 0.1
-    assert ours["elbow.y"][-1] == pytest.approx(state.qpos[0], rel=1e-4)
-
-
-DCMOTOR = (
-    '<dcmotor name="m" joint="elbow" gear="3" motorconst="0.07" resistance="0.4" inductance="0.002" cogging="0.004 42 0.3" '
-    'lugre="20 0.3 0.05 0.08 0.2" damping="0.01"/>\n'
-)
-ARM = """<mujoco><option timestep="2e-4" integrator="RK4" gravity="0 0 0"/>
-<worldbody><body><joint name="elbow" type="hinge" axis="0 1 0" armature="0.1"/>
-<geom type="sphere" size="0.1" mass="2" pos="0.5 0 0" contype="0"/></body></worldbody><actuator>{}</actuator></mujoco>"""
-
-
-def test_a_dcmotor_with_its_lugre_moves_alike_there(tmp_path):
-    mujoco = pytest.importorskip("mujoco")
-    path = tmp_path / "arm.xml"
-    for sigma_1 in ("0", "0.3"):
-        path.write_text(ARM.format(DCMOTOR.replace("20 0.3", f"20 {sigma_1}")))
-        machine = from_mujoco_file(path)
-        assert set(machine["contacts"]) == {"m_lugre"}
-    assert machine["motors"]["m"]["L"] == pytest.approx(0.002)
-    machine["motors"]["m"]["signal"] = {"kind": "points", "t": [0.0, 1.0], "value": [2.0, -2.0]}
-    ours = simulate(Scenario({**machine, "output": {"step": 0.01}}))
-    model = mujoco.MjModel.from_xml_path(str(path))
-    data, seen = mujoco.MjData(model), [0.0]
-    for i in range(5000):
-        data.ctrl[0] = 2.0 - 4.0 * i * 2e-4
-        mujoco.mj_step(model, data)
-        if i % 50 == 49:
-            seen.append(float(data.qpos[0]))
-    assert np.ptp(seen) > 0.1
-    np.testing.assert_allclose(ours["elbow.y"], seen, atol=0.01 * np.ptp(seen))
-
-
-def test_the_limits_of_a_dcmotor_are_told(tmp_path):
-    pytest.importorskip("mujoco")
-    path = tmp_path / "arm.xml"
-    path.write_text(ARM.format(DCMOTOR.replace("damping", 'saturation="0 2 0" damping')))
-    with pytest.warns(StribeckNote, match=r"actuator m: .*left out"):
-        from_mujoco_file(path)

@@ -15,7 +15,7 @@ from stribeck.errors import InputError
 
 @command("import", "stribeck import bam m4.json --out servo.toml")
 def import_(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="bam (m1 to m6, a JSON file) or mujoco (an XML model).")],
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="bam (m1 to m6, a JSON file).")],
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to read.")],
     out: Annotated[
         Path | None,
@@ -30,11 +30,11 @@ def import_(
     from stribeck.files import write_text
     from stribeck.scenario import Scenario
 
-    if kind not in ("bam", "mujoco"):
-        raise InputError(f"KIND: {show(kind)}: must be bam or mujoco")
+    if kind != "bam":
+        raise InputError(f"KIND: {show(kind)}: must be bam")
     if out is not None:
         check_file("--out", out, file)
-    tables = exchange.from_bam(file) if kind == "bam" else exchange.from_mujoco_file(file)
+    tables = exchange.from_bam(file)
     Scenario(tables)  # what is written is valid
     text = f"# From {printable(file.name)}, by stribeck import {kind}\n" + tomli_w.dumps(tables)
     if out is None:
