@@ -10,7 +10,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.guided import GuidedSearch, Reached, UnderGuide
-from stribeck.identify.actuator.guides import Guides
+from stribeck.identify.actuator.guides import CARRIED, Guides
 from stribeck.identify.actuator.lacks import RunMotion
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
@@ -24,6 +24,8 @@ from stribeck.scenario import Scenario
 
 _WEIGHTINGS = 8  # at most: each reduces the noise, and a poor start needs several
 _SETTLED = 0.05  # relative change of the prediction errors at the end: a tenth of their own error is not visible
+_HIDDEN = 3.0  # deviations of a sensor: a larger error of the simulated state would be seen in a sample
+_GUIDED = "a guide draws bodies along their measured motion; errors are those under this guide"
 _OFF = 1e-6  # of a position's changes: an error of the initial state that no sensor shows
 
 
@@ -60,6 +62,28 @@ class BestPoint:
         if self.bandwidth and not texts and (share := self._guide_share()) > EXPLAINED:
             texts.append(f"{100 * share:.0f} % of the forces are missing")
         return texts
+
+    def state_error(self) -> float:
+        """The squared error of the simulated state, relative to that of the sensors that guide it.
+
+        Other noise in the measured motion shows how much of it the guide carries into the state, and how much it leaves in the
+        residual. What the residual exceeds this by is an error of the forces.
+        """
+        errors = list[float]()
+        for k, run in enumerate(self.problem.runs):
+            point = self.u[None]
+            state = self.problem.predicted(run, k, point)
+            others = [
+                (x.targets, self.problem.predicted(run.instead(x), k, point)) for x in run.as_well.get(CARRIED, ())
+            ]
+            for i, target in enumerate(run.targets):
+                noise = np.array([targets[i].x - target.x for targets, _ in others])
+                carried = np.array([x[i][0] - state[i][0] for _, x in others])
+                if noise.any():
+                    residual = np.mean((state[i][0] - target.x) ** 2)
+                    forces = max(residual - np.mean((noise - carried) ** 2), 0.0)
+                    errors.append(float((forces + np.mean(carried**2)) / np.mean(noise**2)))
+        return max(errors, default=0.0)
 
     def _guide_share(self) -> float:
         """The guides' force, relative to the friction or to the other forces on the guided bodies, whichever is larger."""
@@ -130,13 +154,17 @@ def estimate(
 def _as_free_as_possible(
     begun: Callable[[float, dict[str, float]], BestPoint], near: Reached, free: BestPoint
 ) -> BestPoint:
-    """The free simulation, unless its errors grow or it misses the recordings; then that under the loosest sufficient guide.
+    """The free simulation, unless its errors grow or it misses the recordings; then that under a guide.
 
-    ``begun`` gives the problem under the guide of a bandwidth. A sensor whose errors are fitted guides nothing.
+    It is the loosest guide under which errors decay, little force is missing, and the error of the simulated state hides in
+    the sensors' noise: slopes along another motion than the real one bend the estimates. If no guide hides it, the one with
+    the least error is taken. ``begun`` gives the problem under the guide of a bandwidth. A sensor whose errors are fitted
+    guides nothing.
     """
     scenario, why = free.problem.runs[0].scenario, ""
     moves = any(x.free for x in scenario.system.bodies)
     fitted = any(c.output is not None for c in free.problem.sought)
+    chosen, least = free, np.inf
     for bandwidth in free.guides.bandwidths[: 1 if fitted else None]:
         best = begun(bandwidth, near.at(bandwidth)) if bandwidth else free
         weigh(best.problem, best.u, white=False)
@@ -145,12 +173,17 @@ def _as_free_as_possible(
         if best.stopped:
             return best
         missed = best.missed()
-        if not (missed or (moves and not steady(best.problem, best.u))):
-            best.notes += [why] if why else []
-            return best
-        reason = "the machine alone does not follow the recordings" if missed else "errors grow fast in this motion"
-        why = why or f"{reason}: a guide draws bodies along their measured motion; errors are those under this guide"
-    return free
+        if missed or (moves and not steady(best.problem, best.u)):
+            reason = "the machine alone does not follow the recordings" if missed else "errors grow fast in this motion"
+            why = why or f"{reason}: {_GUIDED}"
+            continue
+        error = best.state_error() if bandwidth else 0.0
+        if error < least:
+            chosen, least = best, error
+        if error <= _HIDDEN**2:
+            break
+    chosen.notes += [why] if why and chosen is not free else []
+    return chosen
 
 
 def _weighted(best: BestPoint) -> BestPoint:

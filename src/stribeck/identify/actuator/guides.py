@@ -16,10 +16,11 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.inputs import STILL
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.runs import roughness
-from stribeck.identify.data.smoother import smooth
+from stribeck.identify.data.smoother import encoder_step, smooth
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import unused_prefix
 
+CARRIED = "noise of the measured motion"  # a cause of error
 _LOOSER = 3.0  # ratio of the bandwidths of two guides, half a decade
 _DRAWS = 4  # of the measured motion's noise, which the guide carries into the simulation
 
@@ -75,15 +76,21 @@ def _inputs(motions: Sequence[_Motion], bandwidth: float, prefix: str) -> dict[s
 
 
 def _noisier(recording: Recording, motions: Sequence[_Motion]) -> Iterator[tuple[Recording, list[_Motion]]]:
-    """The recording with other noise added to its measured motions, and these, smoothed as before."""
+    """The recording with other noise added to its measured motions, and these, smoothed as before.
+
+    An encoder's noise is that of rounding: none that is random at rest, where it would shake the friction loose.
+    """
     rng = np.random.default_rng(0)
     for _ in range(_DRAWS):
         outputs, noisier = dict(recording.outputs), list[_Motion]()
         for m in motions:
             c = outputs[m.column]
-            noise = m.noise * rng.standard_normal(len(c.x))
+            smoothed, size = c.smoothed(c.t), encoder_step([c.bridged.x])
+            noise = np.sqrt(max(m.noise**2 - size**2 / 12, 0.0)) * rng.standard_normal(len(c.x))
+            if size:
+                phase = smoothed + size * rng.random()
+                noise = size * np.round((phase + noise) / size) - phase
             outputs[m.column] = replace(c, x=c.x + noise)
-            noise = np.where(np.isfinite(c.x), noise, 0.0)
             carried = smooth(m.t, np.interp(m.t, c.t, noise), c.smoothing)
             y, v = (None, m.v + carried(m.t)) if m.y is None else (m.y + carried(m.t), m.v + carried.derivative()(m.t))
             noisier.append(replace(m, y=y, v=v))
@@ -147,9 +154,7 @@ class Guides:
             pulls = _inputs(self._motions[i], bandwidth, prefix)
             others = {cause: [_with(x, pulls) for x in same] for cause, same in recording.as_well.items()}
             if noisy:
-                others["noise of the measured motion"] = [
-                    _with(x, _inputs(motions, bandwidth, prefix)) for x, motions in self._noisier[i]
-                ]
+                others[CARRIED] = [_with(x, _inputs(motions, bandwidth, prefix)) for x, motions in self._noisier[i]]
             guided.append((i, replace(_with(recording, pulls), as_well=others)))
         return Guided(self._scenario.with_changes(changes), guided, prefix)
 
