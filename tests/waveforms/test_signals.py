@@ -8,8 +8,10 @@ from stribeck.waveforms import (
     PointToPointSignal,
     SineSignal,
     SplineSignal,
+    SumSignal,
 )
 from stribeck.waveforms.pieces import JUMP, pieces
+from stribeck.waveforms.sums import least_of
 
 
 def points(t, value):
@@ -26,7 +28,7 @@ SINE = SineSignal({"amplitude": -1.5, "frequency": 0.7, "offset": 0.2, "phase": 
 CURVES = [
     kind(np.array([0.5, 2.0, 4.5, 8.0]), np.array([0.3, 2.0, -2.0, 0.3])) for kind in (PointToPointSignal, SplineSignal)
 ]
-MOVING = [SINE, CORNERS, *CURVES]
+MOVING = [SINE, CORNERS, *CURVES, SumSignal.flattened([SINE, CORNERS]), SumSignal.flattened([SINE, CURVES[1]])]
 
 
 @pytest.mark.parametrize("signal", MOVING)
@@ -50,3 +52,11 @@ def test_pieces_cut_at_turns_have_the_sign_of_the_rate(signal):
     assert changes[~np.isin(cut.start, whole.start)].all()  # no more cuts than reversals
     assert (cut.restart[changes] == JUMP).all()
     assert (cut.restart[~changes] == whole.restart[np.isin(whole.start, cut.start[~changes])]).all()
+
+
+@pytest.mark.parametrize("signal", MOVING)
+def test_a_lower_bound(signal):
+    least = np.min(signal.at(np.linspace(0, 10, 100_001)))
+    assert least_of(signal) <= least + 1e-4
+    if not isinstance(signal, SumSignal):  # of a sum the parts' bounds are added
+        assert least_of(signal) == pytest.approx(least, abs=1e-3)

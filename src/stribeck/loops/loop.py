@@ -20,7 +20,7 @@ from stribeck.machine.elements.controllers import Controller
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import entry_at
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
-from stribeck.waveforms import KINDS, Signal
+from stribeck.waveforms import KINDS, Signal, SumSignal
 from stribeck.waveforms.trajectories import Curve
 
 MOST_STEPS = 600_000  # per lane, then the run ends: some 200 s of a controller at 1 kHz
@@ -81,6 +81,8 @@ def rests_at(signal: Signal) -> float:
     """The time from which a signal is constant, s; inf if it never becomes constant."""
     if isinstance(signal, Curve):
         return max(0.0, signal.pieces[-1][0])
+    if isinstance(signal, SumSignal):
+        return max(rests_at(part) for part in signal.parts)
     if signal.smooth:
         return 0.0 if not signal.values.get("amplitude") else math.inf
     s = signal.segments
@@ -110,7 +112,8 @@ def with_rest(scenario: Scenario) -> tuple[Scenario, tuple[str, ...]]:
 def _held(signal: Signal, t_end: float) -> dict[str, object]:
     """The signal up to ``t_end``, then constant."""
     if signal.smooth:
-        waves = max(1.0, float(signal.values["frequency"]) * t_end)
+        fastest = 0.125 / signal.longest_step if isinstance(signal, SumSignal) else float(signal.values["frequency"])
+        waves = max(1.0, fastest * t_end)
         t = np.linspace(0.0, t_end, math.ceil(waves * _POINTS) + 1)
         return {"kind": "spline", "t": t.tolist(), "value": signal.at(t).tolist()}
     s = signal.segments

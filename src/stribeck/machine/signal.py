@@ -10,10 +10,10 @@ from types import SimpleNamespace
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, PlainValidator, ValidationError, ValidationInfo, WithJsonSchema
 
 from stribeck import waveforms
-from stribeck.constants import Constant
+from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, naming
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.machine.family import Family
@@ -26,6 +26,7 @@ from stribeck.machine.table import (
     given_as,
     joined,
     problems_at,
+    refused,
     unknown_key,
 )
 from stribeck.waveforms.pieces import DIRECTION, Reference, constants, fields, reference
@@ -224,3 +225,71 @@ class Spline(_Through):
 
     made_by = waveforms.SplineSignal
     kind: Literal["spline"] = "spline"
+
+
+class Square(SignalTable):
+    """offset + amplitude for half a period, offset - amplitude for the other half, ``cycles`` times; then offset."""
+
+    made_by, positional = waveforms.SquareSignal, ("amplitude", "frequency", "cycles", "offset")
+    kind: Literal["square"] = "square"
+    amplitude: float = given_as(waveforms.SquareSignal.constants["amplitude"])
+    frequency: float = given_as(waveforms.SquareSignal.constants["frequency"])
+    cycles: int = Field(ge=1, le=100_000, description="number of periods")
+    offset: float = given_as(waveforms.SquareSignal.constants["offset"])
+
+
+class Staircase(SignalTable):
+    """Each of ``levels`` is held for ``hold`` s. The way to the next one takes ``ramp`` s. The last one stays."""
+
+    made_by, positional = waveforms.StaircaseSignal, ("levels", "hold", "ramp")
+    kind: Literal["staircase"] = "staircase"
+    levels: tuple[float, ...] = given_as(
+        Constant("", "the signal's levels, one after the other"), many=True, in_code=False
+    )
+    hold: float = given_as(waveforms.StaircaseSignal.constants["hold"], in_code=False)
+    ramp: float = given_as(waveforms.StaircaseSignal.constants["ramp"], in_code=False)
+
+    @cached_property
+    def built(self) -> waveforms.Signal:
+        """See :class:`SignalTable`."""
+        return waveforms.StaircaseSignal.through(np.array(self.levels), self.hold, self.ramp)
+
+
+def _signals(value: object, info: ValidationInfo) -> tuple[SignalTable, ...]:
+    """The signals of a sum, each read by its kind."""
+    if not isinstance(value, list | tuple):
+        raise refused(f"must be a list of signals, not {kind_of(value)}", value)
+    signals, wrong = [], []
+    for i, each in enumerate(value):
+        try:
+            signals.append(SignalTable.model_validate(each, context=info.context))
+        except ValidationError as error:
+            wrong += [((i, *e["loc"]), str(e["msg"])) for e in error.errors(include_url=False)]
+    if wrong:
+        raise problems_at(wrong)
+    return tuple(signals)
+
+
+class Sum(SignalTable):
+    """The sum of several signals of any kinds."""
+
+    made_by, positional = waveforms.SumSignal, ("of",)
+    kind: Literal["sum"] = "sum"
+    of: Annotated[
+        Held,
+        PlainValidator(_signals),
+        WithJsonSchema({"type": "array", "items": {"title": "SignalTable"}}),
+    ] = Field(description="a list of signals: tables with kind and their constants")
+
+    @cached_property
+    def built(self) -> waveforms.Signal:
+        """See :class:`SignalTable`."""
+        return waveforms.SumSignal.flattened([each.built for each in self.of])
+
+    @property
+    def _form(self) -> type[waveforms.Signal]:
+        return type(self.built)
+
+    def wrong(self) -> list[Problem]:
+        """Nothing to add up."""
+        return [] if self.of else [("of", "[]: must hold at least one signal")]

@@ -17,7 +17,7 @@ from stribeck.machine.elements.motors import Motor
 from stribeck.machine.machine import Elements
 from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.worst import Varied
-from stribeck.waveforms import Curve, PointsSignal, Signal, SineSignal
+from stribeck.waveforms import Curve, PointsSignal, Signal, SineSignal, SumSignal
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: no bound
 _SLACK = Fraction(1, 2**49)  # of a piece's size: exceeds its rounding
@@ -28,6 +28,9 @@ OPEN: Ends = (None, None)
 
 def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
     """Bounds of a signal on [0, t_end]: exact for straight pieces, with outward rounding for sines and curves."""
+    if isinstance(signal, SumSignal):
+        every = [of_signal(part, t_end) for part in signal.parts]
+        return sum((x for x, _ in every), Fraction(0)), sum((x for _, x in every), Fraction(0))
     if isinstance(signal, SineSignal):
         return _of_sine(signal, t_end)
     if isinstance(signal, Curve):

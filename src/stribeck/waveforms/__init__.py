@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stribeck.waveforms import piecewise, trajectories
+from stribeck.waveforms import piecewise, sums, trajectories
 from stribeck.waveforms.piecewise import (
     FileSignal,
     PointsSignal,
@@ -11,13 +11,16 @@ from stribeck.waveforms.piecewise import (
     Segments,
     Signal,
     SineSignal,
+    SquareSignal,
+    StaircaseSignal,
     StepSignal,
 )
+from stribeck.waveforms.sums import SumSignal
 from stribeck.waveforms.trajectories import Curve, PointToPointSignal, SplineSignal
 
 __all__ = [
     "KINDS", "Curve", "FileSignal", "PointToPointSignal", "PointsSignal", "RampSignal", "Segment", "Segments", "Signal",
-    "SineSignal", "SplineSignal", "StepSignal",
+    "SineSignal", "SplineSignal", "SquareSignal", "StaircaseSignal", "StepSignal", "SumSignal",
 ]  # fmt: skip
 
-KINDS: dict[str, type[Signal]] = {**piecewise.KINDS, **trajectories.KINDS}
+KINDS: dict[str, type[Signal]] = {**piecewise.KINDS, **trajectories.KINDS, **sums.KINDS}

@@ -19,6 +19,7 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.ops import Value
 from stribeck.waveforms.piecewise import Segment, Signal
+from stribeck.waveforms.sums import SumSignal
 from stribeck.waveforms.trajectories import Curve
 
 # How the signal continues at a breakpoint: smoothly, or with a jump of its value or slope. After a jump the integration
@@ -27,6 +28,7 @@ SMOOTH, JUMP, CORNER = 0, 1, 2
 STRAIGHT = ("start", "value", "slope")
 DIRECTION = "direction"  # the sign of the signal's rate within the piece, for signals cut where it changes
 _ROUNDING = 1e-12  # relative: well above the rounding of times and values
+_IN_PIECES = (Curve, SumSignal)  # all numbers of these belong to a piece
 
 
 @dataclass(frozen=True)
@@ -59,13 +61,13 @@ class Pieces:
 
 def fields(kind: type[Signal] | None, turns: bool = False) -> tuple[str, ...]:
     """Names of the numbers of a piece; with ``turns`` the pieces are cut where the signal reverses."""
-    names = STRAIGHT if kind is None else tuple(kind.constants) if issubclass(kind, Curve) else ()
+    names = STRAIGHT if kind is None else tuple(kind.constants) if issubclass(kind, _IN_PIECES) else ()
     return (*names, DIRECTION) if turns else names
 
 
 def constants(kind: type[Signal] | None) -> tuple[str, ...]:
     """Names of the constants of the signal's equation that are the same in all pieces."""
-    return () if kind is None or issubclass(kind, Curve) else tuple(kind.constants)
+    return () if kind is None or issubclass(kind, _IN_PIECES) else tuple(kind.constants)
 
 
 def reference(kind: type[Signal] | None, p: SimpleNamespace, t: Expr, direction: Value = 0.0) -> Reference:
@@ -82,6 +84,10 @@ def pieces(signal: Signal, turns: bool = False, t_end: float = np.inf) -> Pieces
     elif isinstance(signal, Curve):
         rows = signal.table()
         table = Pieces(rows[:, 0], rows, np.full(len(rows), CORNER, np.int8))
+    elif isinstance(signal, SumSignal):
+        rows = np.array([[values[n] for n in signal.constants] for _, values in signal.pieces])
+        restart = np.where([True, *signal.jumps], JUMP, CORNER).astype(np.int8)
+        table = Pieces(np.array([start for start, _ in signal.pieces]), rows, restart)
     else:
         table = Pieces(np.zeros(1), np.zeros((1, 0)), np.array([JUMP], np.int8))
     return _cut_at_turns(signal, table, t_end) if turns else table
@@ -131,6 +137,8 @@ def _rate(kind: type[Signal] | None) -> Callable[..., tuple[Value, ...]]:
 
 def _turns(signal: Signal, table: Pieces, t_end: float) -> Array:
     """The times before ``t_end`` at which the rate of a smooth signal passes through 0."""
+    if isinstance(signal, SumSignal):
+        return signal.turns(t_end)
     if isinstance(signal, Curve):
         times = []
         for begin, end, row in zip(table.start, [*table.start[1:], t_end], table.rows, strict=True):

@@ -159,6 +159,25 @@ class StepSignal(Signal):
         return _polyline(np.array([self.values["time"]] * 2), np.array([0.0, self.values["value"]]))
 
 
+class SquareSignal(Signal):
+    """offset + amplitude for half a period, offset - amplitude for the other half, ``cycles`` times; then offset."""
+
+    kind, meaning = "square", "offset + amplitude and offset - amplitude in turn, for cycles periods; then offset"
+    constants: ClassVar[dict[str, Constant]] = {
+        "amplitude": OfSignal("signal", "amplitude"),
+        "frequency": Constant("Hz", "frequency", above=0),
+        "cycles": Constant("", "number of periods", above=0),
+        "offset": OfSignal("signal", "mean", default=0.0),
+    }
+
+    @cached_property
+    def segments(self) -> Segments:
+        v, count = self.values, 2 * int(self.values["cycles"])
+        side = np.where(np.arange(count) % 2 == 0, v["amplitude"], -v["amplitude"])
+        value = v["offset"] + np.append(side, 0.0)
+        return Segments(np.arange(count + 1) / (2 * v["frequency"]), value, np.zeros(count + 1))
+
+
 class SineSignal(Signal):
     """offset + amplitude sin(2 pi frequency t + phase)."""
 
@@ -224,6 +243,22 @@ class PointsSignal(Signal):
     @cached_property
     def segments(self) -> Segments:
         return _polyline(self.t, self.value)
+
+
+class StaircaseSignal(PointsSignal):
+    """Each of ``levels`` is held for ``hold`` s. The way to the next one takes ``ramp`` s. The last one stays."""
+
+    kind, meaning = "staircase", "each level for hold seconds, from one to the next within ramp; the last one stays"
+    constants: ClassVar[dict[str, Constant]] = {
+        "hold": Constant("s", "how long each level is held", above=0),
+        "ramp": Constant("s", "how long the way to the next level takes; 0 jumps", at_least=0, default=0.0),
+    }
+
+    @classmethod
+    def through(cls, levels: Array, hold: float, ramp: float) -> StaircaseSignal:
+        """The points at the ends of each level."""
+        start = (hold + ramp) * np.arange(len(levels))
+        return cls(np.stack([start, start + hold], axis=1).ravel(), np.repeat(levels, 2))
 
 
 class FileSignal(PointsSignal):
@@ -307,4 +342,5 @@ def _polyline(t: Array, value: Array) -> Segments:
     return Segments(start, levels, slope)
 
 
-KINDS: dict[str, type[Signal]] = {s.kind: s for s in (PointsSignal, RampSignal, SineSignal, StepSignal, FileSignal)}
+KINDS: dict[str, type[Signal]] = {s.kind: s for s in (PointsSignal, RampSignal, SineSignal, StepSignal, SquareSignal,
+                                                    StaircaseSignal, FileSignal)}  # fmt: skip
